@@ -158,15 +158,15 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
             for (int k = 0; k <= steps; ++k) line.push_back(from + (double(k) / steps) * along);
             std::vector<double> values;
             std::size_t k = 0;
-            for (const auto& stencil : samples.stencils(line)) {
+            samples.stencils(line, [&](const auto& nodes, const auto& vertices) {
                 double sum = 0, value = 0;
                 Vec<double, 3> place{};
-                for (const auto& [node, share] : stencil.nodes) {
+                for (const auto& [node, share] : nodes) {
                     sum += share;
                     place = place + share * cageform::node_position<3>(cage.nodes().index(node));
                     value += share * value_at(node, 1);
                 }
-                for (const auto& [vertex, share] : stencil.vertices) {
+                for (const auto& [vertex, share] : vertices) {
                     sum += share;
                     place = place + share * field.at(vertex);
                     value += share * value_at(vertex, 2);
@@ -176,7 +176,7 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
                       1e-7 * cage.tree().cells().size()); // places are moved inside
                 values.push_back(value);
                 ++k;
-            }
+            });
             for (std::size_t m = 1; m + 1 < values.size(); ++m)
                 bend[std::size_t(half)] = (std::max)(
                     bend[std::size_t(half)], std::fabs(values[m - 1] - 2 * values[m] + values[m + 1]));

@@ -39,19 +39,6 @@ inline double smooth_step(double t) noexcept {
     return t * t * t * (10 - 15 * t + 6 * t * t);
 }
 
-/// The shares of nodes and of vertices in the functions at a point.
-struct LeafStencil {
-    std::vector<StencilTable<3>::Node> nodes;
-    std::vector<StencilTable<3>::Handle> vertices;
-
-    /// Adds a share of the data at a place of the boundary.
-    void add(const BoundaryValue<3>& value, double share) {
-        HatData<3>::for_each_weight(value, [&](std::uint32_t vertex, double weight) {
-            vertices.push_back({vertex, share * weight});
-        });
-    }
-};
-
 /// A model of the functions in a leaf and about it.
 class LeafModel {
     using Point = NearField::Point;
@@ -82,9 +69,24 @@ public:
         , place_(place)
         , size_(leaf.size) {
         find_surroundings();
-        for (const auto& index : lattice()) add_node(index, true);
+        data_.reserve(40);
+        for (std::size_t n = 0; n < 64; ++n) { // the corners of the leaf, and of those across its faces
+            Index index = leaf_.low;
+            std::size_t outer = 0;
+            for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= 4) {
+                index[k] += leaf_.size * (std::int32_t(rest % 4) - 1);
+                outer += rest % 4 % 3 == 0 ? 1 : 0;
+            }
+            if (outer <= 1) add_node(index, true);
+        }
         for (const Cell& cell : larger_) {
-            for (std::size_t n = 0; n < 8; ++n) add_node(cell.corner(n), false);
+            for (std::size_t n = 0; n < 8; ++n) {
+                const Index index = cell.corner(n);
+                const auto is_it = [p = node_position<3>(index)](const Datum& datum) {
+                    return datum.at == p;
+                };
+                if (std::none_of(data_.begin(), data_.end(), is_it)) add_node(index, false);
+            }
         }
         if (is_valid() && is_near_) find_edges();
     }
@@ -218,11 +220,20 @@ private:
     /// Finds the larger leaves about the leaf, and the facets that pass the leaves about it.
     void find_surroundings() {
         is_near_ = tree_.state(leaf_.number) != grid::CellState::in;
+        Cell around = leaf_; // holds all leaves about it
+        const auto is_around = [&] {
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (leaf_.low[k] == around.low[k] || leaf_.low[k] + leaf_.size == around.low[k] + around.size)
+                    return false;
+            }
+            return true;
+        };
+        while (around.number != 0 && !is_around()) around = tree_.cells().parent_of(around.number);
         for (std::int32_t n = 0; n < 27; ++n) {
             Index doubled{};
             for (std::size_t k = 0, rest = std::size_t(n); k < 3; ++k, rest /= 3)
                 doubled[k] = 2 * leaf_.low[k] + (2 * std::int32_t(rest % 3) - 1) * leaf_.size;
-            const Cell cell = tree_.cells().leaf_at(doubled);
+            const Cell cell = tree_.cells().leaf_at(doubled, around);
             const auto state = tree_.state(cell.number);
             is_near_ = is_near_ || state != grid::CellState::in;
             if (state == grid::CellState::cut) {
@@ -233,20 +244,6 @@ private:
         }
         std::sort(facets_.begin(), facets_.end());
         facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
-    }
-    /// The positions of nodes about the leaf: the corners of the leaf, and of those across its faces.
-    std::vector<Index> lattice() const {
-        std::vector<Index> all;
-        for (std::size_t n = 0; n < 64; ++n) {
-            Index index = leaf_.low;
-            std::size_t outer = 0;
-            for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= 4) {
-                index[k] += leaf_.size * (std::int32_t(rest % 4) - 1);
-                outer += rest % 4 % 3 == 0 ? 1 : 0;
-            }
-            if (outer <= 1) all.push_back(index);
-        }
-        return all;
     }
     /// Adds a node, unless the boundary hides it.
     ///
@@ -266,9 +263,6 @@ private:
         }
         const std::uint32_t node = is_in_tree ? nodes_.find(index) : Nodes::none;
         if (node == Nodes::none) return;
-        for (const Datum& known : data_) {
-            if (known.node == node) return;
-        }
         data_.push_back({p, weight, node, {}});
     }
     /// Finds the reflex edges that can hide points, and the wedges that hold all data.
@@ -307,7 +301,7 @@ private:
 class LeafFit {
     using Point = NearField::Point;
     using Values = LeafModel::Values;
-    using Nodes = grid::TreeNodes<3>;
+    using Handle = StencilTable<3>::Handle;
 
 public:
     explicit LeafFit(const NearField& field)
@@ -329,11 +323,13 @@ public:
         places_.insert(places_.end(), points.begin(), points.end());
         patch_.evaluate(places_, unused_mirrors);
     }
-    /// Adds a sum of values at points, each multiplied by its factor, to a stencil.
+    /// Appends the shares of the model in a sum of values at points, each multiplied by its factor.
     ///
-    ///   first    the number of points[0] among those of `set`
+    ///   first     the number of points[0] among those of `set`
+    ///   shares    of all data
+    ///   vertices  the shares of vertices, without those by data
     void add(std::span<const Point> points, std::span<const double> factors, std::size_t first,
-             LeafStencil& to) {
+             Buffer<double>& shares, Buffer<Handle>& vertices) {
         using X = Simd<double>;
         const auto data = model_->data();
         Values sum{};
@@ -348,24 +344,18 @@ public:
                 row = multiply_add(X(sum[k]), X::load((*shares_)[k * blocks_ + b]), row);
             row.store(row_[b]);
         }
-        for (std::size_t d = 0; d < data.size(); ++d) {
-            const double share = row_[d / lane_count<double>][d % lane_count<double>];
-            if (data[d].node != Nodes::none) {
-                to.nodes.push_back({data[d].node, share});
-            } else {
-                to.add(data[d].value, share);
-            }
-        }
+        for (std::size_t d = 0; d < data.size(); ++d)
+            shares.push_back(row_[d / lane_count<double>][d % lane_count<double>]);
         if (!has_layers_) return;
-        const auto vertices = patch_.vertices();
-        amount_.assign(vertices.size(), 0.0);
-        for (std::size_t v = 0; v < vertices.size(); ++v) {
+        amount_.assign(patch_.vertices().size(), 0.0);
+        for (std::size_t v = 0; v < amount_.size(); ++v) {
             for (std::size_t n = 0; n < points.size(); ++n)
                 amount_[v] += factors[n] * patch_.layer(v, data.size() + first + n);
             amount_[v] = 2 * (amount_[v] - patch_.sum(v, row_));
         }
         patch_.finish(amount_, -1, {}); // drops nothing: what is dropped at a threshold jumps
-        for (std::size_t v = 0; v < vertices.size(); ++v) to.vertices.push_back({vertices[v], amount_[v]});
+        for (std::size_t v = 0; v < amount_.size(); ++v)
+            vertices.push_back({patch_.vertices()[v], amount_[v]});
     }
 
 private:
