@@ -314,6 +314,34 @@ TEST_CASE("gradients of harmonic weights on the boundary are those just inside, 
     check(gradients_of<float, 3>(rounded, in_float), 1e-2);
 }
 
+TEST_CASE("the quick solid angle of a face is the exact one", "[coordinates][harmonic][space][property]") {
+    const int seed = GENERATE(seeds(40));
+    CAPTURE(seed);
+    WalkNumbers numbers(std::uint64_t(seed), 21);
+    std::vector<Vec<double, 3>> corners;
+    for (int n = 0; n < 4; ++n) corners.push_back((0.3 + numbers.next()) * random_direction(numbers));
+    const TriangleMesh<double> mesh(
+        corners, std::vector<std::array<int, 3>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+    const cageform::detail::MeanValueTopology<3> topology(mesh);
+    const cageform::detail::GreenFrame<double, 3> frame(
+        topology, cageform::Buffer<Vec<double, 3>>(corners.data(), corners.data() + corners.size()), 0);
+    cageform::detail::GreenRows<double, 3> seen(frame);
+    for (int n = 0; n < 40; ++n) { // at all distances from a place of an edge
+        const auto place = corners[0] + (2 * numbers.next() - 0.5) * (corners[1] - corners[0]);
+        const auto x = place + std::pow(10.0, -8 * numbers.next()) * random_direction(numbers);
+        const Vec<cageform::detail::Simd<double>, 3> p{x[0], x[1], x[2]};
+        look_at_corners(frame, p, seen);
+        for (std::size_t e = 0; e < frame.edges.size(); ++e)
+            cageform::detail::look_at_edge<false>(frame.edges[e], 0.0, seen, seen.edges[e]);
+        for (const auto& face : frame.faces) {
+            cageform::Lanes<double> quick, exact;
+            cageform::detail::FaceIntegrals<double, true>(face, frame, seen, 0.0).angle.store(quick);
+            cageform::detail::FaceIntegrals<double>(face, frame, seen, 0.0).angle.store(exact);
+            CHECK(std::fabs(quick[0] - exact[0]) <= 1e-10);
+        }
+    }
+}
+
 TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its hat, kinks included",
           "[coordinates][harmonic][space]") {
     const auto mesh = divided_box({8, 8, 8}, 0.125).mesh<double>();

@@ -30,6 +30,7 @@
 #include <cageform/grid/tree/cut_tree.hpp>
 
 #include <map>
+#include <string>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -151,10 +152,10 @@ public:
     bool look(NearPatch& patch) const {
         return patch.look(place_, (is_near_ ? radius_near : radius_inside) * size_);
     }
-    /// Returns a datum's place in a leaf that no face is near, in halves of the leaf from its middle.
-    std::array<std::int8_t, 3> place_in_leaf(const Datum& datum) const noexcept {
-        std::array<std::int8_t, 3> place{};
-        for (std::size_t k = 0; k < 3; ++k) place[k] = std::int8_t(2 * (datum.at[k] - middle_[k]) / size_);
+    /// Returns a datum's place in a leaf that no face is near, in halves of the leaf, plus 16.
+    std::array<char, 3> place_in_leaf(const Datum& datum) const noexcept {
+        std::array<char, 3> place{};
+        for (std::size_t k = 0; k < 3; ++k) place[k] = char(16 + 2 * (datum.at[k] - middle_[k]) / size_);
         return place;
     }
 
@@ -168,12 +169,16 @@ public:
         const auto facets = tree.facets(leaf.number);
         const auto& boundary = tree.boundary();
         if (tree.state(leaf.number) == grid::CellState::in) return {middle};
+        // A single facet divides the leaf.
+        const bool is_halved = facets.size() == 1 && boundary.separates(facets[0]);
         std::vector<std::pair<double, Point>> inside;
         for (std::size_t n = 0; n < across * across * across; ++n) {
             Point p{};
             for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= across)
                 p[k] = leaf.low[k] + (0.02 + 0.24 * double(rest % across)) * leaf.size;
-            if (!tree.is_inside(p)) continue;
+            if (is_halved ? !(dot(boundary.normal(facets[0]), boundary[facets[0]].corner[0] - p) > 0)
+                          : !tree.is_inside(p))
+                continue;
             inside.push_back({(std::min)(boundary.nearest(facets, p).distance, free * leaf.size) -
                                   0.25 * length(p - middle),
                               p});
@@ -367,7 +372,7 @@ private:
         pattern_.clear();
         for (const auto& datum : model_->data()) {
             const auto place = model_->place_in_leaf(datum);
-            pattern_.insert(pattern_.end(), place.begin(), place.end());
+            pattern_.append(place.begin(), place.end());
         }
         auto known = patterns_.find(pattern_);
         if (known == patterns_.end()) {
@@ -377,22 +382,28 @@ private:
         return known->second;
     }
     const Shares& fitted(Shares& shares) {
-        basis_.clear();
-        weight_.clear();
+        const auto data = model_->data();
+        basis_.resize(data.size());
+        weight_.resize(data.size());
         double trace = 0;
-        for (const auto& datum : model_->data()) {
-            basis_.push_back(model_->values(datum.at));
-            weight_.push_back(datum.weight);
-            trace += datum.weight;
+        for (std::size_t d = 0; d < data.size(); ++d) {
+            basis_[d] = model_->values(data[d].at);
+            weight_[d] = data[d].weight;
+            trace += data[d].weight;
         }
         const double damping = model_->is_near() ? trace : 1e-4 * trace;
-        Values ridge{};
-        for (std::size_t k = 0; k < ridge.size(); ++k) {
+        Values ridges{};
+        for (std::size_t k = 0; k < ridges.size(); ++k) {
             const bool is_linear = k < 4, is_cubic = k >= 9 && k < LeafModel::polynomials;
-            ridge[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
+            ridges[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
         }
-        ridge_fit<LeafModel::most_functions>(basis_, weight_, std::span(ridge).first(model_->functions()),
-                                             shares);
+        const std::span<const Values> basis(basis_);
+        const auto ridge = std::span<const double>(ridges).first(model_->functions());
+        if (ridge.size() == LeafModel::polynomials) {
+            ridge_fit<LeafModel::polynomials>(basis, weight_, ridge, shares);
+        } else {
+            ridge_fit<LeafModel::most_functions>(basis, weight_, ridge, shares);
+        }
         return shares;
     }
 
@@ -400,8 +411,8 @@ private:
     std::size_t blocks_ = 0; ///< of data
     const Shares* shares_ = nullptr;
     Shares own_shares_;
-    std::map<std::vector<std::int8_t>, Shares> patterns_; ///< of data about leaves that no face is near
-    std::vector<std::int8_t> pattern_;
+    std::map<std::string, Shares> patterns_; ///< of data about leaves that no face is near
+    std::string pattern_;
     std::vector<Values> basis_;
     std::vector<double> weight_;
     NearPatch patch_;

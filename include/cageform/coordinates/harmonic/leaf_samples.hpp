@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/harmonic/leaf_models.hpp>
 
+#include <bit>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -215,7 +216,15 @@ private:
             weight *= smooth_step((reach - beyond) / (2 * reach));
         }
         if (is_leaf) return f(cell, weight);
-        for (std::size_t n = 0; n < 8; ++n) visit(tree_.cells().child(cell, n), x, f);
+        // A bit for each child: those at the lower ends of the axes, and at the upper ends.
+        constexpr std::array<unsigned, 3> lower{0x55, 0x33, 0x0f}, upper{0xaa, 0xcc, 0xf0};
+        unsigned children = 0xff;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double beyond = x[k] - cell.low[k] - 0.5 * cell.size, most = 0.5 * overlap * cell.size;
+            children &= (beyond < most ? lower[k] : 0) | (beyond > -most ? upper[k] : 0);
+        }
+        for (; children != 0; children &= children - 1)
+            visit(tree_.cells().child(cell, std::size_t(std::countr_zero(children))), x, f);
     }
     const std::vector<std::unique_ptr<LeafModel>>& models_of(std::uint32_t number) {
         const auto [known, is_new] = models_.try_emplace(number);

@@ -383,7 +383,7 @@ private:
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
             if (!counts(f)) continue;
             const auto& face = frame_.faces[f];
-            const FaceIntegrals<double> of(face, frame_, seen_, 0.0);
+            const FaceIntegrals<double, true> of(face, frame_, seen_, 0.0);
             for (std::size_t k = 0; k < 3; ++k) {
                 if (face.corner[k] >= vertices_.size()) continue;
                 const X share(sign * face.inverse_altitude[k] / full);

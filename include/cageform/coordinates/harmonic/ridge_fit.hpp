@@ -14,23 +14,24 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Solves a weighted least squares fit. The share of a datum is its factor in the coefficient of a function.
 ///
+///   width   a multiple of eight, at least #functions
 ///   basis   #data rows; the values past those of the functions are zero
 ///   weight  #data
 ///   ridge   #functions
 ///   shares  out: #functions rows of #data shares, in blocks; zero past the data
-template <std::size_t most>
+template <std::size_t width, std::size_t most>
 void ridge_fit(std::span<const std::array<double, most>> basis, std::span<const double> weight,
                std::span<const double> ridge, Buffer<Lanes<double>>& shares) {
     using X = Simd<double>;
     const std::size_t n = ridge.size(), data = weight.size(), blocks = block_count<double>(data);
-    std::array<std::array<double, most>, most> matrix; // its upper triangle counts; whole rows are faster
-    std::array<double, most> inverse;                  // of the diagonal
+    std::array<std::array<double, width>, width> matrix; // its upper triangle counts; whole rows are faster
+    std::array<double, width> inverse;                   // of the diagonal
     for (std::size_t i = 0; i < n; ++i) {
-        std::array<double, most> row{};
+        std::array<double, width> row{};
         row[i] = ridge[i];
         for (std::size_t d = 0; d < data; ++d) {
             const double weighted = weight[d] * basis[d][i];
-            for (std::size_t j = 0; j < most; ++j) row[j] += weighted * basis[d][j];
+            for (std::size_t j = 0; j < width; ++j) row[j] += weighted * basis[d][j];
         }
         matrix[i] = row;
     }
@@ -39,12 +40,12 @@ void ridge_fit(std::span<const std::array<double, most>> basis, std::span<const 
         for (double& x : matrix[k]) x *= inverse[k];
         for (std::size_t i = k + 1; i < n; ++i) {
             const double factor = matrix[k][i];
-            for (std::size_t j = 0; j < most; ++j) matrix[i][j] -= factor * matrix[k][j];
+            for (std::size_t j = 0; j < width; ++j) matrix[i][j] -= factor * matrix[k][j];
         }
     }
     shares.resize(n * blocks);
     for (std::size_t b = 0; b < blocks; ++b) {
-        std::array<X, most> x;
+        std::array<X, width> x;
         for (std::size_t i = 0; i < n; ++i) {
             Lanes<double> weighted;
             for (std::size_t lane = 0; lane < lane_count<double>; ++lane) {

@@ -135,7 +135,7 @@ private:
                   const SamplesOf& samples_of) const {
         constexpr std::size_t lanes = lane_count<T>;
         // Points sampled together share work: few enough for the threads and for the memory of stencils.
-        constexpr std::size_t few = 256 / lanes, many = 2048 / lanes, together = 1024 / lanes;
+        constexpr std::size_t few = 256 / lanes, many = 4096 / lanes, together = 1024 / lanes;
         const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
         if (!functions_.empty()) {
             return for_each_block((blocks + few - 1) / few, running, [&](std::size_t begin, std::size_t end) {
