@@ -158,15 +158,15 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
             for (int k = 0; k <= steps; ++k) line.push_back(from + (double(k) / steps) * along);
             std::vector<double> values;
             std::size_t k = 0;
-            for (const auto& stencil : samples.stencils(line)) {
+            samples.stencils(line, [&](const auto& nodes, const auto& vertices) {
                 double sum = 0, value = 0;
                 Vec<double, 3> place{};
-                for (const auto& [node, share] : stencil.nodes) {
+                for (const auto& [node, share] : nodes) {
                     sum += share;
                     place = place + share * cageform::node_position<3>(cage.nodes().index(node));
                     value += share * value_at(node, 1);
                 }
-                for (const auto& [vertex, share] : stencil.vertices) {
+                for (const auto& [vertex, share] : vertices) {
                     sum += share;
                     place = place + share * field.at(vertex);
                     value += share * value_at(vertex, 2);
@@ -176,7 +176,7 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
                       1e-7 * cage.tree().cells().size()); // places are moved inside
                 values.push_back(value);
                 ++k;
-            }
+            });
             for (std::size_t m = 1; m + 1 < values.size(); ++m)
                 bend[std::size_t(half)] = (std::max)(
                     bend[std::size_t(half)], std::fabs(values[m - 1] - 2 * values[m] + values[m + 1]));
@@ -312,6 +312,34 @@ TEST_CASE("gradients of harmonic weights on the boundary are those just inside, 
     std::vector<Vec<float, 3>> in_float;
     for (const auto& p : points) in_float.push_back(vec_cast<float>(p));
     check(gradients_of<float, 3>(rounded, in_float), 1e-2);
+}
+
+TEST_CASE("the quick solid angle of a face is the exact one", "[coordinates][harmonic][space][property]") {
+    const int seed = GENERATE(seeds(40));
+    CAPTURE(seed);
+    WalkNumbers numbers(std::uint64_t(seed), 21);
+    std::vector<Vec<double, 3>> corners;
+    for (int n = 0; n < 4; ++n) corners.push_back((0.3 + numbers.next()) * random_direction(numbers));
+    const TriangleMesh<double> mesh(
+        corners, std::vector<std::array<int, 3>>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+    const cageform::detail::MeanValueTopology<3> topology(mesh);
+    const cageform::detail::GreenFrame<double, 3> frame(
+        topology, cageform::Buffer<Vec<double, 3>>(corners.data(), corners.data() + corners.size()), 0);
+    cageform::detail::GreenRows<double, 3> seen(frame);
+    for (int n = 0; n < 40; ++n) { // at all distances from a place of an edge
+        const auto place = corners[0] + (2 * numbers.next() - 0.5) * (corners[1] - corners[0]);
+        const auto x = place + std::pow(10.0, -8 * numbers.next()) * random_direction(numbers);
+        const Vec<cageform::detail::Simd<double>, 3> p{x[0], x[1], x[2]};
+        look_at_corners(frame, p, seen);
+        for (std::size_t e = 0; e < frame.edges.size(); ++e)
+            cageform::detail::look_at_edge<false>(frame.edges[e], 0.0, seen, seen.edges[e]);
+        for (const auto& face : frame.faces) {
+            cageform::Lanes<double> quick, exact;
+            cageform::detail::FaceIntegrals<double, true>(face, frame, seen, 0.0).angle.store(quick);
+            cageform::detail::FaceIntegrals<double>(face, frame, seen, 0.0).angle.store(exact);
+            CHECK(std::fabs(quick[0] - exact[0]) <= 1e-10);
+        }
+    }
 }
 
 TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its hat, kinks included",

@@ -30,7 +30,7 @@
 #include <cageform/grid/tree/cut_tree.hpp>
 
 #include <map>
-#include <memory>
+#include <string>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -39,19 +39,6 @@ inline double smooth_step(double t) noexcept {
     t = std::clamp(t, 0.0, 1.0);
     return t * t * t * (10 - 15 * t + 6 * t * t);
 }
-
-/// The shares of nodes and of vertices in the functions at a point.
-struct LeafStencil {
-    std::vector<StencilTable<3>::Node> nodes;
-    std::vector<StencilTable<3>::Handle> vertices;
-
-    /// Adds a share of the data at a place of the boundary.
-    void add(const BoundaryValue<3>& value, double share) {
-        HatData<3>::for_each_weight(value, [&](std::uint32_t vertex, double weight) {
-            vertices.push_back({vertex, share * weight});
-        });
-    }
-};
 
 /// A model of the functions in a leaf and about it.
 class LeafModel {
@@ -72,12 +59,9 @@ public:
         BoundaryValue<3> value;
     };
 
-    /// Solutions of the fit, by the pattern of nodes about a leaf. Leaves next to the boundary use none.
-    using Patterns = std::map<std::vector<std::int8_t>, std::shared_ptr<const std::vector<double>>>;
-
     ///   place  of the leaf, inside: what the model sees is seen from there
     LeafModel(const grid::CutTree<3>& tree, const Nodes& nodes, const NearField& field, const Cell& leaf,
-              const Point& place, Patterns& patterns)
+              const Point& place)
         : tree_(tree)
         , nodes_(nodes)
         , field_(field)
@@ -86,14 +70,26 @@ public:
         , place_(place)
         , size_(leaf.size) {
         find_surroundings();
-        for (const auto& index : lattice()) add_node(index, true);
-        for (const Cell& cell : larger_) {
-            for (std::size_t n = 0; n < 8; ++n) add_node(cell.corner(n), false);
+        data_.reserve(40);
+        for (std::size_t n = 0; n < 64; ++n) { // the corners of the leaf, and of those across its faces
+            Index index = leaf_.low;
+            std::size_t outer = 0;
+            for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= 4) {
+                index[k] += leaf_.size * (std::int32_t(rest % 4) - 1);
+                outer += rest % 4 % 3 == 0 ? 1 : 0;
+            }
+            if (outer <= 1) add_node(index, true);
         }
-        if (!is_valid()) return;
-        if (is_near_) find_edges();
-        fit(patterns);
-        add_near_field();
+        for (const Cell& cell : larger_) {
+            for (std::size_t n = 0; n < 8; ++n) {
+                const Index index = cell.corner(n);
+                const auto is_it = [p = node_position<3>(index)](const Datum& datum) {
+                    return datum.at == p;
+                };
+                if (std::none_of(data_.begin(), data_.end(), is_it)) add_node(index, false);
+            }
+        }
+        if (is_valid() && is_near_) find_edges();
     }
     LeafModel(const LeafModel&) = delete;
     LeafModel& operator=(const LeafModel&) = delete;
@@ -102,6 +98,8 @@ public:
     /// Whether there is enough data for a linear function.
     bool is_valid() const noexcept { return data_.size() >= 4; }
     double size() const noexcept { return size_; } ///< of the leaf
+    std::span<const Datum> data() const noexcept { return data_; }
+    bool is_near() const noexcept { return is_near_; } ///< whether a leaf about it is cut or outside
 
     /// Returns the visibility of a point from the model's place, in [1e-6, 1]: 1e-6 if a face lies between.
     double visibility(const Point& x) const noexcept {
@@ -116,40 +114,49 @@ public:
         return least + (1 - least) * factor;
     }
 
-    /// Evaluates the double layers at points; `add` reads them.
-    void evaluate(std::span<const Point> points) {
-        if (patch_) patch_->evaluate(points, unused_mirrors_);
+    /// Returns the number of functions of the fit.
+    std::size_t functions() const noexcept { return polynomials + 2 * wedges_.size(); }
+    /// Returns their values at a point.
+    Values values(const Point& p) const noexcept {
+        const Point q = (1 / size_) * (p - middle_);
+        const double x = q[0], y = q[1], z = q[2];
+        const double xx = x * x, yy = y * y, zz = z * z;
+        Values values{1,
+                      x,
+                      y,
+                      z,
+                      x * y,
+                      y * z,
+                      z * x,
+                      (xx - yy) / 2,
+                      (2 * zz - xx - yy) / 2,
+                      x * y * z,
+                      z * (xx - yy) / 2,
+                      x * (xx - 3 * yy) / 3,
+                      y * (3 * xx - yy) / 3,
+                      z * (2 * zz - 3 * xx - 3 * yy) / 6,
+                      x * (4 * zz - xx - yy) / 6,
+                      y * (4 * zz - xx - yy) / 6};
+        for (std::size_t n = 0; n < wedges_.size(); ++n) {
+            auto at = wedges_[n].place(p);
+            at.r /= size_;
+            const double power = std::numbers::pi / wedges_[n].angle;
+            double* const to = values.data() + polynomials + 2 * n;
+            to[0] = wedges_[n].singular(at);
+            to[1] = power < 1 ? 0.5 * std::pow(at.r, 2 * power) * std::sin(2 * power * at.theta)
+                              : to[0] * dot(wedges_[n].along, p - middle_) / size_;
+        }
+        return values;
     }
-    /// Adds a sum of values at points, each multiplied by its factor, to a stencil.
-    ///
-    ///   first    the number of points[0] among those of `evaluate`
-    void add(std::span<const Point> points, std::span<const double> factors, std::size_t first,
-             LeafStencil& to) {
-        Values sum{};
-        for (std::size_t n = 0; n < points.size(); ++n) {
-            const Values values = functions(points[n]);
-            for (std::size_t k = 0; k < count_; ++k) sum[k] += factors[n] * values[k];
-        }
-        row_.assign(data_.size(), 0.0);
-        for (std::size_t k = 0; k < count_; ++k) add_row(sum[k], *shares_, k, row_);
-        for (std::size_t d = 0; d < data_.size(); ++d) {
-            if (data_[d].node != Nodes::none) {
-                to.nodes.push_back({data_[d].node, row_[d]});
-            } else {
-                to.add(data_[d].value, row_[d]);
-            }
-        }
-        if (!patch_) return;
-        const auto vertices = patch_->vertices();
-        row_.assign(vertices.size(), 0.0);
-        for (std::size_t k = 0; k < count_; ++k) add_row(-sum[k], layers_, k, row_);
-        for (std::size_t v = 0; v < vertices.size(); ++v) {
-            for (std::size_t n = 0; n < points.size(); ++n)
-                row_[v] += factors[n] * patch_->layer(v, first + n);
-            row_[v] *= 2;
-        }
-        patch_->finish(row_, -1, {}); // drops nothing: what is dropped at a threshold jumps
-        for (std::size_t v = 0; v < vertices.size(); ++v) to.vertices.push_back({vertices[v], row_[v]});
+    /// Chooses the vertices whose double layers correct the model. Returns false if there are none.
+    bool look(NearPatch& patch) const {
+        return patch.look(place_, (is_near_ ? radius_near : radius_inside) * size_);
+    }
+    /// Returns a datum's place in a leaf that no face is near, in halves of the leaf, plus 16.
+    std::array<char, 3> place_in_leaf(const Datum& datum) const noexcept {
+        std::array<char, 3> place{};
+        for (std::size_t k = 0; k < 3; ++k) place[k] = char(16 + 2 * (datum.at[k] - middle_[k]) / size_);
+        return place;
     }
 
     /// Returns viewpoints of a leaf. A leaf that no face cuts has its middle. Others have a point far from
@@ -162,12 +169,16 @@ public:
         const auto facets = tree.facets(leaf.number);
         const auto& boundary = tree.boundary();
         if (tree.state(leaf.number) == grid::CellState::in) return {middle};
+        // A single facet divides the leaf.
+        const bool is_halved = facets.size() == 1 && boundary.separates(facets[0]);
         std::vector<std::pair<double, Point>> inside;
         for (std::size_t n = 0; n < across * across * across; ++n) {
             Point p{};
             for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= across)
                 p[k] = leaf.low[k] + (0.02 + 0.24 * double(rest % across)) * leaf.size;
-            if (!tree.is_inside(p)) continue;
+            if (is_halved ? !(dot(boundary.normal(facets[0]), boundary[facets[0]].corner[0] - p) > 0)
+                          : !tree.is_inside(p))
+                continue;
             inside.push_back({(std::min)(boundary.nearest(facets, p).distance, free * leaf.size) -
                                   0.25 * length(p - middle),
                               p});
@@ -214,11 +225,20 @@ private:
     /// Finds the larger leaves about the leaf, and the facets that pass the leaves about it.
     void find_surroundings() {
         is_near_ = tree_.state(leaf_.number) != grid::CellState::in;
+        Cell around = leaf_; // holds all leaves about it
+        const auto is_around = [&] {
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (leaf_.low[k] == around.low[k] || leaf_.low[k] + leaf_.size == around.low[k] + around.size)
+                    return false;
+            }
+            return true;
+        };
+        while (around.number != 0 && !is_around()) around = tree_.cells().parent_of(around.number);
         for (std::int32_t n = 0; n < 27; ++n) {
             Index doubled{};
             for (std::size_t k = 0, rest = std::size_t(n); k < 3; ++k, rest /= 3)
                 doubled[k] = 2 * leaf_.low[k] + (2 * std::int32_t(rest % 3) - 1) * leaf_.size;
-            const Cell cell = tree_.cells().leaf_at(doubled);
+            const Cell cell = tree_.cells().leaf_at(doubled, around);
             const auto state = tree_.state(cell.number);
             is_near_ = is_near_ || state != grid::CellState::in;
             if (state == grid::CellState::cut) {
@@ -229,20 +249,6 @@ private:
         }
         std::sort(facets_.begin(), facets_.end());
         facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
-    }
-    /// The positions of nodes about the leaf: the corners of the leaf, and of those across its faces.
-    std::vector<Index> lattice() const {
-        std::vector<Index> all;
-        for (std::size_t n = 0; n < 64; ++n) {
-            Index index = leaf_.low;
-            std::size_t outer = 0;
-            for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= 4) {
-                index[k] += leaf_.size * (std::int32_t(rest % 4) - 1);
-                outer += rest % 4 % 3 == 0 ? 1 : 0;
-            }
-            if (outer <= 1) all.push_back(index);
-        }
-        return all;
     }
     /// Adds a node, unless the boundary hides it.
     ///
@@ -268,9 +274,6 @@ private:
         }
         const std::uint32_t node = is_in_tree ? nodes_.find(index) : Nodes::none;
         if (node == Nodes::none) return;
-        for (const Datum& known : data_) {
-            if (known.node == node) return;
-        }
         data_.push_back({p, weight, node, {}});
     }
     /// Finds the reflex edges that can hide points, and the wedges that hold all data.
@@ -291,117 +294,138 @@ private:
             wedges_.push_back(found[n].second);
     }
 
-    /// The values of the functions of the fit at a point.
-    Values functions(const Point& p) const noexcept {
-        const Point q = (1 / size_) * (p - middle_);
-        const double x = q[0], y = q[1], z = q[2];
-        const double xx = x * x, yy = y * y, zz = z * z;
-        Values values{1,
-                      x,
-                      y,
-                      z,
-                      x * y,
-                      y * z,
-                      z * x,
-                      (xx - yy) / 2,
-                      (2 * zz - xx - yy) / 2,
-                      x * y * z,
-                      z * (xx - yy) / 2,
-                      x * (xx - 3 * yy) / 3,
-                      y * (3 * xx - yy) / 3,
-                      z * (2 * zz - 3 * xx - 3 * yy) / 6,
-                      x * (4 * zz - xx - yy) / 6,
-                      y * (4 * zz - xx - yy) / 6};
-        for (std::size_t n = 0; n < wedges_.size(); ++n) {
-            auto at = wedges_[n].place(p);
-            at.r /= size_;
-            const double power = std::numbers::pi / wedges_[n].angle;
-            double* const to = values.data() + polynomials + 2 * n;
-            to[0] = wedges_[n].singular(at);
-            to[1] = power < 1 ? 0.5 * std::pow(at.r, 2 * power) * std::sin(2 * power * at.theta)
-                              : to[0] * dot(wedges_[n].along, p - middle_) / size_;
-        }
-        return values;
-    }
-    void fit(Patterns& patterns) {
-        count_ = polynomials + 2 * wedges_.size();
-        std::shared_ptr<const std::vector<double>>* known = nullptr;
-        if (!is_near_) {
-            std::vector<std::int8_t> pattern; // in halves of a leaf
-            for (const Datum& datum : data_) {
-                for (std::size_t k = 0; k < 3; ++k)
-                    pattern.push_back(std::int8_t(std::lround(2 * (datum.at[k] - middle_[k]) / size_)));
-            }
-            known = &patterns[pattern];
-            shares_ = *known;
-            if (shares_) return;
-        }
-        std::vector<double> basis, weight;
-        double trace = 0;
-        for (const Datum& datum : data_) {
-            const Values values = functions(datum.at);
-            basis.insert(basis.end(), values.begin(), values.begin() + std::ptrdiff_t(count_));
-            weight.push_back(datum.weight);
-            trace += datum.weight;
-        }
-        const double damping = is_near_ ? trace : 1e-4 * trace;
-        Values ridge{};
-        for (std::size_t k = 0; k < count_; ++k) {
-            const bool is_linear = k < 4, is_cubic = k >= 9 && k < polynomials;
-            ridge[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
-        }
-        shares_ = std::make_shared<const std::vector<double>>(
-            ridge_fit(basis, weight, std::span(ridge).first(count_)));
-        if (known != nullptr) *known = shares_;
-    }
-    /// Prepares the double layers of the vertices near.
-    void add_near_field() {
-        patch_ = std::make_unique<NearPatch>(field_);
-        if (!patch_->look(place_, (is_near_ ? radius_near : radius_inside) * size_)) {
-            patch_.reset();
-            return;
-        }
-        std::vector<Point> places;
-        for (const Datum& datum : data_) {
-            places.push_back(datum.at);
-            unused_mirrors_ |= patch_->mirrors_passed(datum.at);
-        }
-        patch_->evaluate(places, unused_mirrors_);
-        const std::size_t vertices = patch_->vertices().size();
-        layers_.assign(count_ * vertices, 0.0);
-        for (std::size_t k = 0; k < count_; ++k) {
-            for (std::size_t d = 0; d < data_.size(); ++d) {
-                const double share = (*shares_)[k * data_.size() + d];
-                for (std::size_t v = 0; v < vertices; ++v)
-                    layers_[k * vertices + v] += share * patch_->layer(v, d);
-            }
-        }
-    }
-    /// Adds row k of a matrix, multiplied by a factor.
-    static void add_row(double factor, const std::vector<double>& matrix, std::size_t k,
-                        std::vector<double>& to) {
-        const double* const row = matrix.data() + k * to.size();
-        for (std::size_t n = 0; n < to.size(); ++n) to[n] += factor * row[n];
-    }
-
     const grid::CutTree<3>& tree_;
     const Nodes& nodes_;
     const NearField& field_;
     Cell leaf_;
     Point middle_, place_;
     double size_;
-    bool is_near_ = false; ///< whether a leaf about it is cut or outside
+    bool is_near_ = false;
     std::vector<Cell> larger_;
     std::vector<std::uint32_t> facets_;
     std::vector<Datum> data_;
     std::vector<Wedge> wedges_;
     std::vector<std::pair<Point, Point>> reflex_;
-    std::size_t count_ = polynomials; ///< of functions
-    std::shared_ptr<const std::vector<double>> shares_;
-    std::unique_ptr<NearPatch> patch_;
-    unsigned unused_mirrors_ = 0;
-    std::vector<double> layers_; ///< the fit of the double layers: #functions · #vertices
-    std::vector<double> row_;
+};
+
+/// Fits models, one at a time, and evaluates them.
+class LeafFit {
+    using Point = NearField::Point;
+    using Values = LeafModel::Values;
+    using Handle = StencilTable<3>::Handle;
+
+public:
+    explicit LeafFit(const NearField& field)
+        : patch_(field) {}
+
+    /// Fits a model, for points.
+    void set(const LeafModel& model, std::span<const Point> points) {
+        model_ = &model;
+        blocks_ = block_count<double>(model.data().size());
+        shares_ = model.is_near() ? &fitted(own_shares_) : &fitted_by_pattern();
+        has_layers_ = model.look(patch_);
+        if (!has_layers_) return;
+        unsigned unused_mirrors = 0;
+        places_.clear();
+        for (const auto& datum : model.data()) {
+            places_.push_back(datum.at);
+            unused_mirrors |= patch_.mirrors_passed(datum.at);
+        }
+        places_.insert(places_.end(), points.begin(), points.end());
+        patch_.evaluate(places_, unused_mirrors);
+    }
+    /// Appends the shares of the model in a sum of values at points, each multiplied by its factor.
+    ///
+    ///   first     the number of points[0] among those of `set`
+    ///   shares    of all data
+    ///   vertices  the shares of vertices, without those by data
+    void add(std::span<const Point> points, std::span<const double> factors, std::size_t first,
+             Buffer<double>& shares, Buffer<Handle>& vertices) {
+        using X = Simd<double>;
+        const auto data = model_->data();
+        Values sum{};
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Values values = model_->values(points[n]);
+            for (std::size_t k = 0; k < values.size(); ++k) sum[k] += factors[n] * values[k];
+        }
+        row_.resize(blocks_);
+        for (std::size_t b = 0; b < blocks_; ++b) {
+            X row(0.0);
+            for (std::size_t k = 0; k < model_->functions(); ++k)
+                row = multiply_add(X(sum[k]), X::load((*shares_)[k * blocks_ + b]), row);
+            row.store(row_[b]);
+        }
+        for (std::size_t d = 0; d < data.size(); ++d)
+            shares.push_back(row_[d / lane_count<double>][d % lane_count<double>]);
+        if (!has_layers_) return;
+        amount_.assign(patch_.vertices().size(), 0.0);
+        for (std::size_t v = 0; v < amount_.size(); ++v) {
+            for (std::size_t n = 0; n < points.size(); ++n)
+                amount_[v] += factors[n] * patch_.layer(v, data.size() + first + n);
+            amount_[v] = 2 * (amount_[v] - patch_.sum(v, row_));
+        }
+        patch_.finish(amount_, -1, {}); // drops nothing: what is dropped at a threshold jumps
+        for (std::size_t v = 0; v < amount_.size(); ++v)
+            vertices.push_back({patch_.vertices()[v], amount_[v]});
+    }
+
+private:
+    /// The shares of data in functions; see ridge_fit.
+    using Shares = Buffer<Lanes<double>>;
+
+    /// Returns the shares of the model's data, which depend on their pattern only.
+    const Shares& fitted_by_pattern() {
+        pattern_.clear();
+        for (const auto& datum : model_->data()) {
+            const auto place = model_->place_in_leaf(datum);
+            pattern_.append(place.begin(), place.end());
+        }
+        auto known = patterns_.find(pattern_);
+        if (known == patterns_.end()) {
+            known = patterns_.emplace(pattern_, Shares()).first;
+            (void)fitted(known->second);
+        }
+        return known->second;
+    }
+    const Shares& fitted(Shares& shares) {
+        const auto data = model_->data();
+        basis_.resize(data.size());
+        weight_.resize(data.size());
+        double trace = 0;
+        for (std::size_t d = 0; d < data.size(); ++d) {
+            basis_[d] = model_->values(data[d].at);
+            weight_[d] = data[d].weight;
+            trace += data[d].weight;
+        }
+        const double damping = model_->is_near() ? trace : 1e-4 * trace;
+        Values ridges{};
+        for (std::size_t k = 0; k < ridges.size(); ++k) {
+            const bool is_linear = k < 4, is_cubic = k >= 9 && k < LeafModel::polynomials;
+            ridges[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
+        }
+        const std::span<const Values> basis(basis_);
+        const auto ridge = std::span<const double>(ridges).first(model_->functions());
+        if (ridge.size() == LeafModel::polynomials) {
+            ridge_fit<LeafModel::polynomials>(basis, weight_, ridge, shares);
+        } else {
+            ridge_fit<LeafModel::most_functions>(basis, weight_, ridge, shares);
+        }
+        return shares;
+    }
+
+    const LeafModel* model_ = nullptr;
+    std::size_t blocks_ = 0; ///< of data
+    const Shares* shares_ = nullptr;
+    Shares own_shares_;
+    std::map<std::string, Shares> patterns_; ///< of data about leaves that no face is near
+    std::string pattern_;
+    std::vector<Values> basis_;
+    std::vector<double> weight_;
+    NearPatch patch_;
+    bool has_layers_ = false;   ///< whether the patch corrects the model
+    std::vector<Point> places_; ///< of data, then points
+    Shares row_;
+    std::vector<double> amount_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

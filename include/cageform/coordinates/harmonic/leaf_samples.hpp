@@ -3,10 +3,63 @@
 
 #include <cageform/coordinates/harmonic/leaf_models.hpp>
 
+#include <bit>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Adds up shares by number: those of nodes, or of vertices.
+template <class Share>
+class ShareSums {
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+public:
+    void add(std::uint32_t number, double share) {
+        if (2 * sums_.size() >= table_.size()) grow();
+        std::uint32_t& slot = slot_of(number);
+        if (slot != none) {
+            auto& [known, sum] = sums_[slot];
+            sum += share;
+        } else {
+            slot = std::uint32_t(sums_.size());
+            sums_.push_back({number, share});
+        }
+    }
+    /// Adds a share of the data at a place of the boundary.
+    void add(const BoundaryValue<3>& value, double share) {
+        HatData<3>::for_each_weight(
+            value, [&](std::uint32_t vertex, double weight) { add(vertex, share * weight); });
+    }
+    std::span<const Share> sums() const noexcept { return {sums_.data(), sums_.size()}; }
+    void clear() noexcept {
+        sums_.clear();
+        std::fill(table_.begin(), table_.end(), none);
+    }
+
+private:
+    std::uint32_t& slot_of(std::uint32_t number) noexcept { // hashed as in TreeNodes
+        std::uint32_t at = (number * 0x9e3779b9u) >> (32 - bits_);
+        for (;; at = (at + 1) & std::uint32_t(table_.size() - 1)) {
+            if (table_[at] == none) return table_[at];
+            const auto& [known, sum] = sums_[table_[at]];
+            if (known == number) return table_[at];
+        }
+    }
+    void grow() {
+        ++bits_;
+        table_ = Buffer<std::uint32_t>(std::size_t{1} << bits_, none);
+        for (std::uint32_t n = 0; n < sums_.size(); ++n) {
+            const auto& [number, sum] = sums_[n];
+            slot_of(number) = n;
+        }
+    }
+
+    unsigned bits_ = 5;
+    Buffer<std::uint32_t> table_; ///< a hash table of places in sums_, at most half full
+    Buffer<Share> sums_;
+};
 
 /// Makes the stencils of points inside a cage. Points of one leaf share its models. A stencil does not depend
 /// on other points.
@@ -14,18 +67,22 @@ class LeafSamples {
     using Point = NearField::Point;
     using Cell = grid::CellTree<3>::Cell;
     using Table = StencilTable<3>;
+    static constexpr std::uint32_t none = NearField::none;
 
 public:
     LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field)
         : tree_(tree)
         , nodes_(nodes)
-        , field_(field) {}
+        , field_(field)
+        , fit_(field) {}
 
-    /// Returns the stencils of points inside, in units of the tree.
-    std::vector<LeafStencil> stencils(std::span<const Point> points) {
+    /// Calls emit(nodes, vertices) for points inside, in units of the tree, one after the other: with the
+    /// shares of nodes and of vertices in the functions there.
+    template <class Emit>
+    void stencils(std::span<const Point> points, const Emit& emit) {
         points_.clear();
         for (const Point& p : points) points_.push_back({p, 1, points_.size()});
-        return sums(points.size());
+        make_sums(points.size(), emit);
     }
 
     /// Returns a point at which the functions can be differentiated: the point itself, or for points on the
@@ -48,11 +105,12 @@ public:
         }
         return place;
     }
-    /// Returns four stencils for each such place: of the value, and of the derivatives along the axes, per
-    /// unit of the cage. Derivatives are differences over two thousandths of a leaf, next to faces over a
-    /// fiftieth of the distance. They err by a millionth, since shares are twice differentiable and are not
-    /// rounded.
-    std::vector<LeafStencil> slopes(std::span<const Point> places) {
+    /// Calls emit(nodes, vertices) four times for each such place: with the stencils of the value, and of the
+    /// derivatives along the axes, per unit of the cage. Derivatives are differences over two thousandths of
+    /// a leaf, next to faces over a fiftieth of the distance. They err by a millionth, since shares are twice
+    /// differentiable and are not rounded.
+    template <class Emit>
+    void slopes(std::span<const Point> places, const Emit& emit) {
         points_.clear();
         std::size_t count = 0;
         for (const Point& p : places) {
@@ -67,12 +125,13 @@ public:
                 points_.push_back({above, factor, count});
             }
         }
-        return sums(count);
+        make_sums(count, emit);
     }
 
 private:
-    /// Returns the sums of the stencils of `points_`, each multiplied by its factor.
-    std::vector<LeafStencil> sums(std::size_t count) {
+    /// Emits the sums of the stencils of `points_`, each multiplied by its factor.
+    template <class Emit>
+    void make_sums(std::size_t count, const Emit& emit) {
         terms_.clear();
         for (std::uint32_t n = 0; n < points_.size(); ++n) {
             visit(tree_.cells().root(), points_[n].at, [&](const Cell& leaf, double weight) {
@@ -96,26 +155,38 @@ private:
             if (!(points_[n].total > 0)) add_own_model(n);
             find_feet(points_[n]);
         }
-        std::vector<LeafStencil> sums(count);
+        sums_.assign(count, {});
+        runs_.clear();
+        shares_.clear();
+        vertices_.clear();
         for (auto begin = terms_.begin(), end = begin; begin != terms_.end(); begin = end) {
             while (end != terms_.end() && end->model == begin->model) ++end;
-            add_model({begin, end}, sums);
+            add_model({begin, end});
         }
-        for (const Sampled& point : points_) {
-            for (const Foot& foot : point.feet) sums[point.sum].add(foot.value, point.factor * foot.share);
-        }
-        for (LeafStencil& sum : sums) {
-            merge(sum.nodes, [](const Table::Node& node) { return node.node; });
-            merge(sum.vertices, [](const Table::Handle& handle) { return handle.handle; });
+        auto point = points_.begin();
+        for (std::size_t n = 0; n < count; ++n) {
+            add_runs(sums_[n]);
+            for (; point != points_.end() && point->sum == n; ++point) {
+                for (const Foot& foot : point->feet) of_vertices_.add(foot.value, point->factor * foot.share);
+            }
+            emit(of_nodes_.sums(), of_vertices_.sums());
         }
         own_models_.clear();
-        return sums;
     }
 
     struct Term {
         std::uint32_t leaf, point;
         double weight;
-        LeafModel* model;
+        const LeafModel* model;
+    };
+    struct Run { ///< the shares of a model in a sum
+        const LeafModel* model;
+        std::size_t shares, vertices; ///< where they begin
+        std::size_t vertices_end = 0;
+        std::uint32_t next = none; ///< the next run of the sum
+    };
+    struct Sum {
+        std::uint32_t first = none, last = none; ///< of its runs
     };
     struct Foot { ///< a place of a face near a point
         Point at;
@@ -145,7 +216,15 @@ private:
             weight *= smooth_step((reach - beyond) / (2 * reach));
         }
         if (is_leaf) return f(cell, weight);
-        for (std::size_t n = 0; n < 8; ++n) visit(tree_.cells().child(cell, n), x, f);
+        // A bit for each child: those at the lower ends of the axes, and at the upper ends.
+        constexpr std::array<unsigned, 3> lower{0x55, 0x33, 0x0f}, upper{0xaa, 0xcc, 0xf0};
+        unsigned children = 0xff;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double beyond = x[k] - cell.low[k] - 0.5 * cell.size, most = 0.5 * overlap * cell.size;
+            children &= (beyond < most ? lower[k] : 0) | (beyond > -most ? upper[k] : 0);
+        }
+        for (; children != 0; children &= children - 1)
+            visit(tree_.cells().child(cell, std::size_t(std::countr_zero(children))), x, f);
     }
     const std::vector<std::unique_ptr<LeafModel>>& models_of(std::uint32_t number) {
         const auto [known, is_new] = models_.try_emplace(number);
@@ -159,7 +238,7 @@ private:
         return known->second;
     }
     std::unique_ptr<LeafModel> make_model(const Cell& leaf, const Point& place) {
-        return std::make_unique<LeafModel>(tree_, nodes_, field_, leaf, place, patterns_);
+        return std::make_unique<LeafModel>(tree_, nodes_, field_, leaf, place);
     }
     void add_term(const Term& term) {
         terms_.push_back(term);
@@ -272,9 +351,8 @@ private:
 
     // ---- sums ------------------------------------------------------------------------------------------
 
-    /// Adds a model's shares at points to their sums, and subtracts its shares at the points' feet.
-    void add_model(std::span<const Term> terms, std::vector<LeafStencil>& sums) {
-        LeafModel& model = *terms.front().model;
+    /// Finds a model's shares in sums: those at points, less those at the points' feet.
+    void add_model(std::span<const Term> terms) {
         places_.clear();
         factors_.clear();
         for (const Term& term : terms) {
@@ -288,7 +366,7 @@ private:
                 factors_.push_back(-factor * foot.share);
             }
         }
-        model.evaluate(places_);
+        fit_.set(*terms.front().model, places_);
         std::size_t first = 0;
         for (auto term = terms.begin(); term != terms.end();) {
             const std::size_t sum = points_[term->point].sum;
@@ -297,38 +375,53 @@ private:
                 const Sampled& point = points_[term->point];
                 if (!point.is_on_face) places += 1 + point.feet.size();
             }
-            if (places > 0)
-                model.add(std::span(places_).subspan(first, places),
-                          std::span(factors_).subspan(first, places), first, sums[sum]);
+            if (places == 0) continue;
+            Run run{terms.front().model, shares_.size(), vertices_.size()};
+            fit_.add(std::span(places_).subspan(first, places), std::span(factors_).subspan(first, places),
+                     first, shares_, vertices_);
+            run.vertices_end = vertices_.size();
+            const auto number = std::uint32_t(runs_.size());
+            (sums_[sum].last == none ? sums_[sum].first : runs_[sums_[sum].last].next) = number;
+            sums_[sum].last = number;
+            runs_.push_back(run);
             first += places;
         }
     }
-    /// Adds the shares of equal numbers.
-    template <class Entry, class Number>
-    static void merge(std::vector<Entry>& entries, const Number& number) {
-        std::sort(entries.begin(), entries.end(),
-                  [&](const Entry& a, const Entry& b) { return number(a) < number(b); });
-        std::size_t count = 0;
-        for (const Entry& entry : entries) {
-            if (count > 0 && number(entries[count - 1]) == number(entry)) {
-                entries[count - 1].share += entry.share;
-            } else {
-                entries[count++] = entry;
+    /// Adds up the runs of a sum.
+    void add_runs(const Sum& sum) {
+        of_nodes_.clear();
+        of_vertices_.clear();
+        for (std::uint32_t n = sum.first; n != none; n = runs_[n].next) {
+            const Run& run = runs_[n];
+            const double* share = shares_.data() + run.shares;
+            for (const auto& datum : run.model->data()) {
+                if (datum.node != none) {
+                    of_nodes_.add(datum.node, *share++);
+                } else {
+                    of_vertices_.add(datum.value, *share++);
+                }
             }
+            for (std::size_t v = run.vertices; v < run.vertices_end; ++v)
+                of_vertices_.add(vertices_[v].handle, vertices_[v].share);
         }
-        entries.resize(count);
     }
 
     const grid::CutTree<3>& tree_;
     const grid::TreeNodes<3>& nodes_;
     const NearField& field_;
-    LeafModel::Patterns patterns_;
+    LeafFit fit_;
     std::unordered_map<std::uint32_t, std::vector<std::unique_ptr<LeafModel>>> models_; ///< by leaf
     std::vector<std::unique_ptr<LeafModel>> own_models_;
     std::vector<Sampled> points_;
     std::vector<Term> terms_; ///< the terms of a model one after the other
     std::vector<Point> places_;
     std::vector<double> factors_;
+    std::vector<Sum> sums_;
+    std::vector<Run> runs_;
+    Buffer<double> shares_; ///< of the data of runs
+    Buffer<Table::Handle> vertices_;
+    ShareSums<Table::Node> of_nodes_;
+    ShareSums<Table::Handle> of_vertices_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -4,6 +4,7 @@
 #include <cageform/coordinates/harmonic/near_field.hpp>
 #include <cageform/coordinates/harmonic/near_simplex.hpp>
 
+#include <numeric>
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -97,6 +98,19 @@ public:
     double layer(std::size_t vertex, std::size_t point) const noexcept {
         return double(
             values_[point / lane_count<double> * vertices_.size() + vertex][point % lane_count<double>]);
+    }
+
+    /// Returns a sum over the first points.
+    ///
+    ///   shares  of the points, in blocks
+    double sum(std::size_t vertex, std::span<const Lanes<double>> shares) const noexcept {
+        using X = Simd<double>;
+        X sum(0.0);
+        for (std::size_t b = 0; b < shares.size(); ++b)
+            sum = multiply_add(X::load(shares[b]), X::load(values_[b * vertices_.size() + vertex]), sum);
+        Lanes<double> lanes;
+        sum.store(lanes);
+        return std::accumulate(std::begin(lanes.v), std::end(lanes.v), 0.0);
     }
 
     /// Turns 2 F(D_v) for all vertices into F(L_v); see NearSimplex.
@@ -264,8 +278,8 @@ private:
                 face.normal = from.normal;
             }
         }
-        seen_.corners.resize(frame_.vertices.size());
-        seen_.edges.resize(frame_.edges.size());
+        seen_.corners.resize((std::max)(seen_.corners.size(), frame_.vertices.size()));
+        seen_.edges.resize((std::max)(seen_.edges.size(), frame_.edges.size()));
         is_edge_used_.resize(frame_.edges.size());
         find_planes();
     }
@@ -369,7 +383,7 @@ private:
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
             if (!counts(f)) continue;
             const auto& face = frame_.faces[f];
-            const FaceIntegrals<double> of(face, frame_, seen_, 0.0);
+            const FaceIntegrals<double, true> of(face, frame_, seen_, 0.0);
             for (std::size_t k = 0; k < 3; ++k) {
                 if (face.corner[k] >= vertices_.size()) continue;
                 const X share(sign * face.inverse_altitude[k] / full);

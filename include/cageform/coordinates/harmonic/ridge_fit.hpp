@@ -1,57 +1,69 @@
 // A least squares fit with a ridge.
 #pragma once
 
-#include <cageform/config.hpp>
+#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/detail/simd.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Solves a weighted least squares fit. Returns the shares of data in functions: #functions · #data values,
-/// function after function. The share of a datum is its factor in the coefficient of the function.
+/// Solves a weighted least squares fit. The share of a datum is its factor in the coefficient of a function.
 ///
-///   basis   #data · #functions values, data after data
+///   width   a multiple of eight, at least #functions
+///   basis   #data rows; the values past those of the functions are zero
 ///   weight  #data
 ///   ridge   #functions
-inline std::vector<double> ridge_fit(std::span<const double> basis, std::span<const double> weight,
-                                     std::span<const double> ridge) {
-    const std::size_t n = ridge.size(), data = weight.size();
-    std::vector<double> matrix(n * n), shares(n * data); // of the matrix the lower triangle
-    for (std::size_t d = 0; d < data; ++d) {
-        const double* const b = basis.data() + d * n;
-        for (std::size_t i = 0; i < n; ++i) {
-            const double weighted = weight[d] * b[i];
-            for (std::size_t j = 0; j <= i; ++j) matrix[i * n + j] += weighted * b[j];
-            shares[i * data + d] = weighted;
-        }
-    }
-    for (std::size_t i = 0; i < n; ++i) { // Cholesky, in place
-        matrix[i * n + i] += ridge[i];
-        for (std::size_t j = 0; j <= i; ++j) {
-            double sum = matrix[i * n + j];
-            for (std::size_t k = 0; k < j; ++k) sum -= matrix[i * n + k] * matrix[j * n + k];
-            matrix[i * n + j] = i == j ? std::sqrt(sum) : sum / matrix[j * n + j];
-        }
-    }
-    const auto subtract = [&](std::size_t i, std::size_t k, double factor) {
-        for (std::size_t d = 0; d < data; ++d) shares[i * data + d] -= factor * shares[k * data + d];
-    };
-    const auto divide = [&](std::size_t i) {
-        const double factor = 1 / matrix[i * n + i];
-        for (std::size_t d = 0; d < data; ++d) shares[i * data + d] *= factor;
-    };
+///   shares  out: #functions rows of #data shares, in blocks; zero past the data
+template <std::size_t width, std::size_t most>
+void ridge_fit(std::span<const std::array<double, most>> basis, std::span<const double> weight,
+               std::span<const double> ridge, Buffer<Lanes<double>>& shares) {
+    using X = Simd<double>;
+    const std::size_t n = ridge.size(), data = weight.size(), blocks = block_count<double>(data);
+    std::array<std::array<double, width>, width> matrix; // its upper triangle counts; whole rows are faster
+    std::array<double, width> inverse;                   // of the diagonal
     for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t k = 0; k < i; ++k) subtract(i, k, matrix[i * n + k]);
-        divide(i);
+        std::array<double, width> row{};
+        row[i] = ridge[i];
+        for (std::size_t d = 0; d < data; ++d) {
+            const double weighted = weight[d] * basis[d][i];
+            for (std::size_t j = 0; j < width; ++j) row[j] += weighted * basis[d][j];
+        }
+        matrix[i] = row;
     }
-    for (std::size_t i = n; i-- > 0;) {
-        for (std::size_t k = i + 1; k < n; ++k) subtract(i, k, matrix[k * n + i]);
-        divide(i);
+    for (std::size_t k = 0; k < n; ++k) { // Cholesky, in place
+        inverse[k] = 1 / std::sqrt(matrix[k][k]);
+        for (double& x : matrix[k]) x *= inverse[k];
+        for (std::size_t i = k + 1; i < n; ++i) {
+            const double factor = matrix[k][i];
+            for (std::size_t j = 0; j < width; ++j) matrix[i][j] -= factor * matrix[k][j];
+        }
     }
-    return shares;
+    shares.resize(n * blocks);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        std::array<X, width> x;
+        for (std::size_t i = 0; i < n; ++i) {
+            Lanes<double> weighted;
+            for (std::size_t lane = 0; lane < lane_count<double>; ++lane) {
+                const std::size_t d = b * lane_count<double> + lane;
+                weighted[lane] = d < data ? weight[d] * basis[d][i] : 0;
+            }
+            x[i] = X::load(weighted);
+        }
+        for (std::size_t k = 0; k < n; ++k) {
+            x[k] *= X(inverse[k]);
+            for (std::size_t i = k + 1; i < n; ++i) x[i] -= X(matrix[k][i]) * x[k];
+        }
+        for (std::size_t k = n; k-- > 0;) {
+            x[k] *= X(inverse[k]);
+            for (std::size_t i = 0; i < k; ++i) x[i] -= X(matrix[i][k]) * x[k];
+            x[k].store(shares[k * blocks + b]);
+        }
+    }
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

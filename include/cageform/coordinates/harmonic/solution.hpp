@@ -134,12 +134,14 @@ private:
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running,
                   const SamplesOf& samples_of) const {
         constexpr std::size_t lanes = lane_count<T>;
-        constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
+        // Points sampled together share work: few enough for the threads and for the memory of stencils.
+        constexpr std::size_t few = 256 / lanes, many = 4096 / lanes, together = 1024 / lanes;
         const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
         if (!functions_.empty()) {
-            return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t b = begin; b < end; b += together) {
-                    auto samples = samples_of(b * lanes, (std::min)(b + together, end) * lanes);
+            return for_each_block((blocks + few - 1) / few, running, [&](std::size_t begin, std::size_t end) {
+                const std::size_t last = (std::min)(end * few, blocks);
+                for (std::size_t b = begin * few; b < last; b += many) {
+                    auto samples = samples_of(b * lanes, (std::min)(b + many, last) * lanes);
                     for (std::size_t group = 0; group < functions_.size(); ++group)
                         solver().sample(samples, group, functions_[group], batch.rows);
                     solver().finish(samples, batch.rows);

@@ -284,11 +284,11 @@ public:
                     state = PointState::unreached;
                 }
             }
-            const auto slopes = blends.slopes(places);
-            for (std::size_t n = 0; n < slopes.size(); ++n) {
-                samples.add(numbers[n / (D + 1)], slopes[n].nodes, slopes[n].vertices,
+            std::size_t n = 0;
+            blends.slopes(places, [&](const auto& nodes, const auto& vertices) {
+                samples.add(numbers[n++ / (D + 1)], nodes, vertices,
                             [this](std::uint32_t v) { return order_.position(v); });
-            }
+            });
             samples.reserve();
         }
         return samples;
@@ -374,25 +374,29 @@ private:
     template <Scalar T>
     void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
                           Samples& samples) const {
-        const auto data = ordered_data();
         std::vector<Vec<double, D>> inside;
         std::vector<grid::CutStencil<D>> others; // of points that are not inside
         for (std::size_t i = first; i < last; ++i) {
-            others.push_back(cage_->stencil_outside(batch, i));
-            if (is_inside(batch, i)) inside.push_back(in_units(batch, i));
-        }
-        const auto blends = detail::LeafSamples(cage_->tree(), cage_->nodes(), *near_).stencils(inside);
-        auto blend = blends.begin();
-        for (std::size_t i = first; i < last; ++i) {
-            if (!is_inside(batch, i)) {
-                samples.add(others[i - first], data);
-                continue;
+            const auto stencil = cage_->stencil_outside(batch, i);
+            if (is_inside(batch, i)) {
+                inside.push_back(in_units(batch, i));
+            } else {
+                others.push_back(stencil);
             }
-            if (blend->nodes.empty() && blend->vertices.empty()) batch.states[i] = PointState::unreached;
-            samples.add(blend->nodes, blend->vertices,
-                        [this](std::uint32_t v) { return order_.position(v); });
-            ++blend;
         }
+        std::size_t i = first;
+        auto other = others.begin();
+        const auto add_others = [&] {
+            for (; i < last && !is_inside(batch, i); ++i) samples.add(*other++, ordered_data());
+        };
+        detail::LeafSamples(cage_->tree(), cage_->nodes(), *near_)
+            .stencils(inside, [&](const auto& nodes, const auto& vertices) {
+                add_others();
+                samples.add(nodes, vertices, [this](std::uint32_t v) { return order_.position(v); });
+                if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
+                ++i;
+            });
+        add_others();
     }
     template <Scalar T>
     static bool is_inside(const detail::Batch<T>& batch, std::size_t i) noexcept {

@@ -127,7 +127,10 @@ public:
     /// upper one. Positions outside the cube are moved into it. O(depth).
     Cell leaf_at(Index doubled) const noexcept {
         for (auto& x : doubled) x = x < 0 ? 0 : x > 2 * size() - 1 ? 2 * size() - 1 : x;
-        Cell cell = root();
+        return leaf_at(doubled, root());
+    }
+    /// Returns the leaf at a position in a cell.
+    Cell leaf_at(const Index& doubled, Cell cell) const noexcept {
         while (!is_leaf(cell.number)) cell = child_at(cell, doubled);
         return cell;
     }
