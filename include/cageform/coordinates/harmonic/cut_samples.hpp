@@ -36,9 +36,8 @@ public:
 
     /// Adds the stencil of the next point. `data` is the cage's BoundaryData.
     template <class Data>
-    void add(const grid::CutStencil<D>& stencil, const Data& data,
-             std::span<const typename StencilTable<D>::Handle> corrections = {}) {
-        stencils_.add(stencil, data, corrections);
+    void add(const grid::CutStencil<D>& stencil, const Data& data) {
+        stencils_.add(stencil, data);
     }
 
     template <class HandleOf>
@@ -66,11 +65,10 @@ public:
         }
     }
 
-    /// Divides the weights of every point by their sum where that differs from 1 by more than `least`: values
-    /// below 0 have been cut. Points without weights stay as they are.
-    /// `first` must be the first of a block of points.
+    /// Divides the weights of every point by their sum: values below 0 have been cut. Points without weights
+    /// stay as they are. `first` must be the first of a block of points.
     template <Scalar T>
-    void normalise(BlockView<T> rows, double least) const noexcept {
+    void normalise(BlockView<T> rows) const noexcept {
         constexpr std::size_t lanes = lane_count<T>;
         for (std::size_t n = 0; n < stencils_.size(); n += lanes) {
             auto* const row = rows.block((first_ + n) / lanes);

@@ -2,7 +2,7 @@
 // with values interpolated in cells of twice the size.
 #pragma once
 
-#include <cageform/coordinates/harmonic/stencil_table.hpp>
+#include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/grid/tree/leaf_gather.hpp>
 #include <cageform/grid/tree/star.hpp>
 
@@ -12,37 +12,30 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// parent cell. Where functions are smooth the means differ by three times the error of the first,
 /// next to kinks by once or twice that error. The errors of node values are of the same size.
 /// Measured against finer grids, the largest difference is between half and four times the largest
-/// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two.
+/// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two. Where
+/// leaves have models, two fits are compared, of harmonic polynomials up to degree three and two.
 template <std::size_t D>
 class GridErrors {
 public:
     GridErrors() = default;
-    using Stencil = grid::CutStencil<D>;
-    using Corrections = std::span<const typename StencilTable<D>::Handle>;
-
+    /// Compares stencils that `add` makes.
+    ///
+    ///   add  add(places, fine, coarse): adds two stencils of each place to two tables
+    template <class Add>
+        requires std::invocable < const Add&, std::span<const Vec<double, D>>, StencilTable<D>
+    &, StencilTable<D>& > GridErrors(const grid::CutTree<D>& tree, const Running& running, const Add& add) {
+        constexpr std::uint32_t most = 250; // such stencils take the time of about fifty others
+        std::vector<Vec<double, D>> places;
+        for_each_place(tree, most, running,
+                       [&](const Cell&, const Vec<double, D>& middle) { places.push_back(middle); });
+        add(std::span<const Vec<double, D>>(places), fine_, coarse_);
+    }
+    ///   data  the cage's BoundaryData
     template <class Data>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
-               const Running& running)
-        : GridErrors(tree, nodes, data, running, [](Stencil&, Stencil&, const Vec<double, D>&, double) {
-            return std::array<Corrections, 2>{};
-        }) {}
-    ///   data     the cage's BoundaryData
-    ///   correct  correct(fine, coarse, point, size): the Corrections of two means at a point of a leaf;
-    ///            it may change the weights of nodes
-    template <class Data, class Correct>
-    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
-               const Running& running, const Correct& correct) {
+               const Running& running) {
         constexpr std::uint32_t most = 1000;
-        const std::uint32_t step = 1 + tree.cells().leaves() / most;
-        std::uint32_t count = 0;
-        tree.cells().for_each_leaf([&](const Cell& leaf) {
-            if (tree.state(leaf.number) == grid::CellState::out || leaf.number == 0) return;
-            if (count++ % step != 0) return;
-            report_progress(running, double(count) / double(tree.cells().leaves()));
-            const auto middle = leaf.middle();
-            const auto facets = tree.facets(leaf.number);
-            if (!tree.is_inside(middle)) return;
-            if (tree.boundary().nearest(facets, middle).distance <= grid::on_facet_distance) return;
+        for_each_place(tree, most, running, [&](const Cell& leaf, const Vec<double, D>& middle) {
             if constexpr (D == 2) {
                 constexpr unsigned degree = HarmonicMean::most_degree;
                 const auto fine = harmonic_mean_of(tree, nodes, middle, leaf, degree);
@@ -53,11 +46,8 @@ public:
                     return;
                 }
             }
-            auto fine = stencil(tree, nodes, leaf, middle);
-            auto coarse = stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle);
-            const auto corrections = correct(fine, coarse, middle, double(leaf.size));
-            fine_.add(fine, data, corrections[0]);
-            coarse_.add(coarse, data, corrections[1]);
+            fine_.add(stencil(tree, nodes, leaf, middle), data);
+            coarse_.add(stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle), data);
         });
     }
 
@@ -70,11 +60,11 @@ public:
     std::vector<float> of(const Functions& functions, std::size_t first, std::size_t count) const {
         std::vector<float> errors;
         for (std::size_t n = 0; n < fine_.size(); ++n) {
-            auto difference = value(fine_, n, functions, first, count);
-            const auto coarse = value(coarse_, n, functions, first, count);
+            const auto fine = values_at(fine_, n, functions, first, count);
+            const auto coarse = values_at(coarse_, n, functions, first, count);
             double largest = 0;
             for (std::size_t k = 0; k < count; ++k)
-                largest = (std::max)(largest, std::fabs(difference[k] - coarse[k]));
+                largest = (std::max)(largest, std::fabs(fine[k] - coarse[k]));
             errors.push_back(float(largest));
         }
         return errors;
@@ -83,6 +73,22 @@ public:
 private:
     using Cell = typename grid::CellTree<D>::Cell;
 
+    /// Calls f(leaf, its middle) for about `most` leaves whose middle lies inside.
+    template <class F>
+    static void for_each_place(const grid::CutTree<D>& tree, std::uint32_t most, const Running& running,
+                               const F& f) {
+        const std::uint32_t step = 1 + tree.cells().leaves() / most;
+        std::uint32_t count = 0;
+        tree.cells().for_each_leaf([&](const Cell& leaf) {
+            if (tree.state(leaf.number) == grid::CellState::out || leaf.number == 0) return;
+            if (count++ % step != 0) return;
+            report_progress(running, double(count) / double(tree.cells().leaves()));
+            const auto middle = leaf.middle();
+            if (!tree.is_inside(middle)) return;
+            if (tree.boundary().nearest(tree.facets(leaf.number), middle).distance > grid::on_facet_distance)
+                f(leaf, middle);
+        });
+    }
     static grid::CutStencil<D> stencil(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes,
                                        const Cell& cell, const Vec<double, D>& p) {
         grid::CutStencil<D> stencil;
@@ -90,17 +96,6 @@ private:
         LeafGather<D, grid::StencilSink<D>>(tree.boundary(), nodes, sink)
             .gather(cell, tree.facets(cell.number), p);
         return stencil;
-    }
-    template <class Functions>
-    static auto value(const StencilTable<D>& stencils, std::size_t n, const Functions& functions,
-                      std::size_t first, std::size_t count) {
-        std::decay_t<decltype(functions.value(0))> sum{};
-        for (const auto& [node, share] : stencils.nodes(n)) {
-            const auto& at_node = functions.value(node);
-            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += share * at_node[k];
-        }
-        for (const auto& [handle, share] : stencils.handles(n, first, count)) sum[handle - first] += share;
-        return sum;
     }
 
     StencilTable<D> fine_, coarse_;

@@ -315,8 +315,10 @@ class LeafFit {
     using Handle = StencilTable<3>::Handle;
 
 public:
-    explicit LeafFit(const NearField& field)
-        : patch_(field) {}
+    ///   degree  of the polynomials, 2 or 3
+    LeafFit(const NearField& field, unsigned degree)
+        : patch_(field)
+        , ridge_of_cubic_(degree == 3 ? 1e-4 : 1e8) {}
 
     /// Fits a model, for points.
     void set(const LeafModel& model, std::span<const Point> points) {
@@ -401,7 +403,7 @@ private:
         Values ridges{};
         for (std::size_t k = 0; k < ridges.size(); ++k) {
             const bool is_linear = k < 4, is_cubic = k >= 9 && k < LeafModel::polynomials;
-            ridges[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
+            ridges[k] = is_linear ? 1e-13 * trace : is_cubic ? ridge_of_cubic_ * damping : 1e-6 * damping;
         }
         const std::span<const Values> basis(basis_);
         const auto ridge = std::span<const double>(ridges).first(model_->functions());
@@ -422,6 +424,7 @@ private:
     std::vector<Values> basis_;
     std::vector<double> weight_;
     NearPatch patch_;
+    double ridge_of_cubic_;     ///< a large one leaves cubic polynomials out
     bool has_layers_ = false;   ///< whether the patch corrects the model
     std::vector<Point> places_; ///< of data, then points
     Shares row_;

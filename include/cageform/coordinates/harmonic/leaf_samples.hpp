@@ -70,11 +70,13 @@ class LeafSamples {
     static constexpr std::uint32_t none = NearField::none;
 
 public:
-    LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field)
+    ///   degree  of the polynomials of models, 2 or 3
+    LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field,
+                unsigned degree = 3)
         : tree_(tree)
         , nodes_(nodes)
         , field_(field)
-        , fit_(field) {}
+        , fit_(field, degree) {}
 
     /// Calls emit(nodes, vertices) for points inside, in units of the tree, one after the other: with the
     /// shares of nodes and of vertices in the functions there.

@@ -1,7 +1,7 @@
-// Takes the kinks of the hat functions out of the equations and samples of a tree, in space.
+// Takes the kinks of the hat functions out of the equations of a tree, in space.
 //
 // A harmonic function of a handle is not smooth next to the boundary: its data, a hat function, has kinks
-// at the edges of the faces. A row of equations, and a sample, is a mean
+// at the edges of the faces. A row of equations is a mean
 //
 //     u(x) = Σ_p s_p u(p) + Σ_n s_n u(n),   Σ s = 1,   Σ s · place = x,
 //
@@ -72,18 +72,6 @@ public:
         points_.push_back(field_.moved_inside(value, rows_.back().position));
     }
 
-    /// Adds a row for a stencil at a point.
-    void add(std::uint32_t number, const Point& x, double size, const grid::CutStencil<3>& stencil,
-             const grid::TreeNodes<3>& nodes) {
-        begin(number, x, size);
-        for (std::uint32_t n = 0; n < stencil.node_count; ++n) {
-            const auto& [node, share] = stencil.nodes[n];
-            at_node(node, node_position<3>(nodes.index(node)), share);
-        }
-        for (std::uint32_t n = 0; n < stencil.boundary_count; ++n)
-            at_boundary(stencil.boundary_points[n].value, stencil.boundary_points[n].share);
-    }
-
     /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and forgets the rows.
     /// Rows are corrected together with those that they see. Calls scale(number, factor) where the weights of
     /// a row's nodes change.
@@ -109,20 +97,6 @@ public:
         }
         forget();
     }
-    /// Does so from a given place inside, if there is one, and one by one for rows that it does not see: what
-    /// is emitted for a row does not depend on the others.
-    template <class Emit, class Scale>
-    void flush(const std::optional<Point>& from, double size, const Emit& emit, const Scale& scale) {
-        waiting_.resize(rows_.size());
-        std::iota(waiting_.begin(), waiting_.end(), std::uint32_t{0});
-        if (from) correct_from(*from, radius_of_samples * size, emit, scale);
-        const auto hidden = waiting_;
-        for (const std::uint32_t r : hidden) {
-            waiting_ = {r};
-            correct_from(rows_[r].position, radius_of_samples * rows_[r].size, emit, scale);
-        }
-        forget();
-    }
 
 private:
     struct Row {
@@ -141,9 +115,8 @@ private:
     struct Node {
         std::uint32_t node, point;
     };
-    /// Faces within so many sizes of the largest leaf are near: about the rows of equations, and about a leaf
-    /// with samples. With 2 errors are twice as large, with 4 smaller by a tenth to a third (bench_skin).
-    static constexpr double radius_of_rows = 3, radius_of_samples = 3.5;
+    /// Faces within so many sizes of the largest leaf about a row are near.
+    static constexpr double radius_of_rows = 3;
     static constexpr std::uint32_t none = NearField::none;
 
     void add(std::uint32_t point, bool at_node, double weight) {

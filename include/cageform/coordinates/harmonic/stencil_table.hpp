@@ -26,9 +26,9 @@ public:
         double share;
     };
 
-    /// Appends a stencil. `data` is the cage's BoundaryData; `corrections` are added to the handles' weights.
+    /// Appends a stencil. `data` is the cage's BoundaryData.
     template <class Data>
-    void add(const grid::CutStencil<D>& stencil, const Data& data, std::span<const Handle> corrections = {}) {
+    void add(const grid::CutStencil<D>& stencil, const Data& data) {
         nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
         for (std::uint32_t n = 0; n < stencil.boundary_count; ++n) {
             const auto& [value, share] = stencil.boundary_points[n];
@@ -36,7 +36,6 @@ public:
                 handles_.push_back({handle, factor * weight});
             });
         }
-        handles_.append(corrections.data(), corrections.data() + corrections.size());
         end_stencil();
     }
 

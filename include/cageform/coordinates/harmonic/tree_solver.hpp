@@ -303,7 +303,7 @@ public:
     template <Scalar T>
     void finish([[maybe_unused]] const Samples& samples, [[maybe_unused]] BlockView<T> rows) const noexcept {
         if constexpr (D == 3) {
-            if (near_) samples.normalise(rows, least_layer());
+            if (near_) samples.normalise(rows);
         }
     }
     template <Scalar T>
@@ -346,26 +346,18 @@ private:
     detail::GridErrors<D> grid_errors(const Running& running) const {
         if constexpr (D == 3) {
             if (near_) {
-                using Errors = detail::GridErrors<D>;
-                using Handle = typename detail::StencilTable<D>::Handle;
-                detail::NearRows rows(*near_, 0);
-                std::array<std::vector<Handle>, 2> found; // NOLINT(misc-const-correctness): filled below
-                const auto correct = [&](typename Errors::Stencil& fine, typename Errors::Stencil& coarse,
-                                         const Vec<double, D>& p, double size) {
-                    for (auto& list : found) list.clear();
-                    rows.add(0, p, size, fine, cage_->nodes());
-                    rows.add(1, p, size, coarse, cage_->nodes());
-                    rows.flush(
-                        p, size,
-                        [&](std::uint32_t n, std::uint32_t vertex, double amount) {
-                            found[n].push_back({order_.position(vertex), amount});
-                        },
-                        [&](std::uint32_t n, double factor) {
-                            (n == 0 ? fine : coarse).scale_nodes(factor);
-                        });
-                    return std::array<typename Errors::Corrections, 2>{found[0], found[1]};
-                };
-                return {cage_->tree(), cage_->nodes(), ordered_data(), running, correct};
+                using Table = detail::StencilTable<D>;
+                return {cage_->tree(), running,
+                        [this](std::span<const Vec<double, D>> places, Table& fine, Table& coarse) {
+                            for (const unsigned degree : {3u, 2u}) {
+                                detail::LeafSamples(cage_->tree(), cage_->nodes(), *near_, degree)
+                                    .stencils(places, [&](const auto& nodes, const auto& vertices) {
+                                        (degree == 3 ? fine : coarse)
+                                            .add(nodes, vertices,
+                                                 [this](std::uint32_t v) { return order_.position(v); });
+                                    });
+                            }
+                        }};
             }
         }
         return {cage_->tree(), cage_->nodes(), ordered_data(), running};

@@ -44,11 +44,8 @@ struct CutStencil {
     void add(const BoundaryValue<D>& value, double share) noexcept {
         boundary_points[boundary_count++] = {value, share};
     }
-    void scale_nodes(double factor) noexcept {
-        for (std::uint32_t n = 0; n < node_count; ++n) nodes[n].share *= factor;
-    }
     void scale(double factor) noexcept {
-        scale_nodes(factor);
+        for (std::uint32_t n = 0; n < node_count; ++n) nodes[n].share *= factor;
         for (std::uint32_t n = 0; n < boundary_count; ++n) boundary_points[n].share *= factor;
     }
 };

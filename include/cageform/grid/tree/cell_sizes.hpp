@@ -16,9 +16,9 @@ namespace grid {
 
 struct RefinementOptions {
     double across = 6; ///< cells across the thickness of the domain
-    /// In space: an error of functions that is small, or 0. Between two facets, far from their edges, functions
-    /// are linear. If this is not 0, cells are small across the thickness only where the kinks of functions at
-    /// edges would cause larger errors.
+    /// In space: an error of functions that is small, or 0. Between two facets, far from their edges,
+    /// functions are linear. If this is not 0, cells are small across the thickness only where the
+    /// kinks of functions at edges would cause larger errors.
     double small_error = 0;
     /// Cells along the least altitude of a facet. In the plane that is the length of an edge.
     double per_facet = 1;
@@ -213,8 +213,8 @@ private:
     struct Kink {
         double size, reach; ///< at the edge, and as far from it
     };
-    /// Between two planes a function that deviates by A from a linear one deviates by A exp(-π d / thickness) at
-    /// a distance d.
+    /// Between two planes a function that deviates by A from a linear one deviates by A exp(-π d /
+    /// thickness) at a distance d.
     ///
     ///   slope  of functions next to the edge, on the facets
     static Kink kink_at(double thickness, double slope, const grid::RefinementOptions& options) noexcept {
@@ -224,7 +224,8 @@ private:
         return {(std::max)(thickness / options.across, options.small_error / (error_of_cell * slope)),
                 amplitude > 1 ? thickness / std::numbers::pi * std::log(amplitude) : 0};
     }
-    /// The largest cell in a thin domain, in thicknesses: larger ones lose places of the boundary to rounding.
+    /// The largest cell in a thin domain, in thicknesses: larger ones lose places of the boundary to
+    /// rounding.
     static constexpr double most_of_thickness = 64;
     /// Returns the size that a facet allows at a place where the domain is thin.
     double size_between([[maybe_unused]] std::uint32_t n, [[maybe_unused]] const Point& position,
@@ -351,7 +352,8 @@ private:
     std::vector<std::uint32_t> faced_; ///< by facet and side: the facet that the last ray from it met
     std::vector<double> altitudes_;    ///< by facet
     std::vector<double> root_areas_;   ///< by facet: the root of its area
-    /// By facet, in space, and by the corner opposite an edge: the largest slope of a hat function next to it.
+    /// By facet, in space, and by the corner opposite an edge: the largest slope of a hat function next
+    /// to it.
     std::vector<std::array<double, D>> slopes_;
 };
 
