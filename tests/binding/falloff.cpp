@@ -80,17 +80,6 @@ C random_coordinates(std::uint64_t seed) {
     }
 }
 
-/// The handles that are points.
-template <class C>
-auto corners_of(const C& coordinates) {
-    const auto handles = cageform::handle_view(coordinates);
-    std::vector<Vec<typename C::scalar, C::dimension>> corners;
-    for (std::size_t i = 0; i < handles.count; ++i) {
-        if (handles.is_point(i)) corners.push_back(handles.rest[i]);
-    }
-    return corners;
-}
-
 /// A cage at random, points about it, and a pose. The handles are among the points.
 template <class C>
 struct Scene {

@@ -131,21 +131,6 @@ TEMPLATE_TEST_CASE(
     }
 }
 
-TEST_CASE("blended weights are smooth across the boundary of a cage", "[coordinates][blended]") {
-    // Second differences across x = 1, where the second cage begins: bounded where the slope is continuous,
-    // of order 1/h where it jumps.
-    const auto coordinates = pair_of_cages<MeanValueCoordinates<double, 2>>();
-    for (const double h : {1e-2, 1e-3}) {
-        const Points2<double> points{{1 - h, 0.4}, {1, 0.4}, {1 + h, 0.4}};
-        const auto weights = evaluate_all(coordinates, points);
-        for (std::size_t k = 0; k < 8; ++k) {
-            const double second =
-                (weights.rows[0][k] - 2 * weights.rows[1][k] + weights.rows[2][k]) / (h * h);
-            CHECK(std::fabs(second) <= 20);
-        }
-    }
-}
-
 TEST_CASE("a figure in two cages is exact at rest and under common affine moves",
           "[coordinates][blended][clone]") {
     std::vector<MeanValueCoordinates<double, 3>> parts;

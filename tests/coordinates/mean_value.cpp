@@ -334,44 +334,6 @@ TEMPLATE_TEST_CASE("a point in the middle of a thin cage is inside", "[coordinat
     }
 }
 
-TEST_CASE("mean value weights have a continuous derivative", "[coordinates][mean_value][smooth]") {
-    // Among the points are those where the implementation changes between its formulas: where the angle
-    // over an edge is right (on the circle about the edge), and on the edge's line beyond its ends.
-    const auto seed = GENERATE(seeds(effort(40, 8)));
-    CAPTURE(seed);
-    Random random(std::uint64_t(seed) + 5000);
-    const auto cage = seed % 2 == 0 ? Polygon<double>(random_star<double>(std::uint64_t(seed)))
-                                    : random_rings<double>(std::uint64_t(seed));
-    const double diagonal = cageform::bounds_of(cage.vertices()).diagonal();
-    Points2<double> points;
-    for (int i = 0; i < 20; ++i) points.push_back(random_inside(cage, random, 1e-2));
-    for (const auto& p : ring_of_points(cage, 1.0, 5, random)) points.push_back(p);
-    for (int i = 0; i < 10; ++i) {
-        const auto [a, b, middle] = on_edge(cage, random.below(cage.size()), 0.5);
-        const double angle = random.uniform(0, 6.3), radius = distance(cage[a], cage[b]) / 2;
-        points.push_back({middle[0] + radius * std::cos(angle), middle[1] + radius * std::sin(angle)});
-        points.push_back(middle + random.uniform(1.1, 2) * (cage[b] - cage[a]));
-    }
-    const Mean<double> coordinates(cage);
-    std::size_t tested = 0;
-    for (const auto& p : points) {
-        const double room = double(cageform::nearest_on_boundary(cage, p).distance);
-        if (room < 1e-2 * diagonal) continue;
-        ++tested;
-        const double step = 1e-5 * room, angle = random.uniform(0, 6.3);
-        const Vec<double, 2> d{step * std::cos(angle), step * std::sin(angle)};
-        const auto w = evaluate_all(coordinates, Points2<double>{p - d, p, p + d}).rows;
-        double kink = 0;
-        for (std::size_t i = 0; i < cage.size(); ++i)
-            kink = cageform_tests::larger(kink, std::fabs((w[2][i] - w[1][i]) - (w[1][i] - w[0][i])) / step);
-        CAPTURE(p[0], p[1], room, kink);
-        // A kink would show as a difference of slopes of the order of the slopes, Σ|w| / room; what a second
-        // derivative makes of it is `step / room` times smaller, and rounding adds 1e-16 / 1e-5.
-        CHECK(kink <= (64 * step / room + 1e-9) * absolute_sum(w[1]) / room);
-    }
-    REQUIRE(tested >= 15);
-}
-
 TEMPLATE_TEST_CASE("mean value states are those of locate", "[coordinates][mean_value][state]",
                    CAGEFORM_SCALARS) {
     using T = TestType;

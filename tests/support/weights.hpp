@@ -54,6 +54,17 @@ Weights<typename C::scalar> evaluate_all(const C& coordinates, const R& points,
     return result;
 }
 
+/// The handles that are points.
+template <class C>
+auto corners_of(const C& coordinates) {
+    const auto handles = cageform::handle_view(coordinates);
+    std::vector<Vec<typename C::scalar, C::dimension>> corners;
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) corners.push_back(handles.rest[i]);
+    }
+    return corners;
+}
+
 template <class Row>
 long double sum_of(const Row& row) {
     long double sum = 0;

@@ -41,6 +41,8 @@ struct AdaptiveGrid {
 /// The functions do not depend on `T` except for its rounding.
 ///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
+///   smooth    in space, for meshes of triangles without cells inside: C² inside the cage, but C⁰ where a
+///             weight that would be negative becomes 0. Else neighbouring points can differ by the error
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel makes the grid and solves the groups of
