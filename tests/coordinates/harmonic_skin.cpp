@@ -138,7 +138,8 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
     REQUIRE(cage.refine(0.02, 1e6, leaves, {}));
     const auto& boundary = cage.tree().boundary();
     const cageform::detail::NearField field(boundary, complex.boundary());
-    cageform::detail::LeafSamples samples(cage.tree(), cage.nodes(), field);
+    cageform::detail::LeafSamples<cageform::detail::LeafModel, cageform::detail::LeafFit> samples(
+        cage.tree(), cage.nodes(), field);
     const auto points = points_below_faces(mesh, 12, std::uint64_t(seed));
     // Any values at nodes and vertices.
     const auto value_at = [&](std::uint32_t number, std::uint64_t kind) {

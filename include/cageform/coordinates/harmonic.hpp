@@ -41,13 +41,14 @@ struct AdaptiveGrid {
 /// The functions do not depend on `T` except for its rounding.
 ///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
-///   smooth    in space, for meshes of triangles without cells inside: C² inside the cage, but C⁰ where a
-///             weight that would be negative becomes 0. Else neighbouring points can differ by the error
+///   smooth    C² inside the cage, but C⁰ across walls, and where a weight that would be negative becomes 0.
+///             About bones, and in space with cells inside or faces of more than three corners, neighbouring
+///             points can differ by the error
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel makes the grid and solves the groups of
-///             sixteen; each thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D
-///             and 150 in 3D. Progress is reported before every cycle on the calling thread, which has to
+///             sixteen; each thread needs `solver_memory().block` bytes, every point about 480 bytes in 2D
+///             and 1,500 in 3D. Progress is reported before every cycle on the calling thread, which has to
 ///             take part in the work
 ///   compiles  slowly, for it contains a solver; with cageform::compiled the solver is in a library
 ///   fails     as check(cage); accuracy_not_supported; resolution_not_supported, if the cage is too small
@@ -155,12 +156,12 @@ public:
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
     ///              length. Those of points outside stay as they are
     ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the
-    ///              tolerance over h. For a TriangleMesh: derivatives of the weights before these are cut at
-    ///              zero, continuous inside (cube of side 4, asked 1e-3: nine of ten within 3e-4).
+    ///              tolerance over h. Where weights are C²: derivatives of the weights before these are cut
+    ///              at zero, continuous inside (cube of side 4, asked 1e-3: nine of ten within 3e-4).
     ///              Else differences over a cell: errors of order h², within a cell of the boundary of
     ///              order h. For a point on the boundary: the gradient at a point inside, a hundredth of a
-    ///              cell away for a TriangleMesh, else half a cell (unreached if there is none)
-    ///   cost       for a TriangleMesh 1.3 to 6 times that of evaluating the points (scattered, or
+    ///              cell away where weights are C², else half a cell (unreached if there is none)
+    ///   cost       where weights are C² 1.3 to 6 times that of evaluating the points (scattered, or
     ///              hundreds in a cell), else of evaluating 2D + 1 points for each; unless `solve` has
     ///              been called, with the memory of their stencils or weights
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,

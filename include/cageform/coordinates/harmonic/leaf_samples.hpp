@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/leaf_models.hpp>
+#include <cageform/coordinates/harmonic/plane_models.hpp>
 
 #include <bit>
 #include <memory>
@@ -28,8 +29,9 @@ public:
         }
     }
     /// Adds a share of the data at a place of the boundary.
-    void add(const BoundaryValue<3>& value, double share) {
-        HatData<3>::for_each_weight(
+    template <std::size_t D>
+    void add(const BoundaryValue<D>& value, double share) {
+        HatData<D>::for_each_weight(
             value, [&](std::uint32_t vertex, double weight) { add(vertex, share * weight); });
     }
     std::span<const Share> sums() const noexcept { return {sums_.data(), sums_.size()}; }
@@ -63,16 +65,20 @@ private:
 
 /// Makes the stencils of points inside a cage. Points of one leaf share its models. A stencil does not depend
 /// on other points.
+///   Model, Fit  LeafModel and LeafFit, in the plane PlaneModel and its ModelFit
+template <class Model, class Fit>
 class LeafSamples {
-    using Point = NearField::Point;
-    using Cell = grid::CellTree<3>::Cell;
-    using Table = StencilTable<3>;
-    static constexpr std::uint32_t none = NearField::none;
+    static constexpr std::size_t D = Model::D;
+    static constexpr std::uint32_t none = Model::Nodes::none;
+    using Point = typename Model::Point;
+    using Cell = typename Model::Cell;
+    using Field = typename Model::Field;
+    using Table = StencilTable<D>;
 
 public:
-    ///   degree  of the polynomials of models, 2 or 3
-    LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field,
-                unsigned degree = 3)
+    ///   degree  of the polynomials of models
+    LeafSamples(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Field& field,
+                unsigned degree = Model::degree)
         : tree_(tree)
         , nodes_(nodes)
         , field_(field)
@@ -95,10 +101,10 @@ public:
         double most = least_free;
         if (tree_.is_inside(x) && !(free_distance(x, most) < most)) return x;
         std::optional<Point> place;
-        for (unsigned direction = 0; direction < 8; ++direction) {
+        for (unsigned direction = 0; direction < grid::CellTree<D>::children; ++direction) {
             Point q = x;
-            for (std::size_t k = 0; k < 3; ++k)
-                q[k] += (((direction >> k) & 1u) != 0 ? 0.01 : -0.01) * size / std::numbers::sqrt3;
+            for (std::size_t k = 0; k < D; ++k)
+                q[k] += (((direction >> k) & 1u) != 0 ? 0.01 : -0.01) * size / std::sqrt(double(D));
             if (!tree_.is_inside(q) || field_.boundary().first_met(q, 0.9 * (x - q))) continue;
             const double free = free_distance(q, size);
             if (!(free > 1.001 * most)) continue; // rounding decides no ties
@@ -107,10 +113,10 @@ public:
         }
         return place;
     }
-    /// Calls emit(nodes, vertices) four times for each such place: with the stencils of the value, and of the
-    /// derivatives along the axes, per unit of the cage. Derivatives are differences over two thousandths of
-    /// a leaf, next to faces over a fiftieth of the distance. They err by a millionth, since shares are twice
-    /// differentiable and are not rounded.
+    /// Calls emit(nodes, vertices) D + 1 times for each such place: with the stencils of the value, and of
+    /// the derivatives along the axes, per unit of the cage. Derivatives are differences over two thousandths
+    /// of a leaf, next to faces over a fiftieth of the distance. They err by a millionth, since shares are
+    /// twice differentiable and are not rounded.
     template <class Emit>
     void slopes(std::span<const Point> places, const Emit& emit) {
         points_.clear();
@@ -118,7 +124,7 @@ public:
         for (const Point& p : places) {
             const double step = 0.01 * free_distance(p, 0.1 * tree_.leaf_at(p).size);
             points_.push_back({p, 1, count++});
-            for (std::size_t axis = 0; axis < 3; ++axis, ++count) {
+            for (std::size_t axis = 0; axis < D; ++axis, ++count) {
                 Point below = p, above = p;
                 below[axis] -= step;
                 above[axis] += step;
@@ -179,10 +185,10 @@ private:
     struct Term {
         std::uint32_t leaf, point;
         double weight;
-        const LeafModel* model;
+        const Model* model;
     };
     struct Run { ///< the shares of a model in a sum
-        const LeafModel* model;
+        const Model* model;
         std::size_t shares, vertices; ///< where they begin
         std::size_t vertices_end = 0;
         std::uint32_t next = none; ///< the next run of the sum
@@ -192,7 +198,7 @@ private:
     };
     struct Foot { ///< a place of a face near a point
         Point at;
-        BoundaryValue<3> value;
+        BoundaryValue<D> value;
         double share; ///< a / (1 + Σ a)
     };
     struct Sampled {
@@ -212,7 +218,7 @@ private:
         const bool is_leaf = tree_.cells().is_leaf(cell.number);
         const double reach = overlap * cell.size * (is_leaf ? 1 : 0.5);
         double weight = 1;
-        for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t k = 0; k < D; ++k) {
             const double beyond = (std::max)(cell.low[k] - x[k], x[k] - cell.low[k] - cell.size);
             if (beyond >= reach) return;
             weight *= smooth_step((reach - beyond) / (2 * reach));
@@ -220,27 +226,27 @@ private:
         if (is_leaf) return f(cell, weight);
         // A bit for each child: those at the lower ends of the axes, and at the upper ends.
         constexpr std::array<unsigned, 3> lower{0x55, 0x33, 0x0f}, upper{0xaa, 0xcc, 0xf0};
-        unsigned children = 0xff;
-        for (std::size_t k = 0; k < 3; ++k) {
+        unsigned children = (1u << grid::CellTree<D>::children) - 1;
+        for (std::size_t k = 0; k < D; ++k) {
             const double beyond = x[k] - cell.low[k] - 0.5 * cell.size, most = 0.5 * overlap * cell.size;
             children &= (beyond < most ? lower[k] : 0) | (beyond > -most ? upper[k] : 0);
         }
         for (; children != 0; children &= children - 1)
             visit(tree_.cells().child(cell, std::size_t(std::countr_zero(children))), x, f);
     }
-    const std::vector<std::unique_ptr<LeafModel>>& models_of(std::uint32_t number) {
+    const std::vector<std::unique_ptr<Model>>& models_of(std::uint32_t number) {
         const auto [known, is_new] = models_.try_emplace(number);
         if (is_new) {
             const Cell leaf = tree_.cells().cell(number);
-            for (const Point& place : LeafModel::places_of(tree_, field_, leaf)) {
+            for (const Point& place : Model::places_of(tree_, field_, leaf)) {
                 auto model = make_model(leaf, place);
                 if (model->is_valid()) known->second.push_back(std::move(model));
             }
         }
         return known->second;
     }
-    std::unique_ptr<LeafModel> make_model(const Cell& leaf, const Point& place) {
-        return std::make_unique<LeafModel>(tree_, nodes_, field_, leaf, place);
+    std::unique_ptr<Model> make_model(const Cell& leaf, const Point& place) {
+        return std::make_unique<Model>(tree_, nodes_, field_, leaf, place);
     }
     void add_term(const Term& term) {
         terms_.push_back(term);
@@ -263,7 +269,7 @@ private:
     double free_distance(const Point& x, double limit) const {
         double least = limit;
         field_.boundary().for_each_within(x, limit, [&](std::uint32_t f) {
-            const auto corners = exact_corners(f);
+            const auto corners = field_.exact_corners(f);
             least = (std::min)(least, length(point_on_facet(nearest_on_facet(x, corners), corners) - x));
         });
         return least;
@@ -277,14 +283,15 @@ private:
         const double least = std::ldexp(4.0, -field_.boundary().fraction());
         double sum = 1;
         field_.boundary().for_each_within(x, layer, [&](std::uint32_t f) {
-            const auto corners = exact_corners(f);
+            const auto corners = field_.exact_corners(f);
+            const Point normal = field_.outward_normal(f, x);
             const auto nearest = nearest_on_facet(x, corners);
             const auto foot = point_on_facet(nearest, corners);
-            const double distance = length(foot - x), depth = dot(field_.face(f).normal, corners[0] - x);
+            const double distance = length(foot - x), depth = dot(normal, corners[0] - x);
             if (!(distance < layer)) return;
             if (distance < (depth > 0 ? least : rounding)) {
                 point.is_on_face = true;
-                point.feet = {{foot, value_on_facet(field_.face(f).corner, nearest), 1}};
+                point.feet = {{foot, value_on_facet(field_.vertices(f), nearest), 1}};
             }
             const double cosine = (depth + rounding) / (distance + rounding);
             if (point.is_on_face || !(cosine > 0)) return;
@@ -292,65 +299,16 @@ private:
             const double t = distance / layer, fades = (1 - t * t) * (1 - t * t);
             const double amount = smooth_step(cosine / 0.3) * fades * fades / (std::max)(t * t, 1e-16);
             if (!(amount > 0)) return;
-            const auto weights = place_inside(f, x, corners, nearest, 0.15 * distance);
+            const auto weights = field_.place_inside(f, x, corners, nearest, 0.15 * distance);
             const auto place = point_on_facet(weights, field_.corners(f));
             const double below = (std::min)(1e-5, 0.5 * depth);
-            point.feet.push_back({place - below * field_.face(f).normal,
-                                  value_on_facet(field_.face(f).corner, weights), amount});
+            point.feet.push_back(
+                {place - below * normal, value_on_facet(field_.vertices(f), weights), amount});
             sum += amount;
         });
         if (point.is_on_face) return;
         for (Foot& foot : point.feet) foot.share /= sum;
     }
-    /// Returns the corners of a face without rounding.
-    Corners<3> exact_corners(std::uint32_t f) const noexcept {
-        const auto& exact = field_.boundary().exact(f);
-        Corners<3> corners{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            for (std::size_t l = 0; l < 3; ++l) {
-                if (exact.vertex[l] == field_.face(f).corner[k]) corners[k] = exact.corner[l];
-            }
-        }
-        return corners;
-    }
-    /// Returns the weights of a place of a face near x: a smooth function of x, inside the face. The place q
-    /// minimises |q − x|² / (2 width²) − Σ_k log(distance of q from edge k), by a damped Newton method.
-    std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const Corners<3>& corners,
-                                       const std::array<double, 3>& nearest, double width) const {
-        const auto& face = field_.face(f);
-        const Point u = (1 / length(corners[1] - corners[0])) * (corners[1] - corners[0]),
-                    v = cross(face.normal, u);
-        double altitude = 0;
-        for (const double inverse : face.inverse_altitude) altitude = (std::max)(altitude, 1 / inverse);
-        const double pull = (std::min)(0.5, width / altitude), stiffness = 1 / (width * width);
-        std::array<double, 3> weights = nearest;
-        for (double& w : weights) w = (1 - pull) * w + pull / 3;
-        Point q = point_on_facet(weights, corners);
-        const auto distance_from = [&](std::size_t k) {
-            return dot(face.across[k], corners[(k + 1) % 3] - q);
-        };
-        for (int step = 0; step < 60; ++step) {
-            double gu = stiffness * dot(u, q - x), gv = stiffness * dot(v, q - x);
-            double huu = stiffness, huv = 0, hvv = stiffness;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double inverse = 1 / distance_from(k);
-                const double au = inverse * dot(face.across[k], u), av = inverse * dot(face.across[k], v);
-                gu += au;
-                gv += av;
-                huu += au * au;
-                huv += au * av;
-                hvv += av * av;
-            }
-            const double determinant = huu * hvv - huv * huv;
-            const double du = (huv * gv - hvv * gu) / determinant, dv = (huv * gu - huu * gv) / determinant;
-            const double decrement = std::sqrt((std::max)(0.0, -(gu * du + gv * dv)));
-            const double damping = decrement > 0.25 ? 1 / (1 + decrement) : 1;
-            q = q + (damping * du) * u + (damping * dv) * v;
-            if (decrement < 1e-9) break;
-        }
-        return nearest_on_facet(q, corners);
-    }
-
     // ---- sums ------------------------------------------------------------------------------------------
 
     /// Finds a model's shares in sums: those at points, less those at the points' feet.
@@ -408,12 +366,12 @@ private:
         }
     }
 
-    const grid::CutTree<3>& tree_;
-    const grid::TreeNodes<3>& nodes_;
-    const NearField& field_;
-    LeafFit fit_;
-    std::unordered_map<std::uint32_t, std::vector<std::unique_ptr<LeafModel>>> models_; ///< by leaf
-    std::vector<std::unique_ptr<LeafModel>> own_models_;
+    const grid::CutTree<D>& tree_;
+    const grid::TreeNodes<D>& nodes_;
+    const Field& field_;
+    Fit fit_;
+    std::unordered_map<std::uint32_t, std::vector<std::unique_ptr<Model>>> models_; ///< by leaf
+    std::vector<std::unique_ptr<Model>> own_models_;
     std::vector<Sampled> points_;
     std::vector<Term> terms_; ///< the terms of a model one after the other
     std::vector<Point> places_;
@@ -421,9 +379,9 @@ private:
     std::vector<Sum> sums_;
     std::vector<Run> runs_;
     Buffer<double> shares_; ///< of the data of runs
-    Buffer<Table::Handle> vertices_;
-    ShareSums<Table::Node> of_nodes_;
-    ShareSums<Table::Handle> of_vertices_;
+    Buffer<typename Table::Handle> vertices_;
+    ShareSums<typename Table::Node> of_nodes_;
+    ShareSums<typename Table::Handle> of_vertices_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

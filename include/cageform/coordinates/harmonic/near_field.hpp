@@ -11,6 +11,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 class NearField {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
+    static constexpr std::size_t dimension = 3;
     using Point = Vec<double, 3>;
     using Frame = GreenFrame<double, 3>;
 
@@ -87,11 +88,82 @@ public:
         wedge.angle = wedge.place(at(apex(g, e))).theta;
         return wedge;
     }
+    /// Calls f(edge) for the bent edges that are nearer to a point than a distance.
+    template <class F>
+    void for_each_near_bent_edge(const Point& p, double distance, const F& f) const {
+        std::vector<std::uint32_t> known;
+        boundary_.for_each_within(p, distance, [&](std::uint32_t face) {
+            for (const std::uint32_t e : this->face(face).edge) {
+                const auto& [from, to, along, length_of_edge] = edge(e);
+                if (!is_bent(e) || std::find(known.begin(), known.end(), e) != known.end()) continue;
+                known.push_back(e);
+                const double apart = distance_to_segment(p, at(from), at(to));
+                if (apart < distance) f(e, apart);
+            }
+        });
+    }
+    bool has_reflex_edge(const Point& p, double distance) const {
+        bool any = false;
+        for_each_near_bent_edge(
+            p, distance, [&](std::uint32_t e, double) { any = any || wedge(e).angle > std::numbers::pi; });
+        return any;
+    }
     /// Returns the point of the boundary that has a value.
     Point position(const BoundaryValue<3>& value) const noexcept {
         Point p{};
         for (std::size_t k = 0; k < value.handle.size(); ++k) p = p + value.weight[k] * at_[value.handle[k]];
         return p;
+    }
+    std::array<std::uint32_t, 3> vertices(std::uint32_t f) const noexcept { return face(f).corner; }
+    /// Returns the unit normal out of the domain in which a point lies.
+    const Point& outward_normal(std::uint32_t f, const Point&) const noexcept { return face(f).normal; }
+    /// Returns the corners of a face without rounding.
+    Corners<3> exact_corners(std::uint32_t f) const noexcept {
+        const auto& exact = boundary_.exact(f);
+        Corners<3> corners{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (std::size_t l = 0; l < 3; ++l) {
+                if (exact.vertex[l] == face(f).corner[k]) corners[k] = exact.corner[l];
+            }
+        }
+        return corners;
+    }
+    /// Returns the weights of a place of a face near x: a smooth function of x, inside the face. The place q
+    /// minimises |q − x|² / (2 width²) − Σ_k log(distance of q from edge k), by a damped Newton method.
+    std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const Corners<3>& corners,
+                                       const std::array<double, 3>& nearest, double width) const {
+        const auto& face = this->face(f);
+        const Point u = (1 / length(corners[1] - corners[0])) * (corners[1] - corners[0]),
+                    v = cross(face.normal, u);
+        double altitude = 0;
+        for (const double inverse : face.inverse_altitude) altitude = (std::max)(altitude, 1 / inverse);
+        const double pull = (std::min)(0.5, width / altitude), stiffness = 1 / (width * width);
+        std::array<double, 3> weights = nearest;
+        for (double& w : weights) w = (1 - pull) * w + pull / 3;
+        Point q = point_on_facet(weights, corners);
+        const auto distance_from = [&](std::size_t k) {
+            return dot(face.across[k], corners[(k + 1) % 3] - q);
+        };
+        for (int step = 0; step < 60; ++step) {
+            double gu = stiffness * dot(u, q - x), gv = stiffness * dot(v, q - x);
+            double huu = stiffness, huv = 0, hvv = stiffness;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double inverse = 1 / distance_from(k);
+                const double au = inverse * dot(face.across[k], u), av = inverse * dot(face.across[k], v);
+                gu += au;
+                gv += av;
+                huu += au * au;
+                huv += au * av;
+                hvv += av * av;
+            }
+            const double determinant = huu * hvv - huv * huv;
+            const double du = (huv * gv - hvv * gu) / determinant, dv = (huv * gu - huu * gv) / determinant;
+            const double decrement = std::sqrt((std::max)(0.0, -(gu * du + gv * dv)));
+            const double damping = decrement > 0.25 ? 1 / (1 + decrement) : 1;
+            q = q + (damping * du) * u + (damping * dv) * v;
+            if (decrement < 1e-9) break;
+        }
+        return nearest_on_facet(q, corners);
     }
 
     /// Moves a place of the boundary inside, towards x where all faces at the place allow that, else against

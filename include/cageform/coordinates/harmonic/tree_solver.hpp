@@ -113,7 +113,7 @@ public:
             return Status::accuracy_not_supported;
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
-        const bool subtracts_kinks = has_near_field(problem);
+        const bool subtracts_kinks = D == 3 && is_blended(problem);
         const double bytes_of_leaf = subtracts_kinks ? 500 : 340; // tree, hierarchy and a block, measured
         const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks,
                                        running.subtask(0, 0.05));
@@ -154,14 +154,13 @@ public:
         , tolerance_(of_accuracy * problem.options.accuracy)
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices().first(problem.handles), width)
-        , near_(near_field_of(*cage_, problem))
+        , field_(field_of(*cage_, problem))
         , multigrid_(cage_->tree(), cage_->nodes(), links(running.subtask(0, 0.7)), running.subtask(0.7, 0.9))
         , errors_(grid_errors(running.subtask(0.9, 1))) {}
 
     SolverMemory memory() const noexcept {
-        std::size_t bytes = // NOLINT(misc-const-correctness): added to in space
-            cage_->bytes() + multigrid_.bytes() + errors_.bytes();
-        if constexpr (D == 3) bytes += near_ ? near_->bytes() : 0;
+        const std::size_t bytes =
+            cage_->bytes() + multigrid_.bytes() + errors_.bytes() + (field_ ? field_->bytes() : 0);
         return {bytes, multigrid_.block_bytes(is_refined())};
     }
     template <class F>
@@ -248,49 +247,41 @@ public:
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
         const auto data = ordered_data();
-        if constexpr (D == 3) {
-            if (near_) {
-                add_near_samples(batch, first, last, samples);
-                return samples;
-            }
+        if (field_) {
+            add_blends(batch, first, last, samples);
+            return samples;
         }
         for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
     /// Whether there are stencils of derivatives: the samples are then twice differentiable.
-    bool has_gradient_samples() const noexcept {
-        if constexpr (D == 3) return near_.has_value();
-        return false;
-    }
+    bool has_gradient_samples() const noexcept { return field_.has_value(); }
     /// Points that are neither inside nor on the boundary have no stencils.
     template <Scalar T>
-    GradientSamples gradient_samples([[maybe_unused]] const detail::Batch<T>& batch,
-                                     [[maybe_unused]] std::size_t first,
-                                     [[maybe_unused]] std::size_t last) const {
+    GradientSamples gradient_samples(const detail::Batch<T>& batch, std::size_t first,
+                                     std::size_t last) const {
         GradientSamples samples(order_.size());
-        if constexpr (D == 3) {
-            detail::LeafSamples blends(cage_->tree(), cage_->nodes(), *near_);
-            std::vector<Vec<double, D>> places;
-            std::vector<std::size_t> numbers;
-            for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
-                (void)cage_->stencil_outside(batch, i);
-                PointState& state = batch.states[i];
-                if (state != PointState::inside && state != PointState::on_boundary) continue;
-                const auto place = blends.differentiable_place(in_units(batch, i));
-                if (place) {
-                    places.push_back(*place);
-                    numbers.push_back(i);
-                } else {
-                    state = PointState::unreached;
-                }
+        Blends blends(cage_->tree(), cage_->nodes(), *field_);
+        std::vector<Vec<double, D>> places;
+        std::vector<std::size_t> numbers;
+        for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
+            (void)cage_->stencil_outside(batch, i);
+            PointState& state = batch.states[i];
+            if (state != PointState::inside && state != PointState::on_boundary) continue;
+            const auto place = blends.differentiable_place(in_units(batch, i));
+            if (place) {
+                places.push_back(*place);
+                numbers.push_back(i);
+            } else {
+                state = PointState::unreached;
             }
-            std::size_t n = 0;
-            blends.slopes(places, [&](const auto& nodes, const auto& vertices) {
-                samples.add(numbers[n++ / (D + 1)], nodes, vertices,
-                            [this](std::uint32_t v) { return order_.position(v); });
-            });
-            samples.reserve();
         }
+        std::size_t n = 0;
+        blends.slopes(places, [&](const auto& nodes, const auto& vertices) {
+            samples.add(numbers[n++ / (D + 1)], nodes, vertices,
+                        [this](std::uint32_t v) { return order_.position(v); });
+        });
+        samples.reserve();
         return samples;
     }
     template <class AnySamples, class Solved, Scalar T> // Solved: a block or kept functions
@@ -301,10 +292,8 @@ public:
                        [this](std::size_t position) { return order_.handle(position); });
     }
     template <Scalar T>
-    void finish([[maybe_unused]] const Samples& samples, [[maybe_unused]] BlockView<T> rows) const noexcept {
-        if constexpr (D == 3) {
-            if (near_) samples.normalise(rows);
-        }
+    void finish(const Samples& samples, BlockView<T> rows) const noexcept {
+        if (field_) samples.normalise(rows);
     }
     template <Scalar T>
     void finish(const GradientSamples& samples, BlockView<T> rows) const noexcept {
@@ -318,26 +307,34 @@ public:
     }
 
 private:
-    using NearField = std::conditional_t<D == 3, std::optional<detail::NearField>, detail::NoNearField>;
+    using Field = std::conditional_t<D == 3, detail::NearField, detail::PlaneField>;
+    using Blends =
+        std::conditional_t<D == 3, detail::LeafSamples<detail::LeafModel, detail::LeafFit>,
+                           detail::LeafSamples<detail::PlaneModel, detail::ModelFit<detail::PlaneModel>>>;
 
-    /// Whether a near field is subtracted: in space, for hats as data, without cells inside.
-    static bool has_near_field(const Problem& problem) noexcept {
-        return D == 3 && problem.data.is_linear() &&
+    /// Whether samples blend the models of leaves: not about bones, and in space for hats as data without
+    /// cells inside.
+    static bool is_blended(const Problem& problem) noexcept {
+        if (D == 2) return problem.cage.cells().bones.empty();
+        return problem.data.is_linear() &&
                problem.cage.vertices().size() == problem.cage.boundary().vertices().size() &&
                problem.cage.cells().empty();
     }
-    static NearField near_field_of(const Cage& cage, const Problem& problem) {
-        NearField made;
+    static std::optional<Field> field_of(const Cage& cage, const Problem& problem) {
+        std::optional<Field> made;
+        if (!is_blended(problem)) return made;
         if constexpr (D == 3) {
-            if (has_near_field(problem)) made.emplace(cage.tree().boundary(), problem.cage.boundary());
+            made.emplace(cage.tree().boundary(), problem.cage.boundary());
+        } else {
+            made.emplace(cage.tree().boundary());
         }
         return made;
     }
     grid::TreeLinks links(const Running& running) const {
         if constexpr (D == 3) {
-            if (near_)
+            if (field_)
                 return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(),
-                                      detail::NearRows(*near_, least_layer()), running);
+                                      detail::NearRows(*field_, least_layer()), running);
         }
         return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(), detail::NoNearField(), running);
     }
@@ -345,12 +342,12 @@ private:
     double least_layer() const noexcept { return 0.01 * tolerance_ / of_accuracy; }
     detail::GridErrors<D> grid_errors(const Running& running) const {
         if constexpr (D == 3) {
-            if (near_) {
+            if (field_) {
                 using Table = detail::StencilTable<D>;
                 return {cage_->tree(), running,
                         [this](std::span<const Vec<double, D>> places, Table& fine, Table& coarse) {
                             for (const unsigned degree : {3u, 2u}) {
-                                detail::LeafSamples(cage_->tree(), cage_->nodes(), *near_, degree)
+                                Blends(cage_->tree(), cage_->nodes(), *field_, degree)
                                     .stencils(places, [&](const auto& nodes, const auto& vertices) {
                                         (degree == 3 ? fine : coarse)
                                             .add(nodes, vertices,
@@ -364,8 +361,8 @@ private:
     }
     /// Adds the stencils of points first … last − 1: blends of the models of leaves.
     template <Scalar T>
-    void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
-                          Samples& samples) const {
+    void add_blends(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
+                    Samples& samples) const {
         std::vector<Vec<double, D>> inside;
         std::vector<grid::CutStencil<D>> others; // of points that are not inside
         for (std::size_t i = first; i < last; ++i) {
@@ -381,7 +378,7 @@ private:
         const auto add_others = [&] {
             for (; i < last && !is_inside(batch, i); ++i) samples.add(*other++, ordered_data());
         };
-        detail::LeafSamples(cage_->tree(), cage_->nodes(), *near_)
+        Blends(cage_->tree(), cage_->nodes(), *field_)
             .stencils(inside, [&](const auto& nodes, const auto& vertices) {
                 add_others();
                 samples.add(nodes, vertices, [this](std::uint32_t v) { return order_.position(v); });
@@ -415,7 +412,7 @@ private:
     double tolerance_;
     std::size_t max_cycles_;
     detail::HandleOrder order_;
-    NearField near_;
+    std::optional<Field> field_;
     Multigrid multigrid_;
     detail::GridErrors<D> errors_;
 };

@@ -20,10 +20,11 @@
 //   counts    a leaf counts if it is not outside the domain
 //
 // Facets are rounded to 2⁻³⁰ of the cube, so that integer arithmetic decides what is inside
-// (boundary.hpp). Close to the cage a value is not interpolated from nodes alone: within 0.01
-// (plane) or 0.3 (space) of a leaf from the boundary, coordinates/harmonic/tree_cage.hpp
-// interpolates linearly between the nearest point of the unrounded boundary and a point farther
-// inside.
+// (boundary.hpp). Between nodes values are those of local harmonic models
+// (coordinates/harmonic/leaf_models.hpp). About bones, and in space about walls and with faces of more
+// than three corners, coordinates/harmonic/tree_cage.hpp interpolates. Within 0.01 (plane) or 0.3 (space)
+// of a leaf from the boundary it does so linearly, between the nearest point of the unrounded boundary
+// and a point farther inside.
 //
 // All headers, in the order of the work:
 //

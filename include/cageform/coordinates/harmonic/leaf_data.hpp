@@ -1,0 +1,224 @@
+// The data of a model of leaf_samples.hpp: what is seen from a place of a leaf.
+#pragma once
+
+#include <cageform/cage/detail/primitives.hpp>
+#include <cageform/grid/tree/cut_tree.hpp>
+#include <cageform/grid/tree/nodes.hpp>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Rises from 0 at t ≤ 0 to 1 at t ≥ 1, twice differentiable.
+inline double smooth_step(double t) noexcept {
+    t = std::clamp(t, 0.0, 1.0);
+    return t * t * t * (10 - 15 * t + 6 * t * t);
+}
+
+/// Places about a leaf where the functions are known, and how far a place of the leaf sees.
+///
+///   Field  of the boundary: NearField, or PlaneField
+template <class Field>
+class LeafData {
+public:
+    static constexpr std::size_t D = Field::dimension;
+    using Point = Vec<double, D>;
+    using Cell = typename grid::CellTree<D>::Cell;
+    using Nodes = grid::TreeNodes<D>;
+
+    /// A place where values are known: a node, or a place of the boundary.
+    struct Datum {
+        Point at;
+        double weight;
+        std::uint32_t node; ///< none: on the boundary
+        BoundaryValue<D> value;
+    };
+
+    LeafData(const LeafData&) = delete;
+    LeafData& operator=(const LeafData&) = delete;
+    ~LeafData() = default;
+
+    /// Whether there is enough data for a linear function.
+    bool is_valid() const noexcept { return data_.size() > D; }
+    double size() const noexcept { return size_; } ///< of the leaf
+    std::span<const Datum> data() const noexcept { return data_; }
+    bool is_near() const noexcept { return is_near_; } ///< whether a leaf about it is cut or outside
+
+    /// Returns the visibility of a point from the model's place, in [1e-6, 1]: 1e-6 if a face lies between.
+    double visibility(const Point& x) const noexcept {
+        constexpr double least = 1e-6; // serves where no model sees the point
+        if (!is_near_) return 1;
+        if (field_.boundary().first_met(place_, (1 - 1e-3) * (x - place_))) return least;
+        double factor = 1;
+        for (const auto& [from, to] : reflex_) {
+            const double here = distance_to_segment(x, from, to);
+            if (!(here > 0)) continue;
+            const double passes =
+                D == 2 ? distance_to_segment(from, place_, x) : segment_distance(place_, x, from, to);
+            factor *= smooth_step(passes / (0.7 * here));
+        }
+        return least + (1 - least) * factor;
+    }
+
+    /// Returns a datum's place in a leaf that no face is near, in halves of the leaf, plus 16.
+    std::array<char, D> place_in_leaf(const Datum& datum) const noexcept {
+        std::array<char, D> place{};
+        for (std::size_t k = 0; k < D; ++k) place[k] = char(16 + 2 * (datum.at[k] - middle_[k]) / size_);
+        return place;
+    }
+
+    /// Returns viewpoints of a leaf. A leaf that no face cuts has its middle. Others have a point far from
+    /// faces, then points that are hidden from the earlier ones.
+    static std::vector<Point> places_of(const grid::CutTree<D>& tree, const Field& field, const Cell& leaf) {
+        constexpr std::size_t most = 4, across = 5;
+        constexpr double free = 0.3; // in sizes of the leaf; greater distances from faces score no more
+        const auto middle = leaf.middle();
+        const auto facets = tree.facets(leaf.number);
+        const auto& boundary = tree.boundary();
+        if (tree.state(leaf.number) == grid::CellState::in) return {middle};
+        // A single facet divides the leaf.
+        const bool is_halved = facets.size() == 1 && boundary.separates(facets[0]);
+        std::vector<std::pair<double, Point>> inside;
+        for (std::size_t n = 0; n < (D == 2 ? across * across : across * across * across); ++n) {
+            Point p{};
+            for (std::size_t k = 0, rest = n; k < D; ++k, rest /= across)
+                p[k] = leaf.low[k] + (0.02 + 0.24 * double(rest % across)) * leaf.size;
+            if (is_halved ? !(dot(boundary.normal(facets[0]), boundary[facets[0]].corner[0] - p) > 0)
+                          : !tree.is_inside(p))
+                continue;
+            inside.push_back({(std::min)(boundary.nearest(facets, p).distance, free * leaf.size) -
+                                  0.25 * length(p - middle),
+                              p});
+        }
+        std::sort(inside.begin(), inside.end(),
+                  [](const auto& a, const auto& b) { return a.first > b.first; });
+        const bool hides = facets.size() > 2 || field.has_reflex_edge(middle, 0.9 * leaf.size);
+        std::vector<Point> places;
+        for (const auto& [score, p] : inside) {
+            if (places.size() == most || (!places.empty() && !hides)) break;
+            if (std::all_of(places.begin(), places.end(), [&, to = p](const Point& from) {
+                    return boundary.first_met(from, to - from, facets).has_value();
+                }))
+                places.push_back(p);
+        }
+        return places;
+    }
+
+protected:
+    using Index = std::array<std::int32_t, D>;
+
+    LeafData(const grid::CutTree<D>& tree, const Nodes& nodes, const Field& field, const Cell& leaf,
+             const Point& place)
+        : tree_(tree)
+        , nodes_(nodes)
+        , field_(field)
+        , leaf_(leaf)
+        , middle_(leaf.middle())
+        , place_(place)
+        , size_(leaf.size) {
+        find_surroundings();
+        data_.reserve(40);
+    }
+
+    /// Adds the corners of the leaf, of those about it, and of larger ones.
+    ///
+    ///   most_outer  along so many axes a corner of a leaf about it may lie beyond the leaf
+    void add_nodes(std::size_t most_outer) {
+        for (std::size_t n = 0; n < (D == 2 ? 16 : 64); ++n) {
+            Index index = leaf_.low;
+            std::size_t outer = 0;
+            for (std::size_t k = 0, rest = n; k < D; ++k, rest /= 4) {
+                index[k] += leaf_.size * (std::int32_t(rest % 4) - 1);
+                outer += rest % 4 % 3 == 0 ? 1 : 0;
+            }
+            if (outer <= most_outer) add_node(index, true);
+        }
+        for (const Cell& cell : larger_) {
+            for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n) {
+                const Index index = cell.corner(n);
+                const auto is_it = [p = node_position<D>(index)](const Datum& datum) {
+                    return datum.at == p;
+                };
+                if (std::none_of(data_.begin(), data_.end(), is_it)) add_node(index, false);
+            }
+        }
+    }
+    /// Adds a node, unless the boundary hides it.
+    ///
+    ///   adds_hiding_place  whether a place of the boundary that hides the node is added in its stead
+    void add_node(const Index& index, bool adds_hiding_place) {
+        const auto p = node_position<D>(index);
+        bool is_in_tree = true;
+        for (const std::int32_t x : index) is_in_tree = is_in_tree && x >= 0 && x <= tree_.cells().size();
+        // Measured. In space the boundary counts as far as the node that it hides.
+        const auto weight = [&](const Point& at) {
+            const double apart = length(at - middle_) / size_, square = apart * apart;
+            return 1 / (0.3 + square * square * (D == 2 ? square : 1));
+        };
+        if (is_near_ && p != place_) {
+            const auto& boundary = tree_.boundary();
+            if (const auto met = boundary.first_met(place_, p - place_, facets_)) {
+                if (!adds_hiding_place) return;
+                auto value = met->value;
+                if (met->fraction < 0.1) { // a thin place: data next to the viewpoint alone do not suffice
+                    const auto nearest = boundary.nearest(facets_, p);
+                    if (!boundary.first_met(place_, (1 - 1e-3) * (nearest.position - place_), facets_))
+                        value = nearest.value;
+                }
+                const Point place = field_.moved_inside(value, place_);
+                data_.push_back({place, 3 * weight(D == 2 ? place : p), Nodes::none, value});
+                return;
+            }
+        }
+        const std::uint32_t node = is_in_tree ? nodes_.find(index) : Nodes::none;
+        if (node == Nodes::none) return;
+        data_.push_back({p, weight(p), node, {}});
+    }
+
+    const grid::CutTree<D>& tree_;
+    const Nodes& nodes_;
+    const Field& field_;
+    Cell leaf_;
+    Point middle_, place_;
+    double size_;
+    bool is_near_ = false;
+    std::vector<Datum> data_;
+    std::vector<std::pair<Point, Point>> reflex_; ///< edges that can hide points; in the plane vertices
+
+private:
+    /// Finds the larger leaves about the leaf, and the facets that pass the leaves about it.
+    void find_surroundings() {
+        is_near_ = tree_.state(leaf_.number) != grid::CellState::in;
+        Cell around = leaf_; // holds all leaves about it
+        const auto is_around = [&] {
+            for (std::size_t k = 0; k < D; ++k) {
+                if (leaf_.low[k] == around.low[k] || leaf_.low[k] + leaf_.size == around.low[k] + around.size)
+                    return false;
+            }
+            return true;
+        };
+        while (around.number != 0 && !is_around()) around = tree_.cells().parent_of(around.number);
+        for (std::int32_t n = 0; n < (D == 2 ? 9 : 27); ++n) {
+            Index doubled{};
+            for (std::size_t k = 0, rest = std::size_t(n); k < D; ++k, rest /= 3)
+                doubled[k] = 2 * leaf_.low[k] + (2 * std::int32_t(rest % 3) - 1) * leaf_.size;
+            const Cell cell = tree_.cells().leaf_at(doubled, around);
+            const auto state = tree_.state(cell.number);
+            is_near_ = is_near_ || state != grid::CellState::in;
+            if (state == grid::CellState::cut) {
+                const auto facets = tree_.facets(cell.number);
+                facets_.insert(facets_.end(), facets.begin(), facets.end());
+            }
+            if (cell.size > leaf_.size && state != grid::CellState::out) larger_.push_back(cell);
+        }
+        std::sort(facets_.begin(), facets_.end());
+        facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
+    }
+
+    std::vector<Cell> larger_;
+    std::vector<std::uint32_t> facets_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

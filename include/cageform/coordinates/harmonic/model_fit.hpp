@@ -1,0 +1,118 @@
+// Fits the models of leaves.
+#pragma once
+
+#include <cageform/coordinates/harmonic/leaf_data.hpp>
+#include <cageform/coordinates/harmonic/ridge_fit.hpp>
+#include <cageform/coordinates/harmonic/stencil_table.hpp>
+
+#include <map>
+#include <string>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Fits models, one at a time, and evaluates them.
+template <class Model>
+class ModelFit {
+    using Point = typename Model::Point;
+    using Values = typename Model::Values;
+    using X = Simd<double>;
+
+public:
+    using Handle = typename StencilTable<Model::D>::Handle;
+
+    ///   degree  of the polynomials, at most Model::degree
+    ModelFit(const typename Model::Field&, unsigned degree)
+        : degree_(degree) {}
+
+    /// Fits a model, for points.
+    void set(const Model& model, std::span<const Point>) {
+        model_ = &model;
+        blocks_ = block_count<double>(model.data().size());
+        shares_ = model.is_near() ? &fitted(own_shares_) : &fitted_by_pattern();
+    }
+    /// Appends the shares of the model in a sum of values at points, each multiplied by its factor.
+    ///
+    ///   first     the number of points[0] among those of `set`
+    ///   shares    of all data
+    ///   vertices  the shares of vertices, without those by data
+    void add(std::span<const Point> points, std::span<const double> factors, std::size_t /*first*/,
+             Buffer<double>& shares, Buffer<Handle>& /*vertices*/) {
+        const auto data = model_->data();
+        Values sum{};
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Values values = model_->values(points[n]);
+            for (std::size_t k = 0; k < values.size(); ++k) sum[k] += factors[n] * values[k];
+        }
+        row_.resize(blocks_);
+        for (std::size_t b = 0; b < blocks_; ++b) {
+            X row(0.0);
+            for (std::size_t k = 0; k < model_->functions(); ++k)
+                row = multiply_add(X(sum[k]), X::load((*shares_)[k * blocks_ + b]), row);
+            row.store(row_[b]);
+        }
+        for (std::size_t d = 0; d < data.size(); ++d)
+            shares.push_back(row_[d / lane_count<double>][d % lane_count<double>]);
+    }
+
+protected:
+    /// The shares of data in functions; see ridge_fit.
+    using Shares = Buffer<Lanes<double>>;
+
+    const Model& model() const noexcept { return *model_; }
+    const Shares& row() const noexcept { return row_; } ///< the shares of data in the last sum
+
+private:
+    /// Returns the shares of the model's data, which depend on their pattern only.
+    const Shares& fitted_by_pattern() {
+        pattern_.clear();
+        for (const auto& datum : model_->data()) {
+            const auto place = model_->place_in_leaf(datum);
+            pattern_.append(place.begin(), place.end());
+        }
+        auto known = patterns_.find(pattern_);
+        if (known == patterns_.end()) {
+            known = patterns_.emplace(pattern_, Shares()).first;
+            (void)fitted(known->second);
+        }
+        return known->second;
+    }
+    const Shares& fitted(Shares& shares) {
+        const auto data = model_->data();
+        basis_.resize(data.size());
+        weight_.resize(data.size());
+        double trace = 0;
+        for (std::size_t d = 0; d < data.size(); ++d) {
+            basis_[d] = model_->values(data[d].at);
+            weight_[d] = data[d].weight;
+            trace += data[d].weight;
+        }
+        const double damping = model_->is_near() ? trace : 1e-4 * trace;
+        Values ridges{};
+        for (std::size_t k = 0; k < ridges.size(); ++k) {
+            constexpr double leaves_out = 1e8;
+            const double ridge = Model::degree_of(k) > degree_ ? leaves_out : Model::ridge(k);
+            ridges[k] = k <= Model::D ? 1e-13 * trace : ridge * damping;
+        }
+        const std::span<const Values> basis(basis_);
+        const auto ridge = std::span<const double>(ridges).first(model_->functions());
+        if (ridge.size() == Model::polynomials) {
+            ridge_fit<Model::polynomials>(basis, weight_, ridge, shares);
+        } else {
+            ridge_fit<Model::most_functions>(basis, weight_, ridge, shares);
+        }
+        return shares;
+    }
+
+    unsigned degree_;
+    const Model* model_ = nullptr;
+    std::size_t blocks_ = 0; ///< of data
+    const Shares* shares_ = nullptr;
+    Shares own_shares_;
+    std::map<std::string, Shares> patterns_; ///< of data about leaves that no face is near
+    std::string pattern_;
+    std::vector<Values> basis_;
+    std::vector<double> weight_;
+    Shares row_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,186 @@
+// The models of leaves in the plane; leaf_models.hpp has the formula of their blend.
+//
+// The functions b of the fit are the real and imaginary parts of 1, z, …, z⁴, and the singular function of
+// the nearest vertex. Cells are so small at vertices that no kinks are corrected: F is left out. In E edges
+// take the place of faces.
+#pragma once
+
+#include <cageform/coordinates/harmonic/model_fit.hpp>
+#include <cageform/coordinates/harmonic/wedge.hpp>
+
+#include <numbers>
+#include <optional>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The edges of a cage and of walls in the plane, in the units of a tree.
+class PlaneField {
+public:
+    static constexpr std::size_t dimension = 2;
+    using Point = Vec<double, 2>;
+
+    explicit PlaneField(const grid::TreeBoundary<2>& boundary)
+        : boundary_(boundary) {
+        for (std::uint32_t f = 0; f < boundary.size(); ++f) {
+            for (std::size_t k = 0; k < 2; ++k) {
+                const std::uint32_t v = boundary[f].vertex[k];
+                if (v >= stars_.size()) stars_.resize(v + 1);
+                stars_[v].at = boundary[f].corner[k];
+                stars_[v].ends.push_back(boundary[f].corner[1 - k]);
+            }
+        }
+    }
+
+    const grid::TreeBoundary<2>& boundary() const noexcept { return boundary_; }
+    std::size_t bytes() const noexcept {
+        return stars_.capacity() * sizeof(Star) + 2 * boundary_.size() * sizeof(Point);
+    }
+    const Point& at(std::uint32_t vertex) const noexcept { return stars_[vertex].at; }
+    /// Whether some points of a leaf may hide others: rays tell.
+    bool has_reflex_edge(const Point&, double) const noexcept { return true; }
+    /// Returns the wedge between two edges of a vertex that a point lies in.
+    Wedge wedge(std::uint32_t vertex, const Point& p) const noexcept {
+        constexpr double turn = 2 * std::numbers::pi;
+        const auto& [at, ends] = stars_[vertex];
+        const auto angle_of = [&, at = at](const Point& q) { return std::atan2(q[1] - at[1], q[0] - at[0]); };
+        double before = turn, after = turn; // the least angles from p to an edge on either side
+        for (const Point& end : ends) {
+            double angle = angle_of(p) - angle_of(end);
+            if (angle < 0) angle += turn;
+            before = (std::min)(before, angle);
+            after = (std::min)(after, turn - angle);
+        }
+        const double first = angle_of(p) - before, x = std::cos(first), y = std::sin(first);
+        return {{at[0], at[1], 0}, {0, 0, 1}, {x, y, 0}, {-y, x, 0}, 0, before + after};
+    }
+    /// Returns a place in the coordinates of a wedge.
+    static Wedge::Place place_in(const Wedge& wedge, const Point& p) noexcept {
+        return wedge.place({p[0], p[1], 0});
+    }
+
+    std::array<std::uint32_t, 2> vertices(std::uint32_t f) const noexcept { return boundary_[f].vertex; }
+    const Corners<2>& corners(std::uint32_t f) const noexcept { return boundary_[f].corner; }
+    const Corners<2>& exact_corners(std::uint32_t f) const noexcept { return boundary_.exact(f).corner; }
+    /// Returns the unit normal out of the domain in which a point lies. A wall has one on either side.
+    Point outward_normal(std::uint32_t f, const Point& x) const noexcept {
+        const Point& normal = boundary_.normal(f);
+        const bool turns = !boundary_.separates(f) && dot(normal, exact_corners(f)[0] - x) < 0;
+        return turns ? -1.0 * normal : normal;
+    }
+    /// Returns the point of the boundary that has a value. Nothing is singular there but at vertices.
+    Point moved_inside(const BoundaryValue<2>& value, const Point&) const noexcept {
+        return value.weight[0] * at(value.handle[0]) + value.weight[1] * at(value.handle[1]);
+    }
+    /// Returns the weights of a place of an edge near x, as NearField does.
+    std::array<double, 2> place_inside(std::uint32_t, const Point& x, const Corners<2>& corners,
+                                       const std::array<double, 2>& nearest, double width) const noexcept {
+        const auto along = corners[1] - corners[0];
+        const double stiffness = dot(along, along) / (width * width);
+        const double foot = dot(x - corners[0], along) / dot(along, along);
+        const double pull = (std::min)(0.5, 1 / std::sqrt(stiffness));
+        double s = (1 - pull) * nearest[1] + 0.5 * pull;
+        for (int step = 0; step < 60; ++step) {
+            const double slope = stiffness * (s - foot) - 1 / s + 1 / (1 - s);
+            const double bend = stiffness + 1 / (s * s) + 1 / ((1 - s) * (1 - s));
+            const double decrement = std::fabs(slope) / std::sqrt(bend);
+            s -= (decrement > 0.25 ? 1 / (1 + decrement) : 1) * slope / bend;
+            if (decrement < 1e-9) break;
+        }
+        return {1 - s, s};
+    }
+
+private:
+    struct Star {
+        Point at{};
+        std::vector<Point> ends; ///< of its edges
+    };
+    const grid::TreeBoundary<2>& boundary_;
+    std::vector<Star> stars_; ///< by vertex
+};
+
+/// A model of the functions in a leaf and about it, in the plane.
+class PlaneModel : public LeafData<PlaneField> {
+public:
+    static constexpr unsigned degree = 4;
+    static constexpr std::size_t polynomials = 2 * degree + 1, most_functions = polynomials + 1;
+    using Field = PlaneField;
+    using Values = std::array<double, most_functions>;
+
+    ///   place  of the leaf, inside: what the model sees is seen from there
+    PlaneModel(const grid::CutTree<2>& tree, const Nodes& nodes, const PlaneField& field, const Cell& leaf,
+               const Point& place)
+        : LeafData(tree, nodes, field, leaf, place) {
+        add_nodes(2); // all about it
+        if (leaf.size > 1) add_nodes_between();
+        if (is_valid() && is_near_) find_vertices();
+    }
+
+    /// Returns the degree of a function, as a polynomial.
+    static constexpr unsigned degree_of(std::size_t k) noexcept {
+        return k < polynomials ? unsigned(k + 1) / 2 : 0;
+    }
+    /// Returns the ridge of a function that is not linear, in the sum of the weights of data.
+    static constexpr double ridge(std::size_t) noexcept { return 1e-8; }
+    /// Returns the number of functions of the fit.
+    std::size_t functions() const noexcept { return polynomials + (wedge_ ? 1 : 0); }
+    /// Returns their values at a point.
+    Values values(const Point& p) const noexcept {
+        const Point z = (1 / size_) * (p - middle_);
+        Values values{1};
+        double re = 1, im = 0;
+        for (std::size_t k = 1; k < polynomials; k += 2) {
+            const double next = re * z[0] - im * z[1];
+            im = re * z[1] + im * z[0];
+            re = next;
+            values[k] = re;
+            values[k + 1] = im;
+        }
+        if (wedge_) {
+            auto at = field_.place_in(*wedge_, p);
+            at.r /= size_;
+            values[polynomials] = wedge_->singular(at);
+        }
+        return values;
+    }
+
+private:
+    /// Adds the nodes of leaves of half the size at the rim of the leaf, and up to half a size beyond.
+    void add_nodes_between() {
+        for (std::int32_t i = -1; i <= 3; ++i) {
+            for (std::int32_t j = -1; j <= 3; ++j) {
+                if (i % 2 != 0 || j % 2 != 0)
+                    add_node({leaf_.low[0] + i * leaf_.size / 2, leaf_.low[1] + j * leaf_.size / 2}, false);
+            }
+        }
+    }
+    /// Finds the reflex vertices that can hide points, and the nearest wedge that holds all data.
+    void find_vertices() {
+        const auto& boundary = field_.boundary();
+        double nearest = 2.5 * size_;
+        std::vector<std::uint32_t> known;
+        boundary.for_each_within(middle_, nearest, [&](std::uint32_t f) {
+            for (const std::uint32_t v : field_.vertices(f)) {
+                const Point& at = field_.at(v);
+                const double apart = length(at - middle_);
+                if (apart >= 2.5 * size_ || std::find(known.begin(), known.end(), v) != known.end()) continue;
+                known.push_back(v);
+                const Wedge wedge = field_.wedge(v, place_);
+                if (wedge.angle > std::numbers::pi && apart < 1.5 * size_) reflex_.push_back({at, at});
+                const auto holds = [&](const Datum& datum) {
+                    const auto place = field_.place_in(wedge, datum.at);
+                    return place.r < 1e-3 * size_ || wedge.has(place);
+                };
+                if (apart < nearest && wedge.is_singular() &&
+                    !boundary.first_met(place_, (1 - 1e-3) * (at - place_)) &&
+                    std::all_of(data_.begin(), data_.end(), holds)) {
+                    nearest = apart;
+                    wedge_ = wedge;
+                }
+            }
+        });
+    }
+
+    std::optional<Wedge> wedge_; ///< of the nearest vertex
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
