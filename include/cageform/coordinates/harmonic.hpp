@@ -42,8 +42,8 @@ struct AdaptiveGrid {
 ///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
 ///   smooth    C² inside the cage, but C⁰ across walls, and where a weight that would be negative becomes 0.
-///             About bones, and in space with cells inside or faces of more than three corners, neighbouring
-///             points can differ by the error
+///             In the plane about points with a radius, and in space with cells inside or faces of more than
+///             three corners, neighbouring points can differ by the error
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel makes the grid and solves the groups of

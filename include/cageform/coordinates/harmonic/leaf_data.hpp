@@ -50,7 +50,9 @@ public:
     double visibility(const Point& x) const noexcept {
         constexpr double least = 1e-6; // serves where no model sees the point
         if (!is_near_) return 1;
-        if (field_.boundary().first_met(place_, (1 - 1e-3) * (x - place_))) return least;
+        // Faces at the end do not count, as they are rounded. In the plane walls have a point at either side.
+        constexpr double end = D == 2 ? 1e-6 : 1e-3;
+        if (field_.boundary().first_met(place_, (1 - end) * (x - place_))) return least;
         double factor = 1;
         for (const auto& [from, to] : reflex_) {
             const double here = distance_to_segment(x, from, to);
