@@ -192,7 +192,7 @@ TEST_CASE("weights in the plane are as smooth as documented", "[coordinates][pro
     using cageform::HarmonicCoordinates, cageform::UniformHarmonicCoordinates;
     cageform::CellComplex<double, 2> with_wall(convex(1)), with_bone(convex(1));
     with_wall.add_chain(Points<2>{{-1, -0.2}, {0, 0.1}, {0.8, 0}});
-    with_bone.add_chain(Points<2>{{-1, -0.2}, {0, 0.1}, {0.8, 0}}, 0.05);
+    with_bone.add_point(Vec<double, 2>{0, 0.1}, 0.05);
     const auto walled = solved(HarmonicCoordinates(with_wall)),
                boned = solved(HarmonicCoordinates(with_bone));
     const std::vector<Kind<2>> kinds{
