@@ -39,7 +39,7 @@ public:
     void add(const grid::CutStencil<D>& stencil, const Data& data) {
         stencils_.add(stencil, data);
     }
-
+    /// Adds it as shares of nodes and of vertices; see StencilTable.
     template <class HandleOf>
     void add(std::span<const typename StencilTable<D>::Node> nodes,
              std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {

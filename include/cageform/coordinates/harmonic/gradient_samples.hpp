@@ -48,6 +48,7 @@ public:
             const std::span value(values_.data() + n * handles_, handles_);
             double sum = 0;
             for (const double v : value) sum += v;
+            if (!(sum > 0)) continue; // without a stencil
             for (std::size_t axis = 0; axis < D; ++axis) {
                 double slope = 0;
                 for (std::size_t h = 0; h < handles_; ++h)

@@ -22,8 +22,7 @@ public:
     ///
     ///   add  add(places, fine, coarse): adds two stencils of each place to two tables
     template <class Add>
-        requires std::invocable < const Add&, std::span<const Vec<double, D>>, StencilTable<D>
-    &, StencilTable<D>& > GridErrors(const grid::CutTree<D>& tree, const Running& running, const Add& add) {
+    GridErrors(const grid::CutTree<D>& tree, const Running& running, const Add& add) {
         constexpr std::uint32_t most = 250; // such stencils take the time of about fifty others
         std::vector<Vec<double, D>> places;
         for_each_place(tree, most, running,

@@ -301,7 +301,7 @@ private:
             if (!(amount > 0)) return;
             const auto weights = field_.place_inside(f, x, corners, nearest, 0.15 * distance);
             const auto place = point_on_facet(weights, field_.corners(f));
-            const double below = (std::min)(1e-5, 0.5 * depth);
+            const double below = std::clamp(0.5 * depth, 1e-9, 1e-5);
             point.feet.push_back(
                 {place - below * normal, value_on_facet(field_.vertices(f), weights), amount});
             sum += amount;

@@ -69,12 +69,8 @@ private:
             const auto place = model_->place_in_leaf(datum);
             pattern_.append(place.begin(), place.end());
         }
-        auto known = patterns_.find(pattern_);
-        if (known == patterns_.end()) {
-            known = patterns_.emplace(pattern_, Shares()).first;
-            (void)fitted(known->second);
-        }
-        return known->second;
+        const auto [known, is_new] = patterns_.try_emplace(pattern_);
+        return is_new ? fitted(known->second) : known->second;
     }
     const Shares& fitted(Shares& shares) {
         const auto data = model_->data();

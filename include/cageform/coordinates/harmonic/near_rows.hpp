@@ -32,7 +32,6 @@
 #include <cageform/coordinates/harmonic/near_patch.hpp>
 
 #include <numeric>
-#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

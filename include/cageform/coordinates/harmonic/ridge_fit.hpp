@@ -14,7 +14,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Solves a weighted least squares fit. The share of a datum is its factor in the coefficient of a function.
 ///
-///   width   a multiple of eight, at least #functions
+///   width   at least #functions; of the rows that are computed
 ///   basis   #data rows; the values past those of the functions are zero
 ///   weight  #data
 ///   ridge   #functions

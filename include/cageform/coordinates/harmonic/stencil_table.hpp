@@ -19,7 +19,6 @@ public:
         return nodes_.capacity() * sizeof(Node) + handles_.capacity() * sizeof(Handle) +
                ends_.capacity() * sizeof(Ends);
     }
-    void reserve(std::size_t count) { ends_.reserve(count); }
 
     struct Handle {
         std::uint32_t handle;

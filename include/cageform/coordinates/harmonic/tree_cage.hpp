@@ -78,7 +78,7 @@ public:
     /// Returns the cell sizes for an accuracy. The factors are measured. In 2D errors fall with the
     /// fourth power of the cell size. All errors on the oracles and on random cages stay within the
     /// accuracy. In 3D with a near field cells need not resolve the kinks of the data: they may be far
-    /// larger than small facets, and than a thin domain. 19 errors of 20 stay within the accuracy.
+    /// larger than small facets, and than a thin domain. HarmonicOptions::accuracy says what is kept.
     /// Without a near field errors fall with the square of the cell size.
     static grid::RefinementOptions sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {

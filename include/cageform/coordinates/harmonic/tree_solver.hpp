@@ -246,12 +246,11 @@ public:
     template <Scalar T>
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
-        const auto data = ordered_data();
         if (field_) {
             add_blends(batch, first, last, samples);
-            return samples;
+        } else {
+            for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), ordered_data());
         }
-        for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
     /// Whether there are stencils of derivatives: the samples are then twice differentiable.
@@ -278,8 +277,9 @@ public:
         }
         std::size_t n = 0;
         blends.slopes(places, [&](const auto& nodes, const auto& vertices) {
-            samples.add(numbers[n++ / (D + 1)], nodes, vertices,
-                        [this](std::uint32_t v) { return order_.position(v); });
+            const std::size_t i = numbers[n++ / (D + 1)];
+            if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
+            samples.add(i, nodes, vertices, position_of());
         });
         samples.reserve();
         return samples;
@@ -349,9 +349,7 @@ private:
                             for (const unsigned degree : {3u, 2u}) {
                                 Blends(cage_->tree(), cage_->nodes(), *field_, degree)
                                     .stencils(places, [&](const auto& nodes, const auto& vertices) {
-                                        (degree == 3 ? fine : coarse)
-                                            .add(nodes, vertices,
-                                                 [this](std::uint32_t v) { return order_.position(v); });
+                                        (degree == 3 ? fine : coarse).add(nodes, vertices, position_of());
                                     });
                             }
                         }};
@@ -381,7 +379,7 @@ private:
         Blends(cage_->tree(), cage_->nodes(), *field_)
             .stencils(inside, [&](const auto& nodes, const auto& vertices) {
                 add_others();
-                samples.add(nodes, vertices, [this](std::uint32_t v) { return order_.position(v); });
+                samples.add(nodes, vertices, position_of());
                 if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
                 ++i;
             });
@@ -396,6 +394,10 @@ private:
         return cage_->tree().boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
     }
 
+    /// Returns the function from a handle to its position in the order.
+    auto position_of() const noexcept {
+        return [this](std::uint32_t handle) { return order_.position(handle); };
+    }
     detail::OrderedData<D> ordered_data() const noexcept { return {*data_, order_}; }
     /// Returns the value below which the next coarser level represents a function well enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }

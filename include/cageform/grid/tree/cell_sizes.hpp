@@ -218,8 +218,8 @@ private:
     ///
     ///   slope  of functions next to the edge, on the facets
     static Kink kink_at(double thickness, double slope, const grid::RefinementOptions& options) noexcept {
-        constexpr double error_of_cell =
-            0.2; // of a function with a kink, in sizes of the cell times the slope
+        // The error of a function with a kink, in sizes of the cell times the slope.
+        constexpr double error_of_cell = 0.2;
         const double amplitude = (std::min)(1.0, thickness * slope) / options.small_error;
         return {(std::max)(thickness / options.across, options.small_error / (error_of_cell * slope)),
                 amplitude > 1 ? thickness / std::numbers::pi * std::log(amplitude) : 0};

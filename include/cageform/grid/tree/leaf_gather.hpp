@@ -1,7 +1,8 @@
 // Interpolation inside a leaf, up to the boundary that cuts it.
 //
 // One routine serves the ghost values beyond hanging nodes (grid/tree/links.hpp), the prolongation
-// between levels (grid/tree/hierarchy.hpp) and the points of the user.
+// between levels (grid/tree/hierarchy.hpp), and the points of the user where no models are blended
+// (coordinates/harmonic/leaf_models.hpp).
 #pragma once
 
 #include <cageform/grid/tree/nodes.hpp>
