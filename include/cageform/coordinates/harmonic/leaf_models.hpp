@@ -154,6 +154,7 @@ public:
             amount_[v] = 2 * (amount_[v] - patch_.sum(v, row()));
         }
         patch_.finish(amount_, -1, {}); // drops nothing: what is dropped at a threshold jumps
+        if (!std::all_of(amount_.begin(), amount_.end(), [](double x) { return is_finite(x); })) return;
         for (std::size_t v = 0; v < amount_.size(); ++v)
             vertices.push_back({patch_.vertices()[v], amount_[v]});
     }
