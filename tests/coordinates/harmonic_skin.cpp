@@ -195,7 +195,7 @@ TEST_CASE("gradients of harmonic weights in space are the derivatives of weights
     cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 4e-2});
     REQUIRE(coordinates.solve().status == Status::ok);
     auto points = points_below_faces(mesh, 8, std::uint64_t(seed));
-    std::vector<Vec<double, 3>> feet(8), pairs; // pairs: of places below and above along each axis
+    std::vector<Vec<double, 3>> feet(8), pairs; // pairs: the points below and above along each axis
     for (std::size_t n = 0; n < 8; ++n) (void)nearest_boundary_value(mesh, points[n], feet[n]);
     for (std::size_t n = 0; n < 8; ++n) { // far closer to faces
         points.push_back(feet[n] + (n < 4 ? 1e-2 : 1e-5) * (points[n] - feet[n]));
@@ -228,7 +228,7 @@ TEST_CASE("gradients of harmonic weights in space are the derivatives of weights
         CHECK(law_error<double, 3>(mesh.vertices(), points[n], row) <= 0.05);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::size_t below = 6 * n + 2 * axis, above = below + 1;
-            bool is_cut = false; // at zero, where the function itself is below
+            bool is_cut = false; // whether a negative value has been replaced by 0
             for (std::size_t i = 0; i < row.size(); ++i) {
                 const double least = (std::min)(weights[below][i], weights[above][i]);
                 is_cut = is_cut || (!(least > 0) && std::fabs(row[i][axis]) > 1e-5 * largest);
@@ -242,7 +242,7 @@ TEST_CASE("gradients of harmonic weights in space are the derivatives of weights
             ++compared;
         }
 
-        // Along a line half the step halves the largest change; a jump would stay.
+        // Halving the step along a line halves the largest change. It would not reduce a jump.
         if (n >= 4) continue;
         WalkNumbers numbers(std::uint64_t(seed), 3000 + n);
         const auto along = 0.9 * length(feet[n] - points[n]) * random_direction(numbers);
@@ -262,8 +262,9 @@ TEST_CASE("gradients of harmonic weights in space are the derivatives of weights
     CHECK(compared > points.size());
 }
 
-TEST_CASE("gradients of harmonic weights on the boundary are those just inside, on threads and in float too",
-          "[coordinates][harmonic][space][gradients]") {
+TEST_CASE(
+    "gradients of harmonic weights on the boundary equal those just inside, with threads and in float too",
+    "[coordinates][harmonic][space][gradients]") {
     const auto mesh = u_prism(0.8);
     cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 1e-2});
     std::vector<Vec<double, 3>> points{{1.4, 1.5, 0.5}}; // between the boxes
@@ -283,7 +284,7 @@ TEST_CASE("gradients of harmonic weights on the boundary are those just inside, 
               (n <= mesh.size() || n % 3 == mesh.size() % 3 ? PointState::on_boundary : PointState::inside));
         CHECK(law_error<double, 3>(mesh.vertices(), points[n], found.rows[n]) <= 1e-2);
         if (n <= mesh.size() || n % 3 == (mesh.size() + 1) % 3) continue;
-        // Along the face they are the slopes of the data.
+        // Along the face, gradients are the slopes of the data.
         const auto& face = mesh.faces()[(n - mesh.size() - 1) / 3];
         for (std::size_t k = 0; k < 3; ++k) {
             const auto from = face[k], to = face[(k + 1) % 3];
@@ -315,7 +316,8 @@ TEST_CASE("gradients of harmonic weights on the boundary are those just inside, 
     check(gradients_of<float, 3>(rounded, in_float), 1e-2);
 }
 
-TEST_CASE("the quick solid angle of a face is the exact one", "[coordinates][harmonic][space][property]") {
+TEST_CASE("the quick solid angle of a face is within 1e-10 of the exact one",
+          "[coordinates][harmonic][space][property]") {
     const int seed = GENERATE(seeds(40));
     CAPTURE(seed);
     WalkNumbers numbers(std::uint64_t(seed), 21);
@@ -327,7 +329,7 @@ TEST_CASE("the quick solid angle of a face is the exact one", "[coordinates][har
     const cageform::detail::GreenFrame<double, 3> frame(
         topology, cageform::Buffer<Vec<double, 3>>(corners.data(), corners.data() + corners.size()), 0);
     cageform::detail::GreenRows<double, 3> seen(frame);
-    for (int n = 0; n < 40; ++n) { // at all distances from a place of an edge
+    for (int n = 0; n < 40; ++n) { // at distances of 1e-8 to 1 from a point on the line of an edge
         const auto place = corners[0] + (2 * numbers.next() - 0.5) * (corners[1] - corners[0]);
         const auto x = place + std::pow(10.0, -8 * numbers.next()) * random_direction(numbers);
         const Vec<cageform::detail::Simd<double>, 3> p{x[0], x[1], x[2]};

@@ -23,8 +23,8 @@ using cageform::Polygon;
 
 namespace {
 
-/// The power of the step with which the largest fourth difference falls: k where derivative k is the first
-/// that jumps, but no more than four.
+/// The largest fourth difference along a line is of order h^k in the step h. k is the order of the first
+/// discontinuous derivative, and at most four.
 enum Smoothness { jumps = 0, continuous = 1, once = 2, twice = 3, always = 4 };
 
 template <std::size_t D>
@@ -56,12 +56,12 @@ Line<C::dimension> through(const C& coordinates, const Vec<double, C::dimension>
     const auto along = random_points<double, C::dimension>(1, reach, seed)[0];
     return line_of(coordinates, middle - along, middle + along);
 }
-/// A line inside the cage between two places at random; with an extension anywhere about the cage.
+/// A line between two random points, inside the cage. If `anywhere`, the line may leave the cage.
 template <class C>
 Line<C::dimension> line(const C& coordinates, std::uint64_t seed, bool anywhere = false) {
     const auto corners = corners_of(coordinates);
     const auto bounds = cageform::bounds_of(std::span<const Vec<double, C::dimension>>(corners));
-    Random random(1000 * seed); // far from those of other seeds
+    Random random(1000 * seed); // independent of the numbers of other seeds
     for (;;) {
         std::array<Vec<double, C::dimension>, 2> ends{};
         for (auto& end : ends) {
@@ -77,13 +77,14 @@ Line<C::dimension> line(const C& coordinates, std::uint64_t seed, bool anywhere 
 
 struct Measured {
     double power = always, jump = 0;
-    bool has_zero = false; ///< a weight of exactly zero is next to the worst place
+    bool has_zero = false; ///< whether a weight next to the worst place is exactly zero
 };
 
-/// Finds the worst place of a line by steps that become eight times smaller, and how fast differences fall.
+/// Finds the place of a line with the largest fourth difference, by steps that shrink eightfold. Returns
+/// the order of that difference in the step.
 template <std::size_t D>
 Measured measure(const Line<D>& line) {
-    constexpr std::size_t order = 4, phases = 4; // phases: places a step
+    constexpr std::size_t order = 4, phases = 4; // phases: points per step
     constexpr double least = 1e-13, enough = 1e-9;
     double first = 0, step = 1.0 / 500, before = 0;
     std::size_t count = 500 * phases + 1;
@@ -121,11 +122,11 @@ struct Kind {
     const char* name;
     int smoothness;
     std::function<Line<D>(std::uint64_t)> line;
-    double jump = 0;   ///< the largest where there are jumps
-    bool cuts = false; ///< weights below 0 become 0, with a kink
+    double jump = 0;   ///< the largest jump allowed, if weights are discontinuous
+    bool cuts = false; ///< whether negative weights become 0, which makes a kink
 };
 
-/// Checks that every line is as smooth as is documented, and that some line is not smoother.
+/// Checks that weights on every line are as smooth as documented, and on some line no smoother.
 template <std::size_t D>
 void check_kind(const Kind<D>& kind) {
     CAPTURE(kind.name);
@@ -141,9 +142,9 @@ void check_kind(const Kind<D>& kind) {
     CHECK(least <= kind.smoothness + 0.4);
 }
 
-/// A lattice in a turned box, beyond which displacements fade.
+/// A lattice in a rotated box, with a falloff.
 ///
-///   shear  how far one axis of the box is off the right angle
+///   shear  a component of one axis of the box; 0 if the axes are at right angles
 cageform::LatticeCoordinates<double, 3> random_lattice(std::size_t degree, std::uint64_t seed,
                                                        double shear = 0) {
     Random random(seed);
@@ -153,7 +154,7 @@ cageform::LatticeCoordinates<double, 3> random_lattice(std::size_t degree, std::
     return cageform::LatticeCoordinates<double, 3>(
         axes, cageform::Transform<double, 3>{{{{x, y, shear}, {-y, x, 0}, {0, 0, 1}}}, {}}, 0.3);
 }
-/// Sites at random; the first lies among the others.
+/// Random sites. The first site lies in the hull of the others.
 template <std::size_t D>
 cageform::SibsonCoordinates<double, D> random_sites(int degree, std::uint64_t seed) {
     auto sites = random_points<double, D>(20, 1, seed);

@@ -146,7 +146,7 @@ TEST_CASE("a tree of one size has the equations of a lattice", "[grid][tree]") {
     const Problem<3> problem(box, 4, 1.0 / 8, {});
     CHECK(problem.nodes.count() == 7 * 7 * 7);
     const TreeLinks links = links_of(problem.tree, problem.nodes);
-    const std::array weights{0.0, 28.0 / 30, 6.0 / 30, 2.0 / 30}; // of the mean of 26 nodes, times the side
+    const std::array weights{0.0, 28.0 / 30, 6.0 / 30, 2.0 / 30}; // weights of the 26 nodes, times the side
     for (std::uint32_t node = 0; node < problem.nodes.count(); ++node) {
         const auto& index = problem.nodes.index(node);
         const bool is_inner =

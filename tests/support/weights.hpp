@@ -54,7 +54,7 @@ Weights<typename C::scalar> evaluate_all(const C& coordinates, const R& points,
     return result;
 }
 
-/// The handles that are points.
+/// Returns the rest positions of the handles that are points.
 template <class C>
 auto corners_of(const C& coordinates) {
     const auto handles = cageform::handle_view(coordinates);

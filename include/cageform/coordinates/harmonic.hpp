@@ -41,9 +41,9 @@ struct AdaptiveGrid {
 /// The functions do not depend on `T` except for its rounding.
 ///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
-///   smooth    C² inside the cage, but C⁰ across walls, and where a weight that would be negative becomes 0.
-///             In the plane about points with a radius, and in space with cells inside or faces of more than
-///             three corners, neighbouring points can differ by the error
+///   smooth    C² inside the cage. C⁰ across walls, and where a negative weight is replaced by 0.
+///             Weights are discontinuous, with jumps of at most the error, in the plane about points with a
+///             radius, and in space in cages with cells inside or with faces of more than three corners
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel makes the grid and solves the groups of
@@ -156,14 +156,15 @@ public:
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
     ///              length. Those of points outside stay as they are
     ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the
-    ///              tolerance over h. Where weights are C²: derivatives of the weights before these are cut
-    ///              at zero, continuous inside (cube of side 4, asked 1e-3: nine of ten within 3e-4).
-    ///              Else differences over a cell: errors of order h², within a cell of the boundary of
-    ///              order h. For a point on the boundary: the gradient at a point inside, a hundredth of a
-    ///              cell away where weights are C², else half a cell (unreached if there is none)
-    ///   cost       where weights are C² 1.3 to 6 times that of evaluating the points (scattered, or
-    ///              hundreds in a cell), else of evaluating 2D + 1 points for each; unless `solve` has
-    ///              been called, with the memory of their stencils or weights
+    ///              tolerance over h. Where weights are C²: the continuous derivatives of the weights
+    ///              before negative ones become 0 (cube of side 4, accuracy 1e-3: 90 % within 3e-4).
+    ///              Elsewhere: differences over a cell, with errors of order h², and of order h within a
+    ///              cell of the boundary. A point on the boundary gets the gradient of a point inside, a
+    ///              hundredth of a cell away where weights are C², else half a cell. It is unreached if
+    ///              there is no such point
+    ///   cost       where weights are C²: that of evaluating the points, times 1.3 (scattered points) to 6
+    ///              (hundreds in a cell). Elsewhere: that of evaluating 2D + 1 points for each point.
+    ///              Unless `solve` has been called, the stencils or weights of all points need memory
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,

@@ -23,7 +23,7 @@ class MeanValueCoordinates;
 /// formula in code: `weigh` in mean_value/plane.hpp.
 ///
 ///   range      sum to 1; may be negative where the cage is not convex, and outside
-///   smooth     C^∞ in the whole plane, across edges too, but C⁰ at vertices
+///   smooth     C^∞ in the whole plane, also across edges; C⁰ at vertices
 ///   accuracy   a few roundings inside and near the cage. Far away the true weights grow like the
 ///              distance and cancel, so points farther than some hundred diagonals are computed one
 ///              precision higher, where the platform has one (float always; double where long
@@ -76,7 +76,7 @@ public:
 /// formula in code: `weigh` and `face_weights` in mean_value/space.hpp.
 ///
 ///   range      sum to 1; may be negative where the cage is not convex, and outside
-///   smooth     C^∞ in all of space, across faces too, but C⁰ at vertices and edges
+///   smooth     C^∞ in all of space, also across faces; C⁰ at vertices and edges
 ///   accuracy   1e-13 inside and near the cage (double), 1e-4 at worst for float; points farther
 ///              than some diagonals are computed one precision higher, where the platform has one
 ///   cost       O(#E + #F) a point: a square root and an angle an edge, a division a face, eight

@@ -46,7 +46,7 @@ struct SibsonOptions {
 ///              3D. Degree 3: can be negative; neighbours of neighbours have weights too. Σ|w| grows
 ///              where sites are close together (BindReport::amplification)
 ///   defined    in the convex hull of the sites, has_extension = false
-///   smooth     C¹ inside the hull, in space C²; at the sites C⁰ with degree 1, C¹ with degree 3
+///   smooth     inside the hull C¹ in 2D, C² in 3D; at the sites C⁰ with degree 1, C¹ with degree 3
 ///   accuracy   sites and points are rounded to a lattice of 2^-60 of the sites' size. Weights are computed
 ///              in double where their estimated rounding error is at most 2^-39 (2D) or 2^-35 (3D), else
 ///              from integers; over hostile sites the measured error is below 1e-13 (sibson/new_cell.hpp)

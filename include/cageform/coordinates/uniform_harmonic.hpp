@@ -25,7 +25,7 @@ struct UniformGrid {
 ///   accuracy  of order h² away from the boundary and around corners with one cell of room (two if
 ///             that holds too few nodes for a fit; grid/corners/corner_functions.hpp); of order
 ///             h^(π/ω) next to an untreated corner of interior angle ω, or such an edge in 3D
-///   smooth    neighbouring points can differ by the error
+///   smooth    not continuous: weights jump between cells, by about the error at most
 ///   cost      as HarmonicCoordinates; #V numbers more for a point next to treated corners
 ///   fails     as HarmonicCoordinates, but not accuracy_not_supported; tolerance_not_positive;
 ///             resolution_not_supported, if the resolution is not set or out of range

@@ -136,8 +136,8 @@ Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<
     return select(rho < zero, zero - size, size);
 }
 
-/// Returns the solid angle of a face, without sign, by one arctangent in place of three. It is inexact next
-/// to the lines of the edges. `height` is |H|. (van Oosterom, Strackee, IEEE Trans. Biomed. Eng. 30, 1983.)
+/// Returns the unsigned solid angle of a face by one arctangent, not three. `height` is |H|. The angle is
+/// inexact next to the lines of edges. van Oosterom, Strackee, IEEE Trans. Biomed. Eng. 30 (1983).
 template <class S>
 Simd<S> angle_off_edges(const typename GreenFrame<S, 3>::Face& face, const GreenFrame<S, 3>& cage,
                         const GreenRows<S, 3>& seen, const Simd<S>& height) noexcept {
@@ -156,7 +156,7 @@ Simd<S> angle_off_edges(const typename GreenFrame<S, 3>::Face& face, const Green
 /// points' feet to its edges, positive inside; f_k of its edges; and Ω, the solid angle that it
 /// subtends, zero if a point lies on it.
 ///
-///   quick  whether Ω may err by 1e-10 (in double)
+///   quick  whether Ω may have an error of 1e-10 (in double)
 template <class S, bool quick = false>
 struct FaceIntegrals {
     using X = Simd<S>;
@@ -180,7 +180,7 @@ struct FaceIntegrals {
         }
         const X size = abs(height);
         angle = zero;
-        X beside(S(quick ? 0 : 1)); // above zero next to a line: there Ω is exact
+        X beside(S(quick ? 0 : 1)); // positive next to a line, where Ω is computed exactly
         if constexpr (quick) {
             angle = angle_off_edges(face, cage, seen, size);
             for (std::size_t k = 0; k < 3; ++k) {

@@ -64,12 +64,12 @@ concept DifferentiableSolver = CageSolver<S> &&
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
 };
 
-/// A solver that has stencils of derivatives.
+/// A solver that can make stencils of derivatives.
 ///
-///   has_gradient_samples()     whether there are any for this cage
+///   has_gradient_samples()     whether the solver makes such stencils for this cage
 ///   gradient_samples(batch, first, last)
-///                              as `samples`, for derivatives per unit of length: `sample` and `finish` fill
-///                              row axis · #handles + handle. Rows of points outside stay as they are
+///                              as `samples`, for derivatives per unit of length. `sample` and `finish`
+///                              write row axis · #handles + handle. Values of points outside do not change
 template <class S>
 concept BlendedSolver = DifferentiableSolver<S> &&
     requires(const S& solver, const detail::Batch<typename S::Problem::scalar>& batch,

@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the values of functions first_handle … first_handle + count − 1 by stencil `n` of a table; see
-/// CutSamples::sample.
+/// Applies stencil `n` of a table to functions first_handle … first_handle + count − 1. Returns the
+/// values. CutSamples::sample describes the arguments.
 template <std::size_t D, class Functions>
 auto values_at(const StencilTable<D>& stencils, std::size_t n, const Functions& functions,
                std::size_t first_handle, std::size_t count) noexcept {
@@ -65,8 +65,8 @@ public:
         }
     }
 
-    /// Divides the weights of every point by their sum: values below 0 have been cut. Points without weights
-    /// stay as they are. `first` must be the first of a block of points.
+    /// Divides the weights of every point by their sum, which differs from 1 where negative values are
+    /// now 0. Points without weights do not change. `first` must be the first point of a block.
     template <Scalar T>
     void normalise(BlockView<T> rows) const noexcept {
         constexpr std::size_t lanes = lane_count<T>;

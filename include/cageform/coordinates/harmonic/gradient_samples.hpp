@@ -12,7 +12,7 @@ public:
     explicit GradientSamples(std::size_t handles = 0)
         : handles_(handles) {}
 
-    /// Adds the next stencil of point `i`: of its value, then of its derivatives.
+    /// Adds the next stencil of point `i`. The first is that of the value, the next D those of derivatives.
     template <class HandleOf>
     void add(std::size_t i, std::span<const typename StencilTable<D>::Node> nodes,
              std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {
@@ -22,8 +22,8 @@ public:
     /// Allocates memory for the values of all functions.
     void reserve() { values_.resize(points_.size() * handles_); }
 
-    /// Computes the values and derivatives of handles first_handle … first_handle + count − 1; the arguments
-    /// are those of CutSamples. Row axis · #handles + handle gets a derivative.
+    /// Computes the values and derivatives of handles first_handle … first_handle + count − 1. The
+    /// arguments are those of CutSamples::sample. Derivatives are written to row axis · #handles + handle.
     template <class Functions, Scalar T, class RowOf>
     void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
                 const RowOf& row_of) noexcept {
@@ -41,7 +41,8 @@ public:
         }
     }
 
-    /// Turns derivatives into those of the values divided by their sum. They sum to zero.
+    /// Replaces the derivatives of the values by the derivatives of the values divided by their sum. For
+    /// each axis the new derivatives sum to zero.
     template <Scalar T>
     void finish(BlockView<T> rows) const noexcept {
         for (std::size_t n = 0; n < points_.size(); ++n) {
@@ -62,7 +63,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t per_point = D + 1; ///< stencils
+    static constexpr std::size_t per_point = D + 1; ///< stencils per point
 
     std::size_t handles_;
     std::vector<std::size_t> points_;

@@ -12,18 +12,18 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// parent cell. Where functions are smooth the means differ by three times the error of the first,
 /// next to kinks by once or twice that error. The errors of node values are of the same size.
 /// Measured against finer grids, the largest difference is between half and four times the largest
-/// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two. Where
-/// leaves have models, two fits are compared, of harmonic polynomials up to degree three and two.
+/// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two. If
+/// leaves have models, two fits of harmonic polynomials are compared, of degree three and of degree two.
 template <std::size_t D>
 class GridErrors {
 public:
     GridErrors() = default;
     /// Compares stencils that `add` makes.
     ///
-    ///   add  add(places, fine, coarse): adds two stencils of each place to two tables
+    ///   add  add(places, fine, coarse): adds one stencil of each place to each of the two tables
     template <class Add>
     GridErrors(const grid::CutTree<D>& tree, const Running& running, const Add& add) {
-        constexpr std::uint32_t most = 250; // such stencils take the time of about fifty others
+        constexpr std::uint32_t most = 250; // making such a stencil takes about fifty times as long
         std::vector<Vec<double, D>> places;
         for_each_place(tree, most, running,
                        [&](const Cell&, const Vec<double, D>& middle) { places.push_back(middle); });
@@ -72,7 +72,7 @@ public:
 private:
     using Cell = typename grid::CellTree<D>::Cell;
 
-    /// Calls f(leaf, its middle) for about `most` leaves whose middle lies inside.
+    /// Calls f(leaf, its middle) for at most `most` leaves, spread evenly, whose middle lies inside.
     template <class F>
     static void for_each_place(const grid::CutTree<D>& tree, std::uint32_t most, const Running& running,
                                const F& f) {

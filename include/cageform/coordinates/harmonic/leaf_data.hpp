@@ -1,4 +1,5 @@
-// The data of a model of leaf_samples.hpp: what is seen from a place of a leaf.
+// The data of a model of a leaf (leaf_models.hpp): nodes and points of the boundary that are visible from a
+// point of the leaf.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -11,15 +12,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Rises from 0 at t ≤ 0 to 1 at t ≥ 1, twice differentiable.
+/// A C² function that increases from 0 at t ≤ 0 to 1 at t ≥ 1.
 inline double smooth_step(double t) noexcept {
     t = std::clamp(t, 0.0, 1.0);
     return t * t * t * (10 - 15 * t + 6 * t * t);
 }
 
-/// Places about a leaf where the functions are known, and how far a place of the leaf sees.
+/// The points about a leaf where the functions are known, and the visibility of other points from the
+/// viewpoint, a point of the leaf.
 ///
-///   Field  of the boundary: NearField, or PlaneField
+///   Field  the faces of the boundary: NearField in space, PlaneField in the plane
 template <class Field>
 class LeafData {
 public:
@@ -28,11 +30,11 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     using Nodes = grid::TreeNodes<D>;
 
-    /// A place where values are known: a node, or a place of the boundary.
+    /// A point where the values of the functions are known: a node, or a point of the boundary.
     struct Datum {
         Point at;
         double weight;
-        std::uint32_t node; ///< none: on the boundary
+        std::uint32_t node; ///< `none` for a point of the boundary, which has `value`
         BoundaryValue<D> value;
     };
 
@@ -42,13 +44,13 @@ public:
 
     /// Whether there is enough data for a linear function.
     bool is_valid() const noexcept { return data_.size() > D; }
-    double size() const noexcept { return size_; } ///< of the leaf
+    double size() const noexcept { return size_; } ///< the side of the leaf
     std::span<const Datum> data() const noexcept { return data_; }
-    bool is_near() const noexcept { return is_near_; } ///< whether a leaf about it is cut or outside
+    bool is_near() const noexcept { return is_near_; } ///< whether it or a neighbour is cut or outside
 
-    /// Returns the visibility of a point from the model's place, in [1e-6, 1]: 1e-6 if a face lies between.
+    /// Returns the visibility of a point from the viewpoint, in [1e-6, 1]: 1e-6 behind a face.
     double visibility(const Point& x) const noexcept {
-        constexpr double least = 1e-6; // serves where no model sees the point
+        constexpr double least = 1e-6; // not 0: a point can be invisible to all models
         if (!is_near_) return 1;
         // Faces at the end do not count, as they are rounded. In the plane walls have a point at either side.
         constexpr double end = D == 2 ? 1e-6 : 1e-3;
@@ -64,18 +66,19 @@ public:
         return least + (1 - least) * factor;
     }
 
-    /// Returns a datum's place in a leaf that no face is near, in halves of the leaf, plus 16.
+    /// Returns the offset of a datum from the middle of the leaf, in half leaf sizes, plus 16. The offset
+    /// is a whole number if no face is near the leaf, because all data are then nodes.
     std::array<char, D> place_in_leaf(const Datum& datum) const noexcept {
         std::array<char, D> place{};
         for (std::size_t k = 0; k < D; ++k) place[k] = char(16 + 2 * (datum.at[k] - middle_[k]) / size_);
         return place;
     }
 
-    /// Returns viewpoints of a leaf. A leaf that no face cuts has its middle. Others have a point far from
-    /// faces, then points that are hidden from the earlier ones.
+    /// Returns the viewpoints of a leaf: the middle, if no face cuts the leaf. Else the first is a point
+    /// far from faces; each further viewpoint, up to four in all, is invisible from all earlier viewpoints.
     static std::vector<Point> places_of(const grid::CutTree<D>& tree, const Field& field, const Cell& leaf) {
         constexpr std::size_t most = 4, across = 5;
-        constexpr double free = 0.3; // in sizes of the leaf; greater distances from faces score no more
+        constexpr double free = 0.3; // in leaf sizes; greater distances from faces do not raise the score
         const auto middle = leaf.middle();
         const auto facets = tree.facets(leaf.number);
         const auto& boundary = tree.boundary();
@@ -96,10 +99,10 @@ public:
         }
         std::sort(inside.begin(), inside.end(),
                   [](const auto& a, const auto& b) { return a.first > b.first; });
-        const bool hides = facets.size() > 2 || field.has_reflex_edge(middle, 0.9 * leaf.size);
+        const bool can_occlude = facets.size() > 2 || field.has_reflex_edge(middle, 0.9 * leaf.size);
         std::vector<Point> places;
         for (const auto& [score, p] : inside) {
-            if (places.size() == most || (!places.empty() && !hides)) break;
+            if (places.size() == most || (!places.empty() && !can_occlude)) break;
             if (std::all_of(places.begin(), places.end(), [&, to = p](const Point& from) {
                     return boundary.first_met(from, to - from, facets).has_value();
                 }))
@@ -124,9 +127,9 @@ protected:
         data_.reserve(40);
     }
 
-    /// Adds the corners of the leaf, of those about it, and of larger ones.
+    /// Adds the corners of the leaf, of its neighbours of the same size, and of larger neighbours.
     ///
-    ///   most_outer  along so many axes a corner of a leaf about it may lie beyond the leaf
+    ///   most_outer  the most axes along which a corner of a neighbour may lie beyond the leaf
     void add_nodes(std::size_t most_outer) {
         for (std::size_t n = 0; n < (D == 2 ? 16 : 64); ++n) {
             Index index = leaf_.low;
@@ -140,21 +143,21 @@ protected:
         for (const Cell& cell : larger_) {
             for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n) {
                 const Index index = cell.corner(n);
-                const auto is_it = [p = node_position<D>(index)](const Datum& datum) {
+                const auto is_known = [p = node_position<D>(index)](const Datum& datum) {
                     return datum.at == p;
                 };
-                if (std::none_of(data_.begin(), data_.end(), is_it)) add_node(index, false);
+                if (std::none_of(data_.begin(), data_.end(), is_known)) add_node(index, false);
             }
         }
     }
-    /// Adds a node, unless the boundary hides it.
+    /// Adds a node, unless the boundary occludes the node.
     ///
-    ///   adds_hiding_place  whether a place of the boundary that hides the node is added in its stead
-    void add_node(const Index& index, bool adds_hiding_place) {
+    ///   adds_occluder  whether the occluding point of the boundary is added instead of an occluded node
+    void add_node(const Index& index, bool adds_occluder) {
         const auto p = node_position<D>(index);
         bool is_in_tree = true;
         for (const std::int32_t x : index) is_in_tree = is_in_tree && x >= 0 && x <= tree_.cells().size();
-        // Measured. In space the boundary counts as far as the node that it hides.
+        // The formula is measured. In space an occluding point has the weight at the distance of the node.
         const auto weight = [&](const Point& at) {
             const double apart = length(at - middle_) / size_, square = apart * apart;
             return 1 / (0.3 + square * square * (D == 2 ? square : 1));
@@ -162,9 +165,9 @@ protected:
         if (is_near_ && p != place_) {
             const auto& boundary = tree_.boundary();
             if (const auto met = boundary.first_met(place_, p - place_, facets_)) {
-                if (!adds_hiding_place) return;
+                if (!adds_occluder) return;
                 auto value = met->value;
-                if (met->fraction < 0.1) { // a thin place: data next to the viewpoint alone do not suffice
+                if (met->fraction < 0.1) { // a thin domain: all data would be next to the viewpoint
                     const auto nearest = boundary.nearest(facets_, p);
                     if (!boundary.first_met(place_, (1 - 1e-3) * (nearest.position - place_), facets_))
                         value = nearest.value;
@@ -187,13 +190,13 @@ protected:
     double size_;
     bool is_near_ = false;
     std::vector<Datum> data_;
-    std::vector<std::pair<Point, Point>> reflex_; ///< edges that can hide points; in the plane vertices
+    std::vector<std::pair<Point, Point>> reflex_; ///< edges that can occlude points; in 2D vertices
 
 private:
-    /// Finds the larger leaves about the leaf, and the facets that pass the leaves about it.
+    /// Finds the larger neighbours of the leaf, and the facets that cut the leaf or a neighbour.
     void find_surroundings() {
         is_near_ = tree_.state(leaf_.number) != grid::CellState::in;
-        Cell around = leaf_; // holds all leaves about it
+        Cell around = leaf_; // contains all neighbours of the leaf
         const auto is_around = [&] {
             for (std::size_t k = 0; k < D; ++k) {
                 if (leaf_.low[k] == around.low[k] || leaf_.low[k] + leaf_.size == around.low[k] + around.size)

@@ -1,27 +1,30 @@
-// Samples harmonic functions in space by a smooth blend of local harmonic models, which leaf_samples.hpp
-// makes. plane_models.hpp has the models of the plane.
+// Samples harmonic functions in space by a C² blend of local harmonic models. leaf_samples.hpp makes the
+// blend. plane_models.hpp has the models for the plane.
 //
 // At a point x inside the cage the function of handle i is
 //
 //     u_i(x) = Σ_m w_m(x) M_m,i(x) / Σ_m w_m(x) + E_i(x)
 //
-// over the models m of the leaves near x. A leaf inside has one model, a leaf that faces cut up to four. The
-// weight w_m is a twice differentiable function of x. It is 0 from a fifth of a leaf's size beyond the leaf
-// on. A face between x and the place of the model makes the weight nearly 0. A model is a fit to data about
-// its leaf, corrected for kinks as in near_rows.hpp, with one L_i for the whole model:
+// over the models m of the leaves near x. A leaf inside has one model. A leaf that faces cut has up to
+// four. The weight w_m is a C² function of x. The weight is 0 farther from the leaf than a fifth of its
+// size. The weight is nearly 0 if a face lies between x and the viewpoint of the model. A model is a fit to
+// data about its leaf, corrected for kinks as in near_rows.hpp, with one L_i for the whole model:
 //
 //     M_i(x) = Σ_d S_d(x) y_i(d) + F(L_i),   F(L) = L(x) − Σ_d S_d(x) L(d),
 //     S(x) = b(x)ᵀ (BᵀWB + R)⁻¹ BᵀW.
 //
-// d runs over nodes about the leaf and places of the boundary, and y are the values there. b are 16 harmonic
-// polynomials up to degree three, and two functions for each of the nearest bent edges. The diagonal matrix W
-// holds the weights of the data. Weights fall with the distance from the middle of the leaf, and are three
-// times as large at the boundary. R is a ridge, next to zero for linear functions: constants and positions
-// are kept. E adds what the models miss at the nearest faces, and fades within a fifth of a leaf:
+// The data d are nodes about the leaf and points of the boundary; y_i(d) is the value of the function
+// there. The vector b has 16 harmonic polynomials up to degree three, and two functions for each of up to
+// four bent edges. Row d of the matrix B is b(d). The diagonal matrix W has the weights of the data, which
+// decrease with the distance from the middle of the leaf. A point of the boundary has three times the
+// weight. The diagonal matrix R is a ridge. Its entries for linear functions are nearly zero, so that
+// constants and positions are reproduced. E_i corrects the errors of the models at the nearest faces. It is
+// 0 farther from the faces than a fifth of a leaf:
 //
 //     E_i(x) = Σ_f a_f (φ_i(q_f) − Σ_m w_m(x) M_m,i(q_f) / Σ_m w_m(x)) / (1 + Σ_f a_f).
 //
-// The place q_f of face f lies near x and is a smooth function of x. So u tends to the data at faces.
+// a_f grows as 1 / distance² as x tends to face f. The point q_f of face f lies near x and is a smooth
+// function of x. So u_i(x) tends to the boundary data φ_i at faces.
 #pragma once
 
 #include <cageform/coordinates/harmonic/model_fit.hpp>
@@ -38,7 +41,7 @@ public:
     using Field = NearField;
     using Values = std::array<double, most_functions>;
 
-    ///   place  of the leaf, inside: what the model sees is seen from there
+    ///   place  the viewpoint: a point of the leaf, inside the cage
     LeafModel(const grid::CutTree<3>& tree, const Nodes& nodes, const NearField& field, const Cell& leaf,
               const Point& place)
         : LeafData(tree, nodes, field, leaf, place) {
@@ -46,15 +49,15 @@ public:
         if (is_valid() && is_near_) find_edges();
     }
 
-    /// Returns the degree of a function, as a polynomial.
+    /// Returns the polynomial degree of function `k` of the fit; 0 for one that is not a polynomial.
     static constexpr unsigned degree_of(std::size_t k) noexcept {
         return k >= polynomials || k == 0 ? 0 : k < 4 ? 1 : k < 9 ? 2 : 3;
     }
-    /// Returns the ridge of a function that is not linear, in the sum of the weights of data.
+    /// Returns the ridge of a function that is not linear, divided by the sum of the weights of data.
     static constexpr double ridge(std::size_t k) noexcept { return degree_of(k) == degree ? 1e-4 : 1e-6; }
     /// Returns the number of functions of the fit.
     std::size_t functions() const noexcept { return polynomials + 2 * wedges_.size(); }
-    /// Returns their values at a point.
+    /// Returns the values of these functions at a point. The values past `functions()` are 0.
     Values values(const Point& p) const noexcept {
         const Point q = (1 / size_) * (p - middle_);
         const double x = q[0], y = q[1], z = q[2];
@@ -87,14 +90,14 @@ public:
         return values;
     }
     /// Chooses the vertices whose double layers correct the model. Returns false if there are none.
-    bool look(NearPatch& patch) const {
+    bool choose_vertices(NearPatch& patch) const {
         return patch.look(place_, (is_near_ ? radius_near : radius_inside) * size_);
     }
 
 private:
     static constexpr double radius_near = 3.5, radius_inside = 2; ///< of the near field, in sizes of the leaf
 
-    /// Finds the reflex edges that can hide points, and the wedges that hold all data.
+    /// Finds the reflex edges that can occlude points, and the nearest wedges that contain all data.
     void find_edges() {
         std::vector<std::pair<double, Wedge>> found;
         field_.for_each_near_bent_edge(middle_, 2.5 * size_, [&](std::uint32_t e, double apart) {
@@ -130,7 +133,7 @@ public:
     /// See ModelFit.
     void set(const LeafModel& model, std::span<const Point> points) {
         ModelFit::set(model, points);
-        has_layers_ = model.look(patch_);
+        has_layers_ = model.choose_vertices(patch_);
         if (!has_layers_) return;
         unsigned unused_mirrors = 0;
         places_.clear();
@@ -153,7 +156,7 @@ public:
                 amount_[v] += factors[n] * patch_.layer(v, data.size() + first + n);
             amount_[v] = 2 * (amount_[v] - patch_.sum(v, row()));
         }
-        patch_.finish(amount_, -1, {}); // drops nothing: what is dropped at a threshold jumps
+        patch_.finish(amount_, -1, {}); // no threshold: it would make the functions discontinuous
         if (!std::all_of(amount_.begin(), amount_.end(), [](double x) { return is_finite(x); })) return;
         for (std::size_t v = 0; v < amount_.size(); ++v)
             vertices.push_back({patch_.vertices()[v], amount_[v]});

@@ -11,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Adds up shares by number: those of nodes, or of vertices.
+/// Sums the shares of each node, or of each vertex, by its number.
 template <class Share>
 class ShareSums {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -28,7 +28,7 @@ public:
             sums_.push_back({number, share});
         }
     }
-    /// Adds a share of the data at a place of the boundary.
+    /// Adds a share of the boundary data at a point of the boundary to the vertices of its facet.
     template <std::size_t D>
     void add(const BoundaryValue<D>& value, double share) {
         HatData<D>::for_each_weight(
@@ -59,13 +59,14 @@ private:
     }
 
     unsigned bits_ = 5;
-    Buffer<std::uint32_t> table_; ///< a hash table of places in sums_, at most half full
+    Buffer<std::uint32_t> table_; ///< a hash table of indices of sums_, at most half full
     Buffer<Share> sums_;
 };
 
 /// Makes the stencils of points inside a cage. Points of one leaf share its models. A stencil does not depend
 /// on other points.
-///   Model, Fit  LeafModel and LeafFit, in the plane PlaneModel and its ModelFit
+///
+///   Model, Fit  in space LeafModel and LeafFit, in the plane PlaneModel and ModelFit<PlaneModel>
 template <class Model, class Fit>
 class LeafSamples {
     static constexpr std::size_t D = Model::D;
@@ -76,7 +77,7 @@ class LeafSamples {
     using Table = StencilTable<D>;
 
 public:
-    ///   degree  of the polynomials of models
+    ///   degree  the greatest degree of the polynomials of models
     LeafSamples(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Field& field,
                 unsigned degree = Model::degree)
         : tree_(tree)
@@ -84,8 +85,8 @@ public:
         , field_(field)
         , fit_(field, degree) {}
 
-    /// Calls emit(nodes, vertices) for points inside, in units of the tree, one after the other: with the
-    /// shares of nodes and of vertices in the functions there.
+    /// Calls emit(nodes, vertices) for each point, in order: with the shares of nodes and of vertices in
+    /// the values at the point. The points lie inside and are in units of the tree.
     template <class Emit>
     void stencils(std::span<const Point> points, const Emit& emit) {
         points_.clear();
@@ -93,9 +94,9 @@ public:
         make_sums(points.size(), emit);
     }
 
-    /// Returns a point at which the functions can be differentiated: the point itself, or for points on the
-    /// boundary one a hundredth of a leaf inside. That one lies on the diagonal whose end is farthest from
-    /// faces; there is none if no end lies inside.
+    /// Returns a point at which the functions can be differentiated: x itself, if x is not on the boundary.
+    /// Else a point inside, a hundredth of a leaf from x along a diagonal of the leaf. The result
+    /// is the one of these points that is farthest from faces, or nothing if none lies inside.
     std::optional<Point> differentiable_place(const Point& x) const {
         const double size = tree_.leaf_at(x).size;
         double most = least_free;
@@ -107,16 +108,16 @@ public:
                 q[k] += (((direction >> k) & 1u) != 0 ? 0.01 : -0.01) * size / std::sqrt(double(D));
             if (!tree_.is_inside(q) || field_.boundary().first_met(q, 0.9 * (x - q))) continue;
             const double free = free_distance(q, size);
-            if (!(free > 1.001 * most)) continue; // rounding decides no ties
+            if (!(free > 1.001 * most)) continue; // rounding must not decide ties
             most = free;
             place = q;
         }
         return place;
     }
-    /// Calls emit(nodes, vertices) D + 1 times for each such place: with the stencils of the value, and of
-    /// the derivatives along the axes, per unit of the cage. Derivatives are differences over two thousandths
-    /// of a leaf, next to faces over a fiftieth of the distance. They err by a millionth, since shares are
-    /// twice differentiable and are not rounded.
+    /// Calls emit(nodes, vertices) D + 1 times for each place that `differentiable_place` returned: with
+    /// the stencil of the value, then of the derivatives along the axes, per unit of length of the cage.
+    /// Derivatives are central differences over two thousandths of a leaf, and next to faces over a
+    /// fiftieth of the distance. The relative error is about 1e-6, because shares are C² and not rounded.
     template <class Emit>
     void slopes(std::span<const Point> places, const Emit& emit) {
         points_.clear();
@@ -187,14 +188,14 @@ private:
         double weight;
         const Model* model;
     };
-    struct Run { ///< the shares of a model in a sum
+    struct Run { ///< the shares of the data of one model in one sum
         const Model* model;
-        std::size_t shares, vertices; ///< where they begin
+        std::size_t shares, vertices; ///< the indices of the first shares
         std::size_t vertices_end = 0;
         std::uint32_t next = none; ///< the next run of the sum
     };
     struct Sum {
-        std::uint32_t first = none, last = none; ///< of its runs
+        std::uint32_t first = none, last = none; ///< runs of the sum
     };
     struct Foot { ///< a place of a face near a point
         Point at;
@@ -203,8 +204,8 @@ private:
     };
     struct Sampled {
         Point at;
-        double factor;              ///< in its sum
-        std::size_t sum;            ///< to which its stencil is added
+        double factor;              ///< of the point's stencil in the sum
+        std::size_t sum;            ///< the number of the sum to which the stencil is added
         double total = 0, size = 0; ///< of weights; of weights · sizes of leaves
         bool is_on_face = false;
         std::vector<Foot> feet{};
@@ -224,7 +225,7 @@ private:
             weight *= smooth_step((reach - beyond) / (2 * reach));
         }
         if (is_leaf) return f(cell, weight);
-        // A bit for each child: those at the lower ends of the axes, and at the upper ends.
+        // Bit n stands for child n: the children at the lower end of each axis, and at the upper end.
         constexpr std::array<unsigned, 3> lower{0x55, 0x33, 0x0f}, upper{0xaa, 0xcc, 0xf0};
         unsigned children = (1u << grid::CellTree<D>::children) - 1;
         for (std::size_t k = 0; k < D; ++k) {
@@ -262,8 +263,8 @@ private:
 
     // ---- next to the boundary ------------------------------------------------------------------------
 
-    static constexpr double rounding = 2e-4;           ///< of where a point lies, in units of the tree
-    static constexpr double least_free = 5 * rounding; ///< from faces, at which functions are differentiated
+    static constexpr double rounding = 2e-4;           ///< of positions, in units of the tree
+    static constexpr double least_free = 5 * rounding; ///< least distance from faces of differences
 
     /// Returns the distance of a point from the nearest face, at most `limit`.
     double free_distance(const Point& x, double limit) const {
@@ -311,7 +312,7 @@ private:
     }
     // ---- sums ------------------------------------------------------------------------------------------
 
-    /// Finds a model's shares in sums: those at points, less those at the points' feet.
+    /// Computes the shares of a model in sums: the values at points, minus the values at the points' feet.
     void add_model(std::span<const Term> terms) {
         places_.clear();
         factors_.clear();
@@ -347,7 +348,7 @@ private:
             first += places;
         }
     }
-    /// Adds up the runs of a sum.
+    /// Adds the runs of a sum to of_nodes_ and of_vertices_.
     void add_runs(const Sum& sum) {
         of_nodes_.clear();
         of_vertices_.clear();
@@ -378,7 +379,7 @@ private:
     std::vector<double> factors_;
     std::vector<Sum> sums_;
     std::vector<Run> runs_;
-    Buffer<double> shares_; ///< of the data of runs
+    Buffer<double> shares_; ///< by run: the shares of the data on nodes and on the boundary
     Buffer<typename Table::Handle> vertices_;
     ShareSums<typename Table::Node> of_nodes_;
     ShareSums<typename Table::Handle> of_vertices_;

@@ -1,4 +1,4 @@
-// Fits the models of leaves.
+// Fits the models of leaves by least squares; leaf_models.hpp has the formulas.
 #pragma once
 
 #include <cageform/coordinates/harmonic/leaf_data.hpp>
@@ -20,21 +20,21 @@ class ModelFit {
 public:
     using Handle = typename StencilTable<Model::D>::Handle;
 
-    ///   degree  of the polynomials, at most Model::degree
+    ///   degree  the greatest degree of the polynomials, at most Model::degree
     ModelFit(const typename Model::Field&, unsigned degree)
         : degree_(degree) {}
 
-    /// Fits a model, for points.
+    /// Fits a model. `points` are all points at which `add` will evaluate the model.
     void set(const Model& model, std::span<const Point>) {
         model_ = &model;
         blocks_ = block_count<double>(model.data().size());
         shares_ = model.is_near() ? &fitted(own_shares_) : &fitted_by_pattern();
     }
-    /// Appends the shares of the model in a sum of values at points, each multiplied by its factor.
+    /// Appends the shares in a sum of values of the model at points, each multiplied by its factor.
     ///
-    ///   first     the number of points[0] among those of `set`
-    ///   shares    of all data
-    ///   vertices  the shares of vertices, without those by data
+    ///   first     the index of points[0] in the points of `set`
+    ///   shares    out: one share appended per datum of the model
+    ///   vertices  out: shares of vertices appended, other than by data on the boundary
     void add(std::span<const Point> points, std::span<const double> factors, std::size_t /*first*/,
              Buffer<double>& shares, Buffer<Handle>& /*vertices*/) {
         const auto data = model_->data();
@@ -55,14 +55,14 @@ public:
     }
 
 protected:
-    /// The shares of data in functions; see ridge_fit.
+    /// The shares of data in the coefficients of the functions, as ridge_fit returns them.
     using Shares = Buffer<Lanes<double>>;
 
     const Model& model() const noexcept { return *model_; }
     const Shares& row() const noexcept { return row_; } ///< the shares of data in the last sum
 
 private:
-    /// Returns the shares of the model's data, which depend on their pattern only.
+    /// Returns the shares of a model far from faces. The shares depend on the offsets of the data only.
     const Shares& fitted_by_pattern() {
         pattern_.clear();
         for (const auto& datum : model_->data()) {
@@ -85,8 +85,8 @@ private:
         const double damping = model_->is_near() ? trace : 1e-4 * trace;
         Values ridges{};
         for (std::size_t k = 0; k < ridges.size(); ++k) {
-            constexpr double leaves_out = 1e8;
-            const double ridge = Model::degree_of(k) > degree_ ? leaves_out : Model::ridge(k);
+            constexpr double excludes = 1e8;
+            const double ridge = Model::degree_of(k) > degree_ ? excludes : Model::ridge(k);
             ridges[k] = k <= Model::D ? 1e-13 * trace : ridge * damping;
         }
         const std::span<const Values> basis(basis_);
@@ -101,10 +101,10 @@ private:
 
     unsigned degree_;
     const Model* model_ = nullptr;
-    std::size_t blocks_ = 0; ///< of data
+    std::size_t blocks_ = 0; ///< SIMD blocks of data
     const Shares* shares_ = nullptr;
     Shares own_shares_;
-    std::map<std::string, Shares> patterns_; ///< of data about leaves that no face is near
+    std::map<std::string, Shares> patterns_; ///< by the offsets of data, for leaves far from faces
     std::string pattern_;
     std::vector<Values> basis_;
     std::vector<double> weight_;

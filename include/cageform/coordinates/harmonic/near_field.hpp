@@ -88,7 +88,7 @@ public:
         wedge.angle = wedge.place(at(apex(g, e))).theta;
         return wedge;
     }
-    /// Calls f(edge) for the bent edges that are nearer to a point than a distance.
+    /// Calls f(edge, its distance) once for each bent edge that is nearer to a point than `distance`.
     template <class F>
     void for_each_near_bent_edge(const Point& p, double distance, const F& f) const {
         std::vector<std::uint32_t> known;
@@ -115,9 +115,9 @@ public:
         return p;
     }
     std::array<std::uint32_t, 3> vertices(std::uint32_t f) const noexcept { return face(f).corner; }
-    /// Returns the unit normal out of the domain in which a point lies.
+    /// Returns the unit normal of a face, out of the domain. Only PlaneField needs the point.
     const Point& outward_normal(std::uint32_t f, const Point&) const noexcept { return face(f).normal; }
-    /// Returns the corners of a face without rounding.
+    /// Returns the corners of a face before rounding to the tree, in the order of vertices(f).
     Corners<3> exact_corners(std::uint32_t f) const noexcept {
         const auto& exact = boundary_.exact(f);
         Corners<3> corners{};
@@ -128,8 +128,9 @@ public:
         }
         return corners;
     }
-    /// Returns the weights of a place of a face near x: a smooth function of x, inside the face. The place q
-    /// minimises |q − x|² / (2 width²) − Σ_k log(distance of q from edge k), by a damped Newton method.
+    /// Returns the barycentric weights of a point q near x, in the interior of face f. q is a smooth
+    /// function of x: the minimum of |q − x|² / (2 width²) − Σ_k log(distance of q from edge k). A
+    /// damped Newton method finds q from `nearest`, the weights of the point of the face nearest to x.
     std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const Corners<3>& corners,
                                        const std::array<double, 3>& nearest, double width) const {
         const auto& face = this->face(f);

@@ -100,9 +100,9 @@ public:
             values_[point / lane_count<double> * vertices_.size() + vertex][point % lane_count<double>]);
     }
 
-    /// Returns a sum over the first points.
+    /// Returns the sum of share · layer of a vertex over the first points.
     ///
-    ///   shares  of the points, in blocks
+    ///   shares  one share per point, in SIMD blocks; 0 past the points of the sum
     double sum(std::size_t vertex, std::span<const Lanes<double>> shares) const noexcept {
         using X = Simd<double>;
         X sum(0.0);

@@ -1,4 +1,4 @@
-// Takes the kinks of the hat functions out of the equations of a tree, in space.
+// Corrects the equations of a tree in space for the kinks of the hat functions.
 //
 // A harmonic function of a handle is not smooth next to the boundary: its data, a hat function, has kinks
 // at the edges of the faces. A row of equations is a mean
@@ -114,7 +114,7 @@ private:
     struct Node {
         std::uint32_t node, point;
     };
-    /// Faces within so many sizes of the largest leaf about a row are near.
+    /// The radius of the near field of a row, in sizes of the largest leaf about the row's node.
     static constexpr double radius_of_rows = 3;
     static constexpr std::uint32_t none = NearField::none;
 
@@ -188,7 +188,7 @@ private:
     }
     /// Whether the edge of a wedge is the only one near a row, which is so close to it that S matters.
     bool is_alone(const Wedge& wedge, const Wedge::Place& at, const Row& row) const noexcept {
-        constexpr double most_sizes = 3, free = 2; // in sizes of the leaf; in distances from the edge
+        constexpr double most_sizes = 3, free = 2; // unit: leaf size; distance from the edge
         return wedge.is_singular() && at.r < most_sizes * row.size && wedge.has(at) && at.along > at.r &&
                wedge.length - at.along > at.r && !patch_.has_other_bend(row.position, free * at.r);
     }

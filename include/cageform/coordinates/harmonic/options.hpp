@@ -61,12 +61,12 @@ inline constexpr std::size_t most_resolution = D == 2 ? 16384 : 1024;
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
     /// The largest error of a weight, 1e-5 … 0.1, for which an adaptive grid is made
-    /// (coordinates/harmonic/tree_solver.hpp). In 2D the error stays within it. In 3D it does at 93 to
-    /// 100 points of 100, by cage. The largest errors measured were ten times as large, next to
-    /// vertices where reflex edges meet (`bench_skin`). Around cells inside, and with faces of more
-    /// than three corners, no near field is subtracted (coordinates/harmonic/near_rows.hpp): closer to
-    /// a small face than the face is wide the error can reach a tenth there. SolverReport::grid_error
-    /// estimates it.
+    /// (coordinates/harmonic/tree_solver.hpp). In 2D errors stay within the accuracy. In 3D, depending
+    /// on the cage, 93 to 100 % of the points do. The largest errors measured are ten times the
+    /// accuracy, next to vertices where reflex edges meet (`bench_skin`). 3D cages with cells inside or
+    /// with faces of more than three corners have no near field (coordinates/harmonic/near_rows.hpp).
+    /// Their errors can reach 0.1 closer to a small face than the face is wide.
+    /// SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
     /// For UniformHarmonicCoordinates: this many cells along the cage's longest side, 8 … 16384, in
     /// 3D 8 … 1024. `accuracy` is then ignored.

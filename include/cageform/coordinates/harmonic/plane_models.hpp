@@ -1,8 +1,8 @@
 // The models of leaves in the plane; leaf_models.hpp has the formula of their blend.
 //
-// The functions b of the fit are the real and imaginary parts of 1, z, …, z⁴, and the singular function of
-// the nearest vertex. Cells are so small at vertices that no kinks are corrected: F is left out. In E edges
-// take the place of faces.
+// The functions b of the fit are the real and imaginary parts of 1, z, …, z⁴, and the singular function
+// of the nearest vertex. The kinks of the data at vertices need no correction F, because cells there are
+// small. E sums over edges instead of faces.
 #pragma once
 
 #include <cageform/coordinates/harmonic/model_fit.hpp>
@@ -36,9 +36,9 @@ public:
         return stars_.capacity() * sizeof(Star) + 2 * boundary_.size() * sizeof(Point);
     }
     const Point& at(std::uint32_t vertex) const noexcept { return stars_[vertex].at; }
-    /// Whether some points of a leaf may hide others: rays tell.
+    /// Always true, unlike in space: LeafData::places_of then tests visibility in every cut leaf.
     bool has_reflex_edge(const Point&, double) const noexcept { return true; }
-    /// Returns the wedge between two edges of a vertex that a point lies in.
+    /// Returns the wedge between two edges of a vertex that contains the point p.
     Wedge wedge(std::uint32_t vertex, const Point& p) const noexcept {
         constexpr double turn = 2 * std::numbers::pi;
         const auto& [at, ends] = stars_[vertex];
@@ -53,7 +53,7 @@ public:
         const double first = angle_of(p) - before, x = std::cos(first), y = std::sin(first);
         return {{at[0], at[1], 0}, {0, 0, 1}, {x, y, 0}, {-y, x, 0}, 0, before + after};
     }
-    /// Returns a place in the coordinates of a wedge.
+    /// Returns the polar coordinates of a point in a wedge.
     static Wedge::Place place_in(const Wedge& wedge, const Point& p) noexcept {
         return wedge.place({p[0], p[1], 0});
     }
@@ -61,17 +61,17 @@ public:
     std::array<std::uint32_t, 2> vertices(std::uint32_t f) const noexcept { return boundary_[f].vertex; }
     const Corners<2>& corners(std::uint32_t f) const noexcept { return boundary_[f].corner; }
     const Corners<2>& exact_corners(std::uint32_t f) const noexcept { return boundary_.exact(f).corner; }
-    /// Returns the unit normal out of the domain in which a point lies. A wall has one on either side.
+    /// Returns the unit normal of an edge, out of the domain. For a wall, inside the domain: away from x.
     Point outward_normal(std::uint32_t f, const Point& x) const noexcept {
         const Point& normal = boundary_.normal(f);
         const bool turns = !boundary_.separates(f) && dot(normal, exact_corners(f)[0] - x) < 0;
         return turns ? -1.0 * normal : normal;
     }
-    /// Returns the point of the boundary that has a value. Nothing is singular there but at vertices.
+    /// Returns the point of the boundary that `value` describes. It is not moved, unlike in space.
     Point moved_inside(const BoundaryValue<2>& value, const Point&) const noexcept {
         return value.weight[0] * at(value.handle[0]) + value.weight[1] * at(value.handle[1]);
     }
-    /// Returns the weights of a place of an edge near x, as NearField does.
+    /// Returns the weights of a point in the interior of an edge, near x, as NearField::place_inside does.
     std::array<double, 2> place_inside(std::uint32_t, const Point& x, const Corners<2>& corners,
                                        const std::array<double, 2>& nearest, double width) const noexcept {
         const auto along = corners[1] - corners[0];
@@ -92,7 +92,7 @@ public:
 private:
     struct Star {
         Point at{};
-        std::vector<Point> ends; ///< of its edges
+        std::vector<Point> ends; ///< the other ends of its edges
     };
     const grid::TreeBoundary<2>& boundary_;
     std::vector<Star> stars_; ///< by vertex
@@ -106,24 +106,24 @@ public:
     using Field = PlaneField;
     using Values = std::array<double, most_functions>;
 
-    ///   place  of the leaf, inside: what the model sees is seen from there
+    ///   place  the viewpoint: a point of the leaf, inside the cage
     PlaneModel(const grid::CutTree<2>& tree, const Nodes& nodes, const PlaneField& field, const Cell& leaf,
                const Point& place)
         : LeafData(tree, nodes, field, leaf, place) {
-        add_nodes(2); // all about it
+        add_nodes(2); // all corners of neighbours
         if (leaf.size > 1) add_nodes_between();
         if (is_valid() && is_near_) find_vertices();
     }
 
-    /// Returns the degree of a function, as a polynomial.
+    /// Returns the polynomial degree of function `k` of the fit; 0 for the singular function.
     static constexpr unsigned degree_of(std::size_t k) noexcept {
         return k < polynomials ? unsigned(k + 1) / 2 : 0;
     }
-    /// Returns the ridge of a function that is not linear, in the sum of the weights of data.
+    /// Returns the ridge of a function that is not linear, divided by the sum of the weights of data.
     static constexpr double ridge(std::size_t) noexcept { return 1e-8; }
     /// Returns the number of functions of the fit.
     std::size_t functions() const noexcept { return polynomials + (wedge_ ? 1 : 0); }
-    /// Returns their values at a point.
+    /// Returns the values of these functions at a point. The value past `functions()` is 0.
     Values values(const Point& p) const noexcept {
         const Point z = (1 / size_) * (p - middle_);
         Values values{1};
@@ -144,7 +144,7 @@ public:
     }
 
 private:
-    /// Adds the nodes of leaves of half the size at the rim of the leaf, and up to half a size beyond.
+    /// Adds the nodes of neighbours of half the size: on the leaf's boundary, and half a leaf size beyond.
     void add_nodes_between() {
         for (std::int32_t i = -1; i <= 3; ++i) {
             for (std::int32_t j = -1; j <= 3; ++j) {
@@ -153,7 +153,7 @@ private:
             }
         }
     }
-    /// Finds the reflex vertices that can hide points, and the nearest wedge that holds all data.
+    /// Finds the reflex vertices that can occlude points, and the nearest wedge that contains all data.
     void find_vertices() {
         const auto& boundary = field_.boundary();
         double nearest = 2.5 * size_;
@@ -180,7 +180,7 @@ private:
         });
     }
 
-    std::optional<Wedge> wedge_; ///< of the nearest vertex
+    std::optional<Wedge> wedge_; ///< at the nearest vertex whose wedge is singular
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

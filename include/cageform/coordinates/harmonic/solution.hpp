@@ -126,15 +126,16 @@ public:
     }
 
 private:
-    /// Computes weights or gradients from kept functions if there are any. Otherwise it solves the
-    /// functions group by group and frees each group after sampling it.
+    /// Computes weights or gradients from kept functions, if `solve` kept them. Otherwise solves the
+    /// functions group by group, and frees each group after sampling.
     ///
-    ///   samples_of  samples_of(first, last): the stencils of points first … last − 1
+    ///   samples_of  samples_of(first, last): returns the stencils of points first … last − 1
     template <class SamplesOf>
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running,
                   const SamplesOf& samples_of) const {
         constexpr std::size_t lanes = lane_count<T>;
-        // Points sampled together share work: few enough for the threads and for the memory of stencils.
+        // Points that are sampled together share work. `few` is the least number of blocks for a thread.
+        // At once, `many` blocks are sampled from kept functions, and else `together`.
         constexpr std::size_t few = 256 / lanes, many = 4096 / lanes, together = 1024 / lanes;
         const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
         if (!functions_.empty()) {

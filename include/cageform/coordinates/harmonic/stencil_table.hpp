@@ -38,7 +38,7 @@ public:
         end_stencil();
     }
 
-    /// Appends the shares of nodes and of vertices, as their handles.
+    /// Appends a stencil: the shares of nodes and of vertices. handle_of(vertex) is a vertex's handle.
     template <class HandleOf>
     void add(std::span<const Node> nodes, std::span<const Handle> vertices, const HandleOf& handle_of) {
         nodes_.append(nodes.data(), nodes.data() + nodes.size());

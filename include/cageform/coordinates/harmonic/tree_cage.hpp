@@ -75,11 +75,11 @@ public:
     TreeCage& operator=(const TreeCage&) = delete;
     ~TreeCage() = default;
 
-    /// Returns the cell sizes for an accuracy. The factors are measured. In 2D errors fall with the
-    /// fourth power of the cell size. All errors on the oracles and on random cages stay within the
-    /// accuracy. In 3D with a near field cells need not resolve the kinks of the data: they may be far
-    /// larger than small facets, and than a thin domain. HarmonicOptions::accuracy says what is kept.
-    /// Without a near field errors fall with the square of the cell size.
+    /// Returns the cell sizes for an accuracy. The factors are measured. In 2D errors are of order four
+    /// in the cell size. All errors on cages with known solutions and on random cages are within the
+    /// accuracy. In 3D with a near field, cells need not resolve the kinks of the data. So cells may be
+    /// far larger than small facets and than the thickness of the domain. HarmonicOptions::accuracy states
+    /// the errors. Without a near field errors are of order two in the cell size.
     static grid::RefinementOptions sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
@@ -111,7 +111,7 @@ public:
                     .edge_levels = levels,
                     .reflex_levels = levels,
                     .at_vertex = 5 * accuracy,
-                    // Errors in the open fall with the fourth power of the cell size.
+                    // Errors far from the boundary are of order four in the cell size.
                     .largest = (std::min)(0.056, 0.3 * std::sqrt(std::sqrt(accuracy)))};
         }
     }
@@ -181,7 +181,7 @@ public:
         }
         return stencil;
     }
-    /// Does so for points that do not lie inside; sets the states of all.
+    /// As `stencil`, but points inside get an empty stencil too. Sets the state of every point.
     template <Scalar T>
     grid::CutStencil<D> stencil_outside(const Batch<T>& batch, std::size_t i) const {
         grid::CutStencil<D> stencil;

@@ -253,9 +253,9 @@ public:
         }
         return samples;
     }
-    /// Whether there are stencils of derivatives: the samples are then twice differentiable.
+    /// Whether the solver makes stencils of derivatives: if samples are C².
     bool has_gradient_samples() const noexcept { return field_.has_value(); }
-    /// Points that are neither inside nor on the boundary have no stencils.
+    /// Makes the stencils of derivatives of points inside and on the boundary. Other points have none.
     template <Scalar T>
     GradientSamples gradient_samples(const detail::Batch<T>& batch, std::size_t first,
                                      std::size_t last) const {
@@ -312,8 +312,8 @@ private:
         std::conditional_t<D == 3, detail::LeafSamples<detail::LeafModel, detail::LeafFit>,
                            detail::LeafSamples<detail::PlaneModel, detail::ModelFit<detail::PlaneModel>>>;
 
-    /// Whether samples blend the models of leaves: not about bones, and in space for hats as data without
-    /// cells inside.
+    /// Whether samples blend the models of leaves. In 2D: if the cage has no bones. In 3D: if the boundary
+    /// data is linear on faces and the cage has no cells inside.
     static bool is_blended(const Problem& problem) noexcept {
         if (D == 2) return problem.cage.cells().bones.empty();
         return problem.data.is_linear() &&

@@ -16,9 +16,9 @@ namespace grid {
 
 struct RefinementOptions {
     double across = 6; ///< cells across the thickness of the domain
-    /// In space: an error of functions that is small, or 0. Between two facets, far from their edges,
-    /// functions are linear. If this is not 0, cells are small across the thickness only where the
-    /// kinks of functions at edges would cause larger errors.
+    /// In space: an acceptable error of the functions, or 0. Between two facets, far from their edges,
+    /// functions are nearly linear. If this is not 0, `across` applies only near edges, where the kinks
+    /// of functions would otherwise cause errors larger than this.
     double small_error = 0;
     /// Cells along the least altitude of a facet. In the plane that is the length of an edge.
     double per_facet = 1;
@@ -155,9 +155,10 @@ public:
         double area;                           ///< in the plane its length
         double altitude, root_area, thickness; ///< altitude and root of the area of its facet
         std::array<double, D> slopes;          ///< see slopes_
-        std::array<double, D> lengths;         ///< of the edges of its facet, divided by the facet's area
+        std::array<double, D> lengths;         ///< lengths of the facet's edges, divided by its area
 
-        /// Calls f(size, area) for parts that allow cells of different sizes, of at most `most`.
+        /// Divides the patch into parts by the allowed cell size. Calls f(size, area) for each part, with
+        /// sizes of at most `most`.
         template <class F>
         void for_each_part(const grid::RefinementOptions& options, double most, const F& f) const {
             const double across = thickness / options.across;
@@ -209,14 +210,14 @@ private:
             return longest > 0 ? 2 * measure(corner) / longest : 0;
         }
     }
-    /// The cells that a kink of functions at an edge needs where the domain is thin.
+    /// The cells that resolve a kink of functions at an edge where the domain is thin.
     struct Kink {
-        double size, reach; ///< at the edge, and as far from it
+        double size, reach; ///< the cell size, and the distance from the edge up to which it applies
     };
-    /// Between two planes a function that deviates by A from a linear one deviates by A exp(-π d /
-    /// thickness) at a distance d.
+    /// Between two parallel planes the deviation A of a harmonic function from a linear one decays with
+    /// the distance d from the edge, as A exp(−π d / thickness).
     ///
-    ///   slope  of functions next to the edge, on the facets
+    ///   slope  the largest slope of hat functions next to the edge, on the facets
     static Kink kink_at(double thickness, double slope, const grid::RefinementOptions& options) noexcept {
         // The error of a function with a kink, in sizes of the cell times the slope.
         constexpr double error_of_cell = 0.2;
@@ -224,10 +225,10 @@ private:
         return {(std::max)(thickness / options.across, options.small_error / (error_of_cell * slope)),
                 amplitude > 1 ? thickness / std::numbers::pi * std::log(amplitude) : 0};
     }
-    /// The largest cell in a thin domain, in thicknesses: larger ones lose places of the boundary to
-    /// rounding.
+    /// The largest cell in a thin domain, divided by the thickness. In larger cells the rounding of
+    /// positions on the boundary is too coarse.
     static constexpr double most_of_thickness = 64;
-    /// Returns the size that a facet allows at a place where the domain is thin.
+    /// Returns the cell size that facet `n` allows at a position where the domain is thin.
     double size_between([[maybe_unused]] std::uint32_t n, [[maybe_unused]] const Point& position,
                         double thickness) const noexcept {
         if constexpr (D == 3) {
@@ -352,8 +353,8 @@ private:
     std::vector<std::uint32_t> faced_; ///< by facet and side: the facet that the last ray from it met
     std::vector<double> altitudes_;    ///< by facet
     std::vector<double> root_areas_;   ///< by facet: the root of its area
-    /// By facet, in space, and by the corner opposite an edge: the largest slope of a hat function next
-    /// to it.
+    /// In space: [facet][corner], the largest slope of a hat function on a facet at the edge opposite
+    /// the corner.
     std::vector<std::array<double, D>> slopes_;
 };
 

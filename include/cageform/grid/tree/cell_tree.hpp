@@ -20,11 +20,11 @@
 //   counts    a leaf counts if it is not outside the domain
 //
 // Facets are rounded to 2⁻³⁰ of the cube, so that integer arithmetic decides what is inside
-// (boundary.hpp). Between nodes values are those of local harmonic models
-// (coordinates/harmonic/leaf_models.hpp). About bones, and in space about walls and with faces of more
-// than three corners, coordinates/harmonic/tree_cage.hpp interpolates. Within 0.01 (plane) or 0.3 (space)
-// of a leaf from the boundary it does so linearly, between the nearest point of the unrounded boundary
-// and a point farther inside.
+// (boundary.hpp). Local harmonic models give the values between nodes
+// (coordinates/harmonic/leaf_models.hpp). In cages with bones, and in space in cages with walls or with
+// faces of more than three corners, coordinates/harmonic/tree_cage.hpp interpolates instead. Within 0.01
+// (plane) or 0.3 (space) of a leaf from the boundary, this interpolation is linear between the nearest
+// point of the unrounded boundary and a point farther inside.
 //
 // All headers, in the order of the work:
 //
@@ -130,7 +130,7 @@ public:
         for (auto& x : doubled) x = x < 0 ? 0 : x > 2 * size() - 1 ? 2 * size() - 1 : x;
         return leaf_at(doubled, root());
     }
-    /// Returns the leaf at a position in a cell.
+    /// Returns the leaf of a cell that contains a position in the cell. O(depth).
     Cell leaf_at(const Index& doubled, Cell cell) const noexcept {
         while (!is_leaf(cell.number)) cell = child_at(cell, doubled);
         return cell;

@@ -208,14 +208,14 @@ private:
         }
         end_row(volume);
     }
-    /// The mean of all nodes about a node between equal leaves that no facet passes.
+    /// Formula 1. Returns false, and adds nothing, if leaves differ in size or a facet cuts one of them.
     bool add_regular(std::uint32_t node, const Index& index, const LeavesAbout<D>& about) {
         const std::int32_t size = about.leaf[0].size;
         for (const Cell& leaf : about.leaf) {
             if (leaf.size != size || tree_.state(leaf.number) != grid::CellState::in) return false;
         }
-        // By the number of axes along which a node is apart. A node belongs to several leaves, each of which
-        // adds its weight.
+        // The index is the number of axes along which a node differs from the centre. A node of several
+        // leaves gets this weight once from each leaf.
         constexpr std::array weights =
             D == 2 ? std::array{0.0, 1.0 / 3, 1.0 / 6, 0.0} : std::array{0.0, 3.5 / 30, 1.5 / 30, 1.0 / 30};
         for (const Cell& leaf : about.leaf) {
