@@ -70,7 +70,7 @@ Line<C::dimension> line(const C& coordinates, std::uint64_t seed, bool anywhere 
         }
         const auto found = line_of(coordinates, ends[0], ends[1]);
         const auto is_out = [](PointState state) { return state == PointState::outside; };
-        const auto states = found.weights(0, 1.0 / 2000, 2001).states;
+        const auto states = found.weights(0, 1.0 / 500, 501).states;
         if (anywhere || std::none_of(states.begin(), states.end(), is_out)) return found;
     }
 }
@@ -94,14 +94,15 @@ Measured measure(const Line<D>& line) {
         Measured found;
         double largest = 0, worst = first, scale = 1;
         for (std::size_t i = 0; i < weights.rows[0].size(); ++i) {
-            const auto w = [&](std::size_t k) { return weights.rows[k][i]; };
+            std::vector<double> w;
+            for (const auto& row : weights.rows) w.push_back(row[i]);
             for (std::size_t k = 0; k < count; ++k) {
-                scale = larger(scale, std::fabs(w(k)));
-                found.has_zero = found.has_zero || w(k) == 0;
-                if (k + phases < count) found.jump = larger(found.jump, std::fabs(w(k + phases) - w(k)));
+                scale = larger(scale, std::fabs(w[k]));
+                found.has_zero = found.has_zero || w[k] == 0;
+                if (k + phases < count) found.jump = larger(found.jump, std::fabs(w[k + phases] - w[k]));
                 if (k + order * phases >= count) continue;
-                const double difference = w(k) - 4 * w(k + phases) + 6 * w(k + 2 * phases) -
-                                          4 * w(k + 3 * phases) + w(k + 4 * phases);
+                const double difference = w[k] - 4 * w[k + phases] + 6 * w[k + 2 * phases] -
+                                          4 * w[k + 3 * phases] + w[k + 4 * phases];
                 if (std::fabs(difference) <= largest) continue;
                 largest = std::fabs(difference);
                 worst = first + (double(k) / phases + 0.5 * order) * step;
@@ -131,12 +132,12 @@ template <std::size_t D>
 void check_kind(const Kind<D>& kind) {
     CAPTURE(kind.name);
     double least = always;
-    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         const auto [power, jump, has_zero] = measure(kind.line(seed));
         CAPTURE(seed, power, jump, has_zero);
         const bool is_cut = kind.cuts && has_zero;
         CHECK(power >= (is_cut ? continuous : kind.smoothness) - 0.4);
-        if (kind.smoothness == jumps) CHECK(jump <= kind.jump);
+        if (power < 0.4) CHECK(jump <= kind.jump); // else the jump is the slope times the step
         if (!is_cut) least = std::min(least, power);
     }
     CHECK(least <= kind.smoothness + 0.4);
