@@ -803,7 +803,7 @@ TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][h
     auto plate = divided_box({1, 1, 1}, 1.0);
     for (auto& p : plate.vertices) p[2] *= 1e-5;
     for (const auto& cage : {mesh, plate.mesh<double>()}) {
-        const HarmonicOptions options{.accuracy = 2e-4, .memory_limit = std::size_t{1} << 23};
+        const HarmonicOptions options{.accuracy = 2e-5, .memory_limit = std::size_t{1} << 23};
         const auto refused = evaluate_all(Adaptive<TriangleMesh<double>>(cage, options), points);
         CHECK(refused.status() == Status::out_of_memory);
         CHECK(refused.evaluation.solver.bytes > options.memory_limit);

@@ -13,7 +13,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// next to kinks by once or twice that error. The errors of node values are of the same size.
 /// Measured against finer grids, the largest difference is between half and four times the largest
 /// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two. If
-/// leaves have models, two fits of harmonic polynomials are compared, of degree three and of degree two.
+/// leaves have models, two fits of harmonic polynomials are compared, of degree three and of degree one. On
+/// random meshes the largest error is 1.1 to 5.6 times their largest difference, so it is multiplied by four.
 template <std::size_t D>
 class GridErrors {
 public:
@@ -27,6 +28,7 @@ public:
         std::vector<Vec<double, D>> places;
         for_each_place(tree, most, running,
                        [&](const Cell&, const Vec<double, D>& middle) { places.push_back(middle); });
+        factor_ = 4;
         add(std::span<const Vec<double, D>>(places), fine_, coarse_);
     }
     ///   data  the cage's BoundaryData
@@ -64,7 +66,7 @@ public:
             double largest = 0;
             for (std::size_t k = 0; k < count; ++k)
                 largest = (std::max)(largest, std::fabs(fine[k] - coarse[k]));
-            errors.push_back(float(largest));
+            errors.push_back(float(factor_ * largest));
         }
         return errors;
     }
@@ -98,6 +100,7 @@ private:
     }
 
     StencilTable<D> fine_, coarse_;
+    double factor_ = 1; ///< of differences
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

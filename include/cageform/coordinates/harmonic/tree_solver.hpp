@@ -346,7 +346,7 @@ private:
                 using Table = detail::StencilTable<D>;
                 return {cage_->tree(), running,
                         [this](std::span<const Vec<double, D>> places, Table& fine, Table& coarse) {
-                            for (const unsigned degree : {3u, 2u}) {
+                            for (const unsigned degree : {3u, 1u}) {
                                 Blends(cage_->tree(), cage_->nodes(), *field_, degree)
                                     .stencils(places, [&](const auto& nodes, const auto& vertices) {
                                         (degree == 3 ? fine : coarse).add(nodes, vertices, position_of());
