@@ -41,17 +41,19 @@ public:
     /// Returns the wedge between two edges of a vertex that contains the point p.
     Wedge wedge(std::uint32_t vertex, const Point& p) const noexcept {
         constexpr double turn = 2 * std::numbers::pi;
-        const auto& [at, ends] = stars_[vertex];
-        const auto angle_of = [&, at = at](const Point& q) { return std::atan2(q[1] - at[1], q[0] - at[0]); };
+        const auto& star = stars_[vertex];
+        const auto angle_of = [&](const Point& q) {
+            return std::atan2(q[1] - star.at[1], q[0] - star.at[0]);
+        };
         double before = turn, after = turn; // the least angles from p to an edge on either side
-        for (const Point& end : ends) {
+        for (const Point& end : star.ends) {
             double angle = angle_of(p) - angle_of(end);
             if (angle < 0) angle += turn;
             before = (std::min)(before, angle);
             after = (std::min)(after, turn - angle);
         }
         const double first = angle_of(p) - before, x = std::cos(first), y = std::sin(first);
-        return {{at[0], at[1], 0}, {0, 0, 1}, {x, y, 0}, {-y, x, 0}, 0, before + after};
+        return {{star.at[0], star.at[1], 0}, {0, 0, 1}, {x, y, 0}, {-y, x, 0}, 0, before + after};
     }
     /// Returns the polar coordinates of a point in a wedge.
     static Wedge::Place place_in(const Wedge& wedge, const Point& p) noexcept {
