@@ -260,7 +260,7 @@ public:
     GradientSamples gradient_samples(const detail::Batch<T>& batch, std::size_t first,
                                      std::size_t last) const {
         GradientSamples samples(order_.size());
-        Blends blends(cage_->tree(), cage_->nodes(), *field_);
+        auto blends = this->blends();
         std::vector<Vec<double, D>> places;
         std::vector<std::size_t> numbers;
         for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
@@ -357,6 +357,10 @@ private:
         }
         return {cage_->tree(), cage_->nodes(), ordered_data(), running};
     }
+    Blends blends() const {
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): called only if samples are blended
+        return {cage_->tree(), cage_->nodes(), *field_};
+    }
     /// Adds the stencils of points first … last − 1: blends of the models of leaves.
     template <Scalar T>
     void add_blends(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
@@ -376,13 +380,12 @@ private:
         const auto add_others = [&] {
             for (; i < last && !is_inside(batch, i); ++i) samples.add(*other++, ordered_data());
         };
-        Blends(cage_->tree(), cage_->nodes(), *field_)
-            .stencils(inside, [&](const auto& nodes, const auto& vertices) {
-                add_others();
-                samples.add(nodes, vertices, position_of());
-                if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
-                ++i;
-            });
+        blends().stencils(inside, [&](const auto& nodes, const auto& vertices) {
+            add_others();
+            samples.add(nodes, vertices, position_of());
+            if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
+            ++i;
+        });
         add_others();
     }
     template <Scalar T>

@@ -247,7 +247,8 @@ private:
         return thickness / options_.across;
     }
     void find_slopes() {
-        std::map<std::array<std::uint32_t, 2>, double> largest; // by the vertices of an edge
+        // By the vertices of an edge; NOLINTNEXTLINE(misc-const-correctness): filled below
+        std::map<std::array<std::uint32_t, 2>, double> largest;
         const auto for_each_edge = [&](const auto& f) {
             for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
                 for (std::size_t k = 0; k < 3; ++k) {
