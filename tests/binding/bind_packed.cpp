@@ -120,7 +120,7 @@ TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make
     }
     const auto data = random_mesh(3);
     Points3<T> in_space;
-    for (const auto& p : points_about(data, 300, 2)) in_space.push_back(vec_cast<T>(p));
+    for (const auto& p : points_about(data, effort(300, 60), 2)) in_space.push_back(vec_cast<T>(p));
     const cageform::HarmonicCoordinates<T, 3> harmonic(data.template mesh<T>(),
                                                        {.accuracy = effort(0.02, 0.1)});
     check_same(harmonic, in_space, {.pack = {.format = WeightFormat::half, .threshold = 1e-3}}, 4);
