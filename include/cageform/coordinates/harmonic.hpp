@@ -42,8 +42,8 @@ struct AdaptiveGrid {
 ///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
 ///   smooth    C² inside the cage. C⁰ across walls, and where a negative weight is replaced by 0.
-///             Weights are discontinuous, with jumps of at most the error, in the plane about points with a
-///             radius, and in space in cages with cells inside or with faces of more than three corners
+///             In the plane about points with a radius, weights jump by as much as they err. So do weights
+///             in space if the cage has cells inside, or faces of more than three corners.
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel makes the grid and solves the groups of

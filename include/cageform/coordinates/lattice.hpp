@@ -21,8 +21,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// axis of the handles is the fastest.
 ///
 ///   range     [0, 1] in the box. Outside, the functions go straight on, with both signs
-///   smooth    as the splines: C^(degree − 1) in the box, at most C¹ at its faces
-///   falloff   outside, displacements fade to zero at this distance from the box, C¹ at both ends, but
+///   smooth    as the splines: C^(degree − 1) in the box, at most C¹ at its faces.
+///   falloff   outside, displacements fade to zero at this distance from the box, C¹ at both ends. They are
 ///             C⁰ beyond edges of the box if its axes are not at right angles. The handles are then
 ///             followed by D + 1 still handles, o and o + A_k, which poses must leave at rest.
 ///             BindOptions::falloff fades by the same distance without them; given both, points fade by both
