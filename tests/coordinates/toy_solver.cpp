@@ -91,9 +91,9 @@ public:
     Functions keep(const Block& block) const { return block; }
 
     template <class T>
-    Samples samples(const cageform::detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
-        Samples samples(first);
-        for (std::size_t i = first; i < last; ++i) samples.add(grid_.stencil(batch, i), grid_.data());
+    Samples samples(const cageform::detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+        Samples samples;
+        for (const std::size_t i : points) samples.add(i, grid_.stencil(batch, i), grid_.data());
         return samples;
     }
     template <class T>

@@ -108,17 +108,16 @@ public:
     // -----------------------------------------------------------------------------------
 
     struct Sample {
+        std::size_t point;
         grid::SampleStencil<T, D> stencil;  ///< for a point inside
         std::optional<BoundaryValue<D>> on; ///< for a point on the boundary
     };
-    struct Samples {
-        std::size_t first = 0;
-        std::vector<Sample> points;
-    };
-    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
-        Samples samples{first, std::vector<Sample>(last - first)};
-        for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
-            Sample& sample = samples.points[i - first];
+    using Samples = std::vector<Sample>;
+    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+        Samples samples;
+        for (const std::size_t i : points) {
+            Sample& sample = samples.emplace_back(Sample{i, {}, {}});
+            if (i >= batch.points.points) continue;
             PointState& state = batch.states[i];
             if (state == PointState::not_finite) continue;
             const auto p = block_point<D>(batch.points, i);
@@ -137,9 +136,8 @@ public:
     void sample(const Samples& samples, std::size_t group, const Functions& functions,
                 BlockView<T> rows) const noexcept {
         const std::size_t first = group * width();
-        for (std::size_t n = 0; n < samples.points.size(); ++n) {
-            const auto& [stencil, on] = samples.points[n];
-            const std::size_t i = samples.first + n, lane = i % lane_count<T>;
+        for (const auto& [i, stencil, on] : samples) {
+            const std::size_t lane = i % lane_count<T>;
             auto* const row = rows.block(i / lane_count<T>) + first;
             for (std::size_t k = 0; k < functions.size(); ++k)
                 row[k][lane] = stencil.sample(std::span<const T>(functions[k]));

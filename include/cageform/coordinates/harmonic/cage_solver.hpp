@@ -23,10 +23,12 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                              progress is reported by `solve` alone
 ///   memory()                   the size of that, and of a block
 ///   Functions, keep(block)     the functions of a solved group
-///   Samples, samples(batch, first, last)
-///                              stencils from which the value of any function at points first …
-///                              last − 1 is computed; also sets where the points lie (batch.states).
+///   Samples, samples(batch, points)
+///                              stencils from which the value of any function is computed at the points
+///                              with these numbers; also sets where the points lie (batch.states).
 ///                              Points beyond batch.points.points have the value 0
+///   order(batch)               optional: the numbers of all points of all blocks, in the order in which
+///                              the points are sampled; else ascending
 ///   sample(samples, group, functions, rows)
 ///                              fills the rows of weights of a group at those points; `functions` is a
 ///                              block or kept Functions. Different groups are sampled concurrently
@@ -38,11 +40,11 @@ concept CageSolver = grid::GroupSolver<S> &&
     requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
              SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
              typename S::Samples& samples, const detail::Batch<typename S::Problem::scalar>& batch,
-             const Running& running, std::size_t n) {
+             const Running& running, std::span<const std::size_t> points, std::size_t n) {
     { S::make(problem, report, made, running) } -> std::same_as<Status>;
     { solver.memory() } -> std::same_as<SolverMemory>;
     { solver.keep(block) } -> std::same_as<typename S::Functions>;
-    { solver.samples(batch, n, n) } -> std::same_as<typename S::Samples>;
+    { solver.samples(batch, points) } -> std::same_as<typename S::Samples>;
     solver.sample(samples, n, block, batch.rows);
     solver.sample(samples, n, functions, batch.rows);
     solver.finish(samples, batch.rows);
@@ -67,15 +69,16 @@ concept DifferentiableSolver = CageSolver<S> &&
 /// A solver that can make stencils of derivatives.
 ///
 ///   has_gradient_samples()     whether the solver makes such stencils for this cage
-///   gradient_samples(batch, first, last)
+///   gradient_samples(batch, points)
 ///                              as `samples`, for derivatives per unit of length. `sample` and `finish`
 ///                              write row axis · #handles + handle. Values of points outside do not change
 template <class S>
 concept BlendedSolver = DifferentiableSolver<S> &&
     requires(const S& solver, const detail::Batch<typename S::Problem::scalar>& batch,
-             typename S::GradientSamples& samples, const typename S::Functions& functions, std::size_t n) {
+             typename S::GradientSamples& samples, const typename S::Functions& functions,
+             std::span<const std::size_t> points, std::size_t n) {
     { solver.has_gradient_samples() } -> std::same_as<bool>;
-    { solver.gradient_samples(batch, n, n) } -> std::same_as<typename S::GradientSamples>;
+    { solver.gradient_samples(batch, points) } -> std::same_as<typename S::GradientSamples>;
     solver.sample(samples, n, functions, batch.rows);
     solver.finish(samples, batch.rows);
 };

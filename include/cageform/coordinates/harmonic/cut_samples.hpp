@@ -27,22 +27,21 @@ auto values_at(const StencilTable<D>& stencils, std::size_t n, const Functions& 
     return value;
 }
 
-/// The stencils of points `first`, first + 1, ….
+/// The stencils of points.
 template <std::size_t D>
 class CutSamples {
 public:
-    explicit CutSamples(std::size_t first = 0)
-        : first_(first) {}
-
-    /// Adds the stencil of the next point. `data` is the cage's BoundaryData.
+    /// Adds the stencil of point `i`. `data` is the cage's BoundaryData.
     template <class Data>
-    void add(const grid::CutStencil<D>& stencil, const Data& data) {
+    void add(std::size_t i, const grid::CutStencil<D>& stencil, const Data& data) {
+        points_.push_back(i);
         stencils_.add(stencil, data);
     }
     /// Adds it as shares of nodes and of vertices; see StencilTable.
     template <class HandleOf>
-    void add(std::span<const typename StencilTable<D>::Node> nodes,
+    void add(std::size_t i, std::span<const typename StencilTable<D>::Node> nodes,
              std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {
+        points_.push_back(i);
         stencils_.add(nodes, vertices, handle_of);
     }
 
@@ -57,40 +56,25 @@ public:
         for (std::size_t n = 0; n < stencils_.size(); ++n) {
             const auto value = values_at(stencils_, n, functions, first_handle, count);
             // A mean of boundary data is in [0, 1]; solver errors must not leave this range.
-            const std::size_t i = first_ + n;
-            auto* const row = rows.block(i / lane_count<T>);
             for (std::size_t k = 0; k < count; ++k)
-                row[row_of(first_handle + k)][i % lane_count<T>] =
-                    static_cast<T>(std::clamp(value[k], 0.0, 1.0));
+                rows(points_[n], row_of(first_handle + k)) = static_cast<T>(std::clamp(value[k], 0.0, 1.0));
         }
     }
 
     /// Divides the weights of every point by their sum, which differs from 1 where negative values are
-    /// now 0. Points without weights do not change. `first` must be the first point of a block.
+    /// now 0. Points without weights do not change.
     template <Scalar T>
     void normalise(BlockView<T> rows) const noexcept {
-        constexpr std::size_t lanes = lane_count<T>;
-        for (std::size_t n = 0; n < stencils_.size(); n += lanes) {
-            auto* const row = rows.block((first_ + n) / lanes);
-            std::array<double, lanes> sum{};
-            for (std::size_t k = 0; k < rows.rows; ++k) {
-                for (std::size_t lane = 0; lane < lanes; ++lane) sum[lane] += double(row[k][lane]);
-            }
-            bool any = false;
-            for (double& of_point : sum) {
-                const bool differs = of_point > 0.5 && of_point != 1;
-                any = any || differs;
-                if (!differs) of_point = 1;
-            }
-            for (std::size_t k = 0; any && k < rows.rows; ++k) {
-                for (std::size_t lane = 0; lane < lanes; ++lane)
-                    row[k][lane] = static_cast<T>(double(row[k][lane]) / sum[lane]);
-            }
+        for (const std::size_t i : points_) {
+            double sum = 0;
+            for (std::size_t k = 0; k < rows.rows; ++k) sum += double(rows(i, k));
+            if (!(sum > 0.5) || sum == 1) continue;
+            for (std::size_t k = 0; k < rows.rows; ++k) rows(i, k) = static_cast<T>(double(rows(i, k)) / sum);
         }
     }
 
 private:
-    std::size_t first_;
+    std::vector<std::size_t> points_;
     StencilTable<D> stencils_;
 };
 

@@ -83,19 +83,21 @@ public:
         const auto facets = tree.facets(leaf.number);
         const auto& boundary = tree.boundary();
         if (tree.state(leaf.number) == grid::CellState::in) return {middle};
-        // A single facet divides the leaf.
-        const bool is_halved = facets.size() == 1 && boundary.separates(facets[0]);
         std::vector<std::pair<double, Point>> inside;
-        for (std::size_t n = 0; n < (D == 2 ? across * across : across * across * across); ++n) {
-            Point p{};
-            for (std::size_t k = 0, rest = n; k < D; ++k, rest /= across)
-                p[k] = leaf.low[k] + (0.02 + 0.24 * double(rest % across)) * leaf.size;
-            if (is_halved ? !(dot(boundary.normal(facets[0]), boundary[facets[0]].corner[0] - p) > 0)
-                          : !tree.is_inside(p))
-                continue;
-            inside.push_back({(std::min)(boundary.nearest(facets, p).distance, free * leaf.size) -
-                                  0.25 * length(p - middle),
-                              p});
+        std::array<Point, across> row{};
+        for (std::size_t n = 0; n < (D == 2 ? across : across * across); ++n) {
+            for (std::size_t x = 0; x < across; ++x) {
+                for (std::size_t k = 0, rest = x + n * across; k < D; ++k, rest /= across)
+                    row[x][k] = leaf.low[k] + (0.02 + 0.24 * double(rest % across)) * leaf.size;
+            }
+            const auto is_inside = tree.are_inside(row);
+            for (std::size_t x = 0; x < across; ++x) {
+                const Point& p = row[x];
+                if (!is_inside[x]) continue;
+                inside.push_back({(std::min)(boundary.nearest(facets, p).distance, free * leaf.size) -
+                                      0.25 * length(p - middle),
+                                  p});
+            }
         }
         std::sort(inside.begin(), inside.end(),
                   [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -105,11 +105,11 @@ public:
         detail::CornerSamples at_corners;
     };
     template <Scalar T>
-    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
-        Samples samples{detail::CutSamples<D>(first), {}};
-        for (std::size_t i = first; i < last; ++i) {
+    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+        Samples samples;
+        for (const std::size_t i : points) {
             const auto stencil = grid_.stencil(batch, i);
-            samples.cut.add(stencil, grid_.data());
+            samples.cut.add(i, stencil, grid_.data());
             if constexpr (D == 2) {
                 if (i < batch.points.points && batch.states[i] == PointState::inside)
                     samples.at_corners.add(corners_, i,

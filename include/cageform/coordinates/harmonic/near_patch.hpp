@@ -156,12 +156,16 @@ private:
     /// Finds the faces within the radius that x lies in front of.
     void find_candidates() {
         field_.boundary().for_each_within(origin_, unit_, [&](std::uint32_t f) {
-            const auto corner = field_.corners(f);
             if (!(height(f, origin_) < 0)) return;
-            const auto foot = point_on_facet(nearest_on_facet(origin_, corner), corner);
+            const auto foot = foot_on(f);
             const double distance = length(foot - origin_);
             if (distance < unit_) candidates_.push_back({f, distance, foot});
         });
+    }
+    /// Returns the point of a face that is nearest to the origin.
+    Point foot_on(std::uint32_t f) const noexcept {
+        const auto corner = field_.corners(f);
+        return point_on_facet(nearest_on_facet(origin_, corner), corner);
     }
     /// Lists those of them that no other one hides.
     void choose_seen() {
@@ -260,10 +264,14 @@ private:
 
     // ---- double layers -------------------------------------------------------------------------------
 
+    /// Adds the faces about the vertices, except faces whose layers are smooth within the radius.
     void add_stars() {
+        constexpr double reach = 1.5; // in radii
         for (const std::uint32_t v : vertices_) {
+            const bool is_near = length(field_.at(v) - origin_) < reach * unit_;
             for (const std::uint32_t f : field_.star(v)) {
                 if (local_face_[f] != none) continue;
+                if (!is_near && !(length(foot_on(f) - origin_) < reach * unit_)) continue;
                 local_face_[f] = std::uint32_t(all_faces_.size());
                 all_faces_.push_back(f);
                 const auto& from = field_.face(f);

@@ -6,6 +6,8 @@
 #include <cageform/coordinates/harmonic/difference_gradients.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 
+#include <numeric>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
@@ -50,9 +52,8 @@ public:
     }
 
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running) const override {
-        return sample(batch, report, running, [&](std::size_t first, std::size_t last) {
-            return solver().samples(batch, first, last);
-        });
+        return sample(batch, report, running,
+                      [&](std::span<const std::size_t> points) { return solver().samples(batch, points); });
     }
 
     /// Computes the gradients. If functions have been kept, a few blocks are handled at a time so that
@@ -64,8 +65,8 @@ public:
         } else {
             if constexpr (BlendedSolver<S>) {
                 if (solver().has_gradient_samples()) {
-                    return sample(batch, report, running, [&](std::size_t first, std::size_t last) {
-                        return solver().gradient_samples(batch, first, last);
+                    return sample(batch, report, running, [&](std::span<const std::size_t> points) {
+                        return solver().gradient_samples(batch, points);
                     });
                 }
             }
@@ -129,31 +130,34 @@ private:
     /// Computes weights or gradients from kept functions, if `solve` kept them. Otherwise solves the
     /// functions group by group, and frees each group after sampling.
     ///
-    ///   samples_of  samples_of(first, last): returns the stencils of points first … last − 1
+    ///   samples_of  samples_of(points): returns the stencils of the points with these numbers
     template <class SamplesOf>
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running,
                   const SamplesOf& samples_of) const {
-        constexpr std::size_t lanes = lane_count<T>;
-        // Points that are sampled together share work. `few` is the least number of blocks for a thread.
-        // At once, `many` blocks are sampled from kept functions, and else `together`.
-        constexpr std::size_t few = 256 / lanes, many = 4096 / lanes, together = 1024 / lanes;
-        const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
+        // Points that are sampled together share work. `few` is the least number of points for a thread.
+        // At once, `many` points are sampled from kept functions, and else `together`.
+        constexpr std::size_t few = 256, many = 4096, together = 1024;
+        const auto order = order_of(batch);
+        const std::size_t count = order.size(), pieces = (count + together - 1) / together;
+        const auto samples_between = [&](std::size_t first, std::size_t last) {
+            return samples_of(std::span(order).subspan(first, last - first));
+        };
         if (!functions_.empty()) {
-            return for_each_block((blocks + few - 1) / few, running, [&](std::size_t begin, std::size_t end) {
-                const std::size_t last = (std::min)(end * few, blocks);
-                for (std::size_t b = begin * few; b < last; b += many) {
-                    auto samples = samples_of(b * lanes, (std::min)(b + many, last) * lanes);
+            return for_each_block((count + few - 1) / few, running, [&](std::size_t begin, std::size_t end) {
+                const std::size_t last = (std::min)(end * few, count);
+                for (std::size_t n = begin * few; n < last; n += many) {
+                    auto samples = samples_between(n, (std::min)(n + many, last));
                     for (std::size_t group = 0; group < functions_.size(); ++group)
                         solver().sample(samples, group, functions_[group], batch.rows);
                     solver().finish(samples, batch.rows);
                 }
             });
         }
-        if (blocks == 0) return Status::ok;
-        std::vector<decltype(samples_of(0, 0))> samples(pieces);
+        if (count == 0) return Status::ok;
+        std::vector<decltype(samples_of(order))> samples(pieces);
         in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n)
-                samples[n] = samples_of(n * together * lanes, (std::min)((n + 1) * together, blocks) * lanes);
+                samples[n] = samples_between(n * together, (std::min)((n + 1) * together, count));
         });
         const auto sample_group = [&](std::size_t group, const auto& block) {
             for (auto& piece : samples) solver().sample(piece, group, block, batch.rows);
@@ -162,6 +166,13 @@ private:
         if (status != Status::ok) return status;
         for (auto& piece : samples) solver().finish(piece, batch.rows);
         return Status::ok;
+    }
+
+    std::vector<std::size_t> order_of(const Batch<T>& batch) const {
+        if constexpr (requires { solver_->order(batch); }) return solver().order(batch);
+        std::vector<std::size_t> order(batch.points.blocks() * lane_count<T>);
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        return order;
     }
 
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): used only after `make`

@@ -243,27 +243,63 @@ public:
     using Samples = detail::CutSamples<D>;
     using GradientSamples = detail::GradientSamples<D>;
 
+    /// Returns the numbers of the points along the Morton curve.
     template <Scalar T>
-    Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
-        Samples samples(first);
-        if (field_) {
-            add_blends(batch, first, last, samples);
-        } else {
-            for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), ordered_data());
+    std::vector<std::size_t> order(const detail::Batch<T>& batch) const {
+        using Nodes = grid::TreeNodes<D>;
+        const std::size_t count = batch.points.blocks() * lane_count<T>;
+        std::vector<std::pair<typename Nodes::Key, std::size_t>> keys(count);
+        const double most = cage_->tree().cells().size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto p = in_units(batch, i);
+            typename Nodes::Index index{};
+            for (std::size_t k = 0; k < D; ++k) index[k] = p[k] > 0 ? std::int32_t(std::fmin(p[k], most)) : 0;
+            keys[i] = {Nodes::key(index), i};
         }
+        std::sort(keys.begin(), keys.end());
+        std::vector<std::size_t> order;
+        order.reserve(count);
+        for (const auto& [key, i] : keys) order.push_back(i);
+        return order;
+    }
+    template <Scalar T>
+    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+        Samples samples;
+        if (!field_) {
+            for (const std::size_t i : points) samples.add(i, cage_->stencil(batch, i), ordered_data());
+            return samples;
+        }
+        std::vector<Vec<double, D>> places;
+        std::vector<std::size_t> numbers;
+        for (const std::size_t i : points) {
+            const auto stencil = cage_->stencil_outside(batch, i);
+            if (i < batch.points.points && batch.states[i] == PointState::inside) {
+                places.push_back(in_units(batch, i));
+                numbers.push_back(i);
+            } else {
+                samples.add(i, stencil, ordered_data());
+            }
+        }
+        auto next = numbers.begin();
+        blends().stencils(places, [&](const auto& nodes, const auto& vertices) {
+            samples.add(*next, nodes, vertices, position_of());
+            if (nodes.empty() && vertices.empty()) batch.states[*next] = PointState::unreached;
+            ++next;
+        });
         return samples;
     }
     /// Whether the solver makes stencils of derivatives: if samples are C².
     bool has_gradient_samples() const noexcept { return field_.has_value(); }
     /// Makes the stencils of derivatives of points inside and on the boundary. Other points have none.
     template <Scalar T>
-    GradientSamples gradient_samples(const detail::Batch<T>& batch, std::size_t first,
-                                     std::size_t last) const {
+    GradientSamples gradient_samples(const detail::Batch<T>& batch,
+                                     std::span<const std::size_t> points) const {
         GradientSamples samples(order_.size());
         auto blends = this->blends();
         std::vector<Vec<double, D>> places;
         std::vector<std::size_t> numbers;
-        for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
+        for (const std::size_t i : points) {
+            if (i >= batch.points.points) continue;
             (void)cage_->stencil_outside(batch, i);
             PointState& state = batch.states[i];
             if (state != PointState::inside && state != PointState::on_boundary) continue;
@@ -360,37 +396,6 @@ private:
     Blends blends() const {
         // NOLINTNEXTLINE(bugprone-unchecked-optional-access): called only if samples are blended
         return {cage_->tree(), cage_->nodes(), *field_};
-    }
-    /// Adds the stencils of points first … last − 1: blends of the models of leaves.
-    template <Scalar T>
-    void add_blends(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
-                    Samples& samples) const {
-        std::vector<Vec<double, D>> inside;
-        std::vector<grid::CutStencil<D>> others; // of points that are not inside
-        for (std::size_t i = first; i < last; ++i) {
-            const auto stencil = cage_->stencil_outside(batch, i);
-            if (is_inside(batch, i)) {
-                inside.push_back(in_units(batch, i));
-            } else {
-                others.push_back(stencil);
-            }
-        }
-        std::size_t i = first;
-        auto other = others.begin();
-        const auto add_others = [&] {
-            for (; i < last && !is_inside(batch, i); ++i) samples.add(*other++, ordered_data());
-        };
-        blends().stencils(inside, [&](const auto& nodes, const auto& vertices) {
-            add_others();
-            samples.add(nodes, vertices, position_of());
-            if (nodes.empty() && vertices.empty()) batch.states[i] = PointState::unreached;
-            ++i;
-        });
-        add_others();
-    }
-    template <Scalar T>
-    static bool is_inside(const detail::Batch<T>& batch, std::size_t i) noexcept {
-        return i < batch.points.points && batch.states[i] == PointState::inside;
     }
     template <Scalar T>
     Vec<double, D> in_units(const detail::Batch<T>& batch, std::size_t i) const noexcept {

@@ -99,10 +99,22 @@ public:
         }
     }
     /// Does so for a point in units, which is rounded.
-    bool is_inside(const Vec<double, D>& p) const noexcept {
-        std::array<std::int64_t, D> line{};
-        for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(p[k], boundary_->fraction()));
-        return is_inside(line);
+    bool is_inside(const Vec<double, D>& p) const noexcept { return is_inside(line_of(p)); }
+    /// Does so for points of one leaf that lie on a line along axis 0, in ascending order.
+    template <std::size_t count>
+    std::array<bool, count> are_inside(const std::array<Vec<double, D>, count>& points) const noexcept {
+        const auto line = line_of(points[0]);
+        std::array<double, count> at{};
+        std::array<bool, count> inside{};
+        for (std::size_t n = 0; n < count; ++n)
+            at[n] = std::ldexp(double(line_of(points[n])[0]), -boundary_->fraction());
+        inside.fill(is_inside(line));
+        for (const std::uint32_t facet : facets(leaf_at(points[0]).number)) {
+            const auto position = crossing(facet, 0, line);
+            for (std::size_t n = 1; n < count; ++n)
+                inside[n] = inside[n] != (position && *position >= at[0] && *position < at[n]);
+        }
+        return inside;
     }
 
 private:
@@ -110,6 +122,17 @@ private:
         std::uint32_t begin, count; ///< in facets_
     };
 
+    std::array<std::int64_t, D> line_of(const Vec<double, D>& p) const noexcept {
+        std::array<std::int64_t, D> line{};
+        for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(p[k], boundary_->fraction()));
+        return line;
+    }
+    /// Returns where an axis line crosses a facet that separates inside from outside, if it does.
+    std::optional<double> crossing(std::uint32_t facet, std::size_t axis,
+                                   const std::array<std::int64_t, D>& line) const noexcept {
+        if (!boundary_->separates(facet)) return std::nullopt;
+        return detail::crossing((*boundary_)[facet], axis, line, boundary_->fraction());
+    }
     /// Returns the state of a cell that no facet passes: that of its middle.
     CellState state_at_middle(const Cell& leaf) const noexcept {
         std::array<std::int64_t, D> line{};
@@ -132,8 +155,7 @@ private:
             if (state == CellState::in || state == CellState::out)
                 return has_crossed != (state == CellState::in);
             for (const std::uint32_t n : facets(leaf.number)) {
-                if (!boundary_->separates(n)) continue;
-                const auto position = detail::crossing((*boundary_)[n], axis, line, boundary_->fraction());
+                const auto position = crossing(n, axis, line);
                 if (position && *position >= leaf.low[axis] && *position < at) has_crossed = !has_crossed;
             }
             if (leaf.low[axis] == 0) return has_crossed;
