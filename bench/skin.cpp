@@ -10,22 +10,16 @@
 // twists the cage by 80 degrees about each axis, and prints what skins of so many joints a vertex lose: the
 // angle by which 99 % of the faces are turned wrongly at most, and the largest distance.
 // With -I of another version's headers it measures that version, at the same points.
-#include "../tests/support/fingers.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
-#include "workloads.hpp"
+#include "named_cages.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
-#include <cageform/enclose/make_cage_3d.hpp>
 
-#include <charconv>
-#include <cstdio>
-#include <cstdlib>
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -35,50 +29,7 @@ namespace {
 using Point = cageform::Vec<double, 3>;
 using Mesh = cageform::TriangleMesh<double>;
 
-struct NamedCage {
-    std::string name;
-    Mesh mesh;
-};
-
-/// A prism over a polygon cut into triangles.
-Mesh prism(const std::vector<std::array<double, 2>>& loop, const std::vector<std::array<int, 3>>& floor,
-           double height) {
-    std::vector<Point> vertices;
-    std::vector<std::array<int, 3>> faces;
-    const int n = int(loop.size());
-    for (const double z : {0.0, height}) {
-        for (const auto& [x, y] : loop) vertices.push_back(cageform_tests::turned_about_123({x, y, z}, 1));
-    }
-    for (const auto& [a, b, c] : floor) {
-        faces.push_back({a, c, b});
-        faces.push_back({n + a, n + b, n + c});
-    }
-    for (int k = 0; k < n; ++k) {
-        const int l = (k + 1) % n;
-        faces.push_back({k, l, n + l});
-        faces.push_back({k, n + l, n + k});
-    }
-    return {vertices, faces};
-}
-
-std::vector<NamedCage> cages() {
-    std::vector<NamedCage> list;
-    list.push_back({"cube", prism({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}, 1)});
-    list.push_back({"L", prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},
-                               {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}}, 1)});
-    list.push_back({"U", prism({{0, 0}, {3, 0}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},
-                               {{0, 1, 4}, {0, 4, 5}, {1, 2, 4}, {2, 3, 4}, {0, 5, 7}, {5, 6, 7}}, 1)});
-    list.push_back({"bumpy112", cageform_bench::bumpy112<double>()});
-    const Mesh fingers = cageform_tests::Fingers(CAGEFORM_BENCH_FINGERS).cage();
-    for (const std::size_t vertices : {60, 120, 300}) {
-        cageform::MakeCageOptions options;
-        options.vertices = vertices;
-        list.push_back({"made" + std::to_string(vertices),
-                        make_cage(fingers.vertices(), fingers.faces(), options).value});
-    }
-    list.push_back({"fingers", fingers});
-    return list;
-}
+using cageform_bench::NamedCage;
 
 /// Weights of points, row after row.
 using Rows = std::vector<double>;
@@ -128,12 +79,10 @@ Rows references(const NamedCage& cage, const std::vector<Point>& points, std::ui
     return rows;
 }
 
-void print(const char* where, std::vector<double> errors, double asked) {
-    std::sort(errors.begin(), errors.end());
-    const auto at = [&](double share) { return errors[std::size_t(share * double(errors.size() - 1))]; };
-    const auto beyond = errors.end() - std::upper_bound(errors.begin(), errors.end(), asked);
-    std::printf("  %s: %.1e %.1e %.1e %.1e (%2.0f%%)", where, errors.back(), at(0.99), at(0.9), at(0.5),
-                100 * double(beyond) / double(errors.size()));
+void print(const char* where, std::vector<double> of_points, double asked) {
+    const cageform_bench::Errors errors(std::move(of_points));
+    std::printf("  %s: %.1e %.1e %.1e %.1e (%2.0f%%)", where, errors.at(1), errors.at(0.99), errors.at(0.9),
+                errors.at(0.5), 100 * errors.share_beyond(asked));
 }
 
 /// Poses a figure by weights of every accuracy.
@@ -213,8 +162,7 @@ int print_skins(const NamedCage& cage, const cageform_bench::ObjMesh& figure, st
                     const auto corner = [&](std::size_t k) { return places[std::size_t(face[k])]; };
                     return cross(corner(1) - corner(0), corner(2) - corner(0));
                 };
-                const Point a = normal(right), b = normal(moved);
-                turns.push_back(57.295779513 * std::atan2(cageform::detail::length(cross(a, b)), dot(a, b)));
+                turns.push_back(cageform_bench::degrees_between(normal(right), normal(moved)));
             }
             std::sort(turns.begin(), turns.end());
             const double turn = turns.empty() ? 0 : turns[std::size_t(0.99 * double(turns.size()))];
@@ -225,72 +173,42 @@ int print_skins(const NamedCage& cage, const cageform_bench::ObjMesh& figure, st
     return 0;
 }
 
-/// Reads a positive number, for counts a whole one, or ends the program with a message.
-template <class T = double>
-T number_of(const char* what, const std::string& word) {
-    T number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error == std::errc{} && end == word.data() + word.size() && number > 0) return number;
-    std::fprintf(stderr, "bench_skin: %s %s is not a positive %s\n", what, word.c_str(),
-                 std::is_integral_v<T> ? "whole number" : "number");
-    std::exit(2);
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
-    std::string only, folder;
+    std::string folder;
     std::size_t count = 200, joints = 0;
     std::uint64_t walks = 100000;
     std::vector<double> accuracies;
-    std::vector<NamedCage> files;
     cageform_bench::ObjMesh figure, pose;
-    for (int n = 1; n < argc; ++n) {
-        const std::string word = argv[n];
-        const bool has_value = n + 1 < argc;
-        if (word == "--cage" && has_value) {
-            only = argv[++n];
-        } else if (word == "--obj" && has_value) {
-            const auto obj = cageform_bench::read_obj(argv[++n]);
-            files.push_back({std::filesystem::path(argv[n]).stem().string(), {obj.vertices, obj.faces}});
-            if (const auto report = check(files.back().mesh); report.status != cageform::Status::ok) {
-                std::fprintf(stderr, "bench_skin: %s: %s\n", argv[n], to_string(report.status));
-                return 2;
-            }
-        } else if (word == "--figure" && has_value) {
-            figure = cageform_bench::read_obj(argv[++n]);
-        } else if (word == "--pose" && has_value) {
-            pose = cageform_bench::read_obj(argv[++n]);
-        } else if (word == "--joints" && has_value) {
-            joints = number_of<std::size_t>("--joints", argv[++n]);
-        } else if (word == "--points" && has_value) {
-            count = number_of<std::size_t>("--points", argv[++n]);
-        } else if (word == "--walks" && has_value) {
-            walks = number_of<std::uint64_t>("--walks", argv[++n]);
-        } else if (word == "--keep" && has_value) {
-            folder = argv[++n];
-        } else {
-            accuracies.push_back(number_of("accuracy", word));
-        }
+    cageform_bench::CommandLine line("bench_skin", argc, argv);
+    while (line.next()) {
+        if (line.word() == "--figure")
+            figure = line.mesh();
+        else if (line.word() == "--pose")
+            pose = line.mesh();
+        else if (line.word() == "--joints")
+            joints = line.number<std::size_t>();
+        else if (line.word() == "--points")
+            count = line.number<std::size_t>();
+        else if (line.word() == "--walks")
+            walks = line.number<std::uint64_t>();
+        else if (line.word() == "--keep")
+            folder = line.value();
+        else
+            accuracies.push_back(line.accuracy());
     }
     if (accuracies.empty()) accuracies = {1e-2, 5e-3, 2e-3, 1e-3};
+    const auto list = line.cages();
+    const bool one = list.size() == 1 && !figure.vertices.empty();
     if (joints > 0) {
-        if (files.size() == 1 && !figure.vertices.empty()) return print_skins(files[0], figure, joints);
-        std::fprintf(stderr, "bench_skin: --joints needs one cage and --figure\n");
-        return 2;
+        if (one) return print_skins(list[0], figure, joints);
+        line.refuse("--joints needs one cage and --figure");
     }
     if (!figure.vertices.empty() || !pose.vertices.empty()) {
-        if (files.size() == 1 && !figure.vertices.empty() && pose.vertices.size() == files[0].mesh.size())
-            return print_poses(files[0], figure, pose, accuracies);
-        std::fprintf(stderr,
-                     "bench_skin: --figure and --pose need one cage, and a pose of as many vertices\n");
-        return 2;
-    }
-    auto list = files.empty() ? cages() : std::move(files);
-    std::erase_if(list, [&](const NamedCage& cage) { return !only.empty() && only != cage.name; });
-    if (list.empty()) {
-        std::fprintf(stderr, "bench_skin: no cage is called %s\n", only.c_str());
-        return 2;
+        if (one && pose.vertices.size() == list[0].mesh.size())
+            return print_poses(list[0], figure, pose, accuracies);
+        line.refuse("--figure and --pose need one cage, and a pose of as many vertices");
     }
     for (const NamedCage& cage : list) {
         auto points = cageform_tests::points_below_faces(cage.mesh, count, 17);
