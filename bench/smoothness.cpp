@@ -376,7 +376,7 @@ void measure_plates(const Given& given) {
             std::printf("plate %g x %g x %g, accuracy %g: %zu nodes; %s; %.2f s, %.0f MB;", x, y, z, accuracy,
                         report.solver.cells, to_string(report.status), seconds_since(start),
                         double(report.solver.bytes) / 1e6);
-            std::vector<double> far, apart;
+            std::vector<double> errors, apart;
             for (std::size_t n = 0; report.status == Status::ok && n < points.size(); ++n) {
                 std::array<double, 8> row{};
                 for (std::size_t i = 0; i < 8; ++i) row[i] = weights.weight(n, i);
@@ -385,11 +385,11 @@ void measure_plates(const Given& given) {
                 };
                 const Point& p = points[n];
                 if ((std::min)({p[0], x - p[0], p[1], y - p[1]}) > 4 * z)
-                    far.push_back(off(weights_in_plate(size, p)));
+                    errors.push_back(off(weights_in_plate(size, p)));
                 if (last.size() == n) last.push_back(row);
                 apart.push_back(off(last[n]));
             }
-            print("far from the rim off by", std::move(far));
+            print("far from the rim off by", std::move(errors));
             if (k + 1 < given.accuracies.size()) print("from the last", std::move(apart));
             end_row();
         }
