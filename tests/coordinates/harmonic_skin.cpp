@@ -433,6 +433,52 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
     CHECK(worst <= accuracy); // without the singular function 2.5e-2
 }
 
+TEST_CASE("next to narrow dents errors are as small as was asked for",
+          "[coordinates][harmonic][space][property]") {
+    constexpr double accuracy = 1e-2;
+    const int seed = GENERATE(seeds(1));
+    const bool is_pointed = GENERATE(true, false); // a pyramid; else a column
+    WalkNumbers numbers(19, std::uint64_t(seed));
+    const double half = (is_pointed ? 1 : 0.4) * (0.02 + 0.03 * numbers.next()),
+                 depth = 0.4 + 0.3 * numbers.next(), turn = 3 * numbers.next();
+    CAPTURE(seed, is_pointed, half, depth);
+    std::vector<Vec<double, 3>> vertices;
+    for (int k = 0; k < 8; ++k)
+        vertices.push_back({double(k & 1) - 0.5, double((k >> 1) & 1) - 0.5, double(k >> 2) - 1});
+    for (int k = 0; k < 4; ++k) vertices.push_back({(2 * (k & 1) - 1) * half, (k - (k & 1) - 1) * half, 0});
+    std::vector<std::array<int, 3>> faces{{0, 2, 1},   {1, 2, 3},  {0, 1, 4}, {1, 5, 4},  {1, 3, 5},
+                                          {3, 7, 5},   {3, 2, 7},  {2, 6, 7}, {2, 0, 6},  {0, 4, 6},
+                                          {4, 5, 8},   {5, 9, 8},  {5, 7, 9}, {7, 11, 9}, {7, 6, 11},
+                                          {6, 10, 11}, {6, 4, 10}, {4, 8, 10}};
+    const std::array<int, 5> loop{8, 9, 11, 10, 8};
+    for (int k = 0; k < (is_pointed ? 1 : 4); ++k)
+        vertices.push_back({is_pointed ? 0 : vertices[8 + std::size_t(k)][0],
+                            is_pointed ? 0 : vertices[8 + std::size_t(k)][1], -depth});
+    for (std::size_t k = 0; k < 4; ++k) {
+        const int a = loop[k], b = loop[k + 1];
+        faces.push_back({a, b, is_pointed ? 12 : b + 4});
+        if (!is_pointed) faces.push_back({a, b + 4, a + 4});
+    }
+    if (!is_pointed) faces.insert(faces.end(), {{12, 13, 15}, {12, 15, 14}});
+    for (auto& p : vertices) p = turned_about_123(p, turn);
+    const TriangleMesh<double> mesh(vertices, faces);
+    std::vector<Vec<double, 3>> points;
+    while (points.size() < 3) {
+        const Vec<double, 3> low{0, 0, -depth * (is_pointed ? 1 : 0.3 + 0.4 * numbers.next())};
+        const auto p = turned_about_123(low, turn) +
+                       ((is_pointed ? 0.01 : half) + 0.02 * numbers.next()) * random_direction(numbers);
+        if (locate(mesh, p, 1e-9) == cageform::PointState::inside) points.push_back(p);
+    }
+    const auto weights =
+        evaluate_all(cageform::HarmonicCoordinates<double, 3>(mesh, {.accuracy = accuracy}), points);
+    REQUIRE(weights.status() == cageform::Status::ok);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        const auto known = walk_on_spheres(mesh, points[n], 2000, n);
+        for (std::size_t i = 0; i < mesh.size(); ++i) // 0.2 if cells are as large as the dent is wide
+            CHECK(std::fabs(weights.rows[n][i] - known.weight[i]) <= accuracy + 4 * known.error[i] + 1e-3);
+    }
+}
+
 #if !defined(CAGEFORM_SANITIZED) // minutes there, and the same code as in the test of fingers without a skin
 TEST_CASE("next to the skin of thin fingers errors are as small as was asked for",
           "[coordinates][harmonic][space][oracle]") {

@@ -30,8 +30,10 @@ struct RefinementOptions {
     double corner_levels = 0.67;
     /// A cell near such a vertex is no larger than its distance from the vertex divided by this.
     double corner_gradation = 1;
-    double edge_levels = 1;   ///< extra halvings at reflex edges and rims of walls, in space
-    double reflex_levels = 1; ///< extra halvings at the ends of such edges
+    double edge_levels = 1; ///< extra halvings at reflex edges and rims of walls, in space
+    /// Extra halvings at the ends of such edges. Where functions decrease like the power λ < 1 of the
+    /// distance from the end, the number is divided by λ.
+    double reflex_levels = 1;
     /// Largest cell at a vertex of more than three facets in space, as a fraction of the cage's size.
     double at_vertex = 1.0 / 16;
     double per_radius = 12; ///< see BoneSizes
@@ -143,11 +145,13 @@ public:
         return least;
     }
 
-    /// Returns the size that a facet allows near a point on its rim.
+    /// Returns the size that a facet allows near a point on its rim. In space it is at most the thickness
+    /// of the outside behind the facet: large cells would not notice a narrow dent.
     double size_near(std::uint32_t n, const Point& position) {
         const auto within = 0.95 * position + (0.05 / D) * sum(boundary_[n].corner);
         const double size = size_of(n, true, within);
-        return boundary_[n].separates ? size : (std::min)(size, size_of(n, false, within));
+        if (!boundary_[n].separates) return (std::min)(size, size_of(n, false, within));
+        return D == 2 ? size : (std::min)(size, thickness(n, false, within));
     }
 
     /// A piece of the boundary, for RefinementPlanner.
@@ -275,7 +279,8 @@ private:
         return (front ? -1.0 : 1.0) * boundary_.normal(n);
     }
     /// Returns the distance across the domain from a point on a facet to the facet that faces it
-    /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)). Returns infinity if the first facet
+    /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)); across the outside, if `front` is false
+    /// and the facet is no wall. Returns infinity if the first facet
     /// met does not face it, shares a vertex with it (a wedge has no thickness), or is `most` or
     /// farther away.
     double thickness(std::uint32_t from_facet, bool front, const Point& from,
@@ -285,10 +290,15 @@ private:
         if (!(dot(direction, direction) > 0)) return none;
         double nearest = (std::min)(most, std::ldexp(2.0, int(boundary_.depth())));
         std::uint32_t met = from_facet;
+        // How much a facet faces the ray, in [-1, 1].
+        const auto faces = [&](std::uint32_t n) {
+            const double along = dot(direction, boundary_.normal(n));
+            return boundary_[n].separates ? (front ? along : -along) : std::fabs(along);
+        };
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<D>& facet = boundary_[n];
+            if (n == from_facet || !(faces(n) > 1e-9)) return nearest;
             const double along = dot(direction, boundary_.normal(n));
-            if (n == from_facet || !((facet.separates ? along : std::fabs(along)) > 1e-9)) return nearest;
             const double t = dot(boundary_.normal(n), facet.corner[0] - from) / along;
             // If two facets are at the same distance, the first counts, whichever was met before.
             const bool is_first = t < nearest || (t == nearest && met != from_facet && n < met);
@@ -305,8 +315,7 @@ private:
         boundary_.for_each_on_ray(from, direction, nearest, meet);
         if (met == from_facet) return none;
         faced = met;
-        const double along = dot(direction, boundary_.normal(met));
-        bool counts = (boundary_[met].separates ? along : std::fabs(along)) > facing;
+        bool counts = faces(met) > facing;
         for (const std::uint32_t v : boundary_[met].vertex) counts = counts && !boundary_[from_facet].has(v);
         return counts ? nearest : none;
     }

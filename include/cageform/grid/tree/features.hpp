@@ -141,7 +141,7 @@ public:
 private:
     using Point = Vec<double, 3>;
     static constexpr std::size_t pieces = 8; ///< pieces of a singular edge, each with its own size
-    static constexpr double edge_gradation = 1.5, vertex_gradation = 2;
+    static constexpr double edge_gradation = 1.5, vertex_gradation = 2, spike_gradation = 1;
 
     struct Ridge { ///< an edge of a facet
         std::array<std::uint32_t, 2> vertex;
@@ -218,7 +218,53 @@ private:
                                            options.at_vertex * sizes_.cage_size()));
             if (here < size)
                 features.push_back({position, position, here, vertex_gradation, SizeReason::singular_vertex});
+            if (is_end) add_spike(about, size, features);
         });
+    }
+    /// Adds the cells about a vertex where functions decrease like a power λ < 1 of the distance, and the
+    /// cells along its edges, if the outside is narrow there. `size` is what the facets allow.
+    void add_spike(std::span<const FacetCorner> about, double size, std::vector<Feature<3>>& features) const {
+        constexpr double most_levels = 10, narrow = 2.2; // in steradians
+        const double angle = angle_outside(about), levels = sizes_.options().reflex_levels;
+        // The least root λ of P_λ(cos θ) for a circular cone of half-angle θ, whose outside has this solid
+        // angle. For angles from 90 to 175 degrees the formula is within 2 % of 1/λ.
+        const double inverse = 1 + 0.95 * std::log(2 * std::numbers::pi / angle);
+        if (!(inverse > 1)) return;
+        const auto position = boundary_[about[0].facet].corner[about[0].corner];
+        const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
+        features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
+        if (angle > narrow) return;
+        // At a distance r from the vertex cells are as large as the radius of a cone of this angle.
+        const double slope = std::sqrt(angle / std::numbers::pi) * std::exp2(2 - levels);
+        for (const auto& at : about) {
+            auto edge = boundary_[at.facet].corner[(at.corner + 1) % 3] - position;
+            for (double here = 0.5 * slope * length(edge); here > least; here *= 0.5, edge = 0.5 * edge) {
+                if (here < size)
+                    features.push_back({position + 0.5 * edge, position + edge, here, edge_gradation,
+                                        SizeReason::singular_vertex});
+            }
+        }
+    }
+    /// Returns the solid angle outside the domain at a vertex, at most 2π; 2π at walls.
+    double angle_outside(std::span<const FacetCorner> about) const noexcept {
+        constexpr double full = 4 * std::numbers::pi;
+        const Point axis{0.2, 0.4, std::sqrt(0.8)}; // any direction
+        double sum = 0; // the angle, or an angle that differs by multiples of `full`
+        for (const auto& at : about) {
+            if (!boundary_[at.facet].separates) return full / 2;
+            const auto& corner = boundary_[at.facet].corner;
+            const auto direction = [&](std::size_t k) {
+                const auto edge = corner[(at.corner + k) % 3] - corner[at.corner];
+                return (1 / length(edge)) * edge;
+            };
+            const Point u = direction(1), v = direction(2), normal = cross(u, v);
+            // van Oosterom, Strackee, IEEE Trans. Biomed. Eng. 30 (1983), eq. 8
+            const double angle =
+                2 * std::atan2(dot(axis, normal), 1 + dot(u, v) + dot(v, axis) + dot(axis, u));
+            sum += dot(normal, boundary_.normal(at.facet)) < 0 ? -angle : angle;
+        }
+        const double angle = sum - full * std::floor(sum / full);
+        return angle > 1e-6 && angle < full / 2 ? angle : full / 2;
     }
 
     CellSizes<3>& sizes_;
