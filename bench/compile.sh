@@ -158,7 +158,7 @@ for compiler in $compilers; do
   "$compiler" $flags -O0 "$work/clone.cpp" -o "$work/clone"
   printf '  %-26s %s\n' "-O0: clone of 8,019 x 112" "$("$work/clone")"
   # shellcheck disable=SC2086
-  "$compiler" $flags -O2 -DCAGEFORM_COMPILED -DCAGEFORM_T=float -DCAGEFORM_D=3 -c "$root/cmake/compiled/clone.cpp" -o "$work/library.o"
+  "$compiler" $flags -O2 -DCAGEFORM_COMPILED -DCAGEFORM_D=3 -c "$root/cmake/compiled/clone.cpp" -o "$work/library.o"
   # shellcheck disable=SC2086
   "$compiler" $flags -O0 -DCAGEFORM_COMPILED "$work/clone.cpp" "$work/library.o" -o "$work/clone"
   printf '  %-26s %s\n' "-O0, with the library" "$("$work/clone")"

@@ -13,13 +13,14 @@ namespace cageform::inline CAGEFORM_ABI::detail {
                                                   const Running&);                                           \
     CAGEFORM_COMPILE Result<std::array<Binding<T, D>, D>, BindReport> bind_axes(                             \
         const BindInput<T, D>&, const BindOptions&, const Running&);
-CAGEFORM_BIND(CAGEFORM_T, CAGEFORM_D)
-CAGEFORM_COMPILE Status bind_read_figure(const BindInput<CAGEFORM_T, CAGEFORM_D>&,
-                                         FigureInput<CAGEFORM_T, CAGEFORM_D>&, const BindOptions&,
-                                         const Running&,
-                                         Result<FigureBinding<CAGEFORM_T, CAGEFORM_D>, FigureBindReport>&);
+#define CAGEFORM_BIND_FIGURE(T, D)                                                                           \
+    CAGEFORM_BIND(T, D)                                                                                      \
+    CAGEFORM_COMPILE Status bind_read_figure(const BindInput<T, D>&, FigureInput<T, D>&, const BindOptions&, \
+                                             const Running&,                                                 \
+                                             Result<FigureBinding<T, D>, FigureBindReport>&);
+CAGEFORM_FOR_SCALARS(CAGEFORM_BIND_FIGURE, CAGEFORM_D)
 #if CAGEFORM_D == 2
-CAGEFORM_BIND(CAGEFORM_T, 1)
+CAGEFORM_FOR_SCALARS(CAGEFORM_BIND, 1)
 #endif
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -14,26 +14,29 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-using T = CAGEFORM_T;
 #define CAGEFORM_CHECK(Cage, T, D) CAGEFORM_COMPILE CageReport check(const Cage&);
-CAGEFORM_FOR_CAGES(CAGEFORM_CHECK, CAGEFORM_T)
-CAGEFORM_COMPILE CageReport check(const CellComplex<T, CAGEFORM_D>&);
+CAGEFORM_FOR_CAGES(CAGEFORM_CHECK)
+#define CAGEFORM_CHECK_CELLS(T, D) CAGEFORM_COMPILE CageReport check(const CellComplex<T, D>&);
+CAGEFORM_FOR_SCALARS(CAGEFORM_CHECK_CELLS, CAGEFORM_D)
 
 #if CAGEFORM_D == 2
-CAGEFORM_COMPILE Status detail::make_cage_into(std::span<const DrawnSegment<T>>, std::span<const PaintedArea>,
-                                               const MakeCageOptions&, const Running&,
-                                               Result<Polygon<T>, MakeCageReport>&);
+#define CAGEFORM_ENCLOSE(T, D)                                                                               \
+    CAGEFORM_COMPILE Status detail::make_cage_into(std::span<const DrawnSegment<T>>,                         \
+                                                   std::span<const PaintedArea>, const MakeCageOptions&,     \
+                                                   const Running&, Result<Polygon<T>, MakeCageReport>&);
 #else
-CAGEFORM_COMPILE std::vector<detail::MeshFace> detail::closing_faces(std::span<const Vec<T, 3>>,
-                                                                     std::span<const detail::MeshFace>);
-CAGEFORM_COMPILE Status detail::make_cage_into(std::span<const Vec<T, 3>>, std::span<const detail::MeshFace>,
-                                               const MakeCageOptions&, const Running&,
-                                               Result<TriangleMesh<T>, MakeCageReport>&);
-CAGEFORM_COMPILE Status detail::pair_faces_into(const TriangleMesh<T>&, std::span<const Vec<T, 3>>,
-                                                std::span<const detail::MeshFace>, const MakeCageOptions&,
-                                                Result<PolyhedralMesh<T>, MakeCageReport>&);
-CAGEFORM_COMPILE CageParts detail::parts_of_cage(std::span<const Vec<T, 3>>,
-                                                 std::span<const detail::MeshFace>);
+#define CAGEFORM_ENCLOSE(T, D)                                                                               \
+    CAGEFORM_COMPILE std::vector<detail::MeshFace> detail::closing_faces(std::span<const Vec<T, D>>,         \
+                                                                         std::span<const detail::MeshFace>); \
+    CAGEFORM_COMPILE Status detail::make_cage_into(                                                          \
+        std::span<const Vec<T, D>>, std::span<const detail::MeshFace>, const MakeCageOptions&,               \
+        const Running&, Result<TriangleMesh<T>, MakeCageReport>&);                                           \
+    CAGEFORM_COMPILE Status detail::pair_faces_into(                                                         \
+        const TriangleMesh<T>&, std::span<const Vec<T, D>>, std::span<const detail::MeshFace>,               \
+        const MakeCageOptions&, Result<PolyhedralMesh<T>, MakeCageReport>&);                                 \
+    CAGEFORM_COMPILE CageParts detail::parts_of_cage(std::span<const Vec<T, D>>,                             \
+                                                     std::span<const detail::MeshFace>);
 #endif
+CAGEFORM_FOR_SCALARS(CAGEFORM_ENCLOSE, CAGEFORM_D)
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -6,13 +6,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-using Curved = CurvedGreenCoordinates<CAGEFORM_T>;
-CAGEFORM_EVALUATION(Curved, CAGEFORM_T)
-CAGEFORM_COMPILE Vec<CAGEFORM_T, 2> Curved::nearest_boundary(const Vec<CAGEFORM_T, 2>&,
-                                                             std::span<CAGEFORM_T>) const;
-CAGEFORM_COMPILE detail::OutsideDistance<2>
-Curved::distance_outside(const Vec<CAGEFORM_T, 2>&) const noexcept;
-CAGEFORM_COMPILE void Curved::prepare(const CurvedGreenOptions<CAGEFORM_T>&);
+#define CAGEFORM_CURVED(T, D)                                                                                \
+    CAGEFORM_EVALUATION(T, CurvedGreenCoordinates<T>)                                                        \
+    CAGEFORM_COMPILE Vec<T, D> CurvedGreenCoordinates<T>::nearest_boundary(const Vec<T, D>&, std::span<T>)   \
+        const;                                                                                               \
+    CAGEFORM_COMPILE detail::OutsideDistance<D> CurvedGreenCoordinates<T>::distance_outside(                 \
+        const Vec<T, D>&) const noexcept;                                                                    \
+    CAGEFORM_COMPILE void CurvedGreenCoordinates<T>::prepare(const CurvedGreenOptions<T>&);
+CAGEFORM_FOR_SCALARS(CAGEFORM_CURVED, 2)
 
 } // namespace cageform::inline CAGEFORM_ABI
 #endif

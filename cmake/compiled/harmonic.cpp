@@ -6,11 +6,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-#define CAGEFORM_SOLVER(make_solver)                                                                         \
-    CAGEFORM_COMPILE Status make_solver(std::shared_ptr<const PlacedCage<CAGEFORM_D>>, SolverReport&,        \
-                                        std::shared_ptr<CageFunctions<CAGEFORM_T, CAGEFORM_D>>&,             \
-                                        const Running&);
-CAGEFORM_SOLVER(make_adaptive)
-CAGEFORM_SOLVER(make_uniform)
+#define CAGEFORM_SOLVER(make_solver, T, D)                                                                   \
+    CAGEFORM_COMPILE Status make_solver(std::shared_ptr<const PlacedCage<D>>, SolverReport&,                 \
+                                        std::shared_ptr<CageFunctions<T, D>>&, const Running&);
+#define CAGEFORM_SOLVERS(T, D) CAGEFORM_SOLVER(make_adaptive, T, D) CAGEFORM_SOLVER(make_uniform, T, D)
+CAGEFORM_FOR_SCALARS(CAGEFORM_SOLVERS, CAGEFORM_D)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -5,16 +5,17 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-using Solver = PoseSolver<CAGEFORM_T, CAGEFORM_D>;
-CAGEFORM_COMPILE Solver::PoseSolver(PoseSamples<CAGEFORM_T, CAGEFORM_D>, const PoseOptions&);
-CAGEFORM_COMPILE Status Solver::set_pins(const PosePins<CAGEFORM_T, CAGEFORM_D>&);
-CAGEFORM_COMPILE Status Solver::set_held(std::span<const std::uint32_t>);
-CAGEFORM_COMPILE void Solver::reset() noexcept;
-CAGEFORM_COMPILE void Solver::remember_pose() noexcept;
-CAGEFORM_COMPILE Status Solver::check(std::size_t, std::size_t, std::size_t) const noexcept;
-CAGEFORM_COMPILE PoseSolverReport Solver::refused(PoseSolverReport&, std::size_t,
-                                                  const detail::RigidFrame<CAGEFORM_D>&) noexcept;
-CAGEFORM_COMPILE void Solver::run(PoseSolverReport&) noexcept;
-CAGEFORM_COMPILE void Solver::finish(PoseSolverReport&) noexcept;
+#define CAGEFORM_POSE(T, D)                                                                                  \
+    CAGEFORM_COMPILE PoseSolver<T, D>::PoseSolver(PoseSamples<T, D>, const PoseOptions&);                    \
+    CAGEFORM_COMPILE Status PoseSolver<T, D>::set_pins(const PosePins<T, D>&);                               \
+    CAGEFORM_COMPILE Status PoseSolver<T, D>::set_held(std::span<const std::uint32_t>);                      \
+    CAGEFORM_COMPILE void PoseSolver<T, D>::reset() noexcept;                                                \
+    CAGEFORM_COMPILE void PoseSolver<T, D>::remember_pose() noexcept;                                        \
+    CAGEFORM_COMPILE Status PoseSolver<T, D>::check(std::size_t, std::size_t, std::size_t) const noexcept;   \
+    CAGEFORM_COMPILE PoseSolverReport PoseSolver<T, D>::refused(PoseSolverReport&, std::size_t,              \
+                                                                const detail::RigidFrame<D>&) noexcept;      \
+    CAGEFORM_COMPILE void PoseSolver<T, D>::run(PoseSolverReport&) noexcept;                                 \
+    CAGEFORM_COMPILE void PoseSolver<T, D>::finish(PoseSolverReport&) noexcept;
+CAGEFORM_FOR_SCALARS(CAGEFORM_POSE, CAGEFORM_D)
 
 } // namespace cageform::inline CAGEFORM_ABI

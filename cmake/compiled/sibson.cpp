@@ -5,10 +5,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-using Sibson = SibsonCoordinates<CAGEFORM_T, CAGEFORM_D>;
-CAGEFORM_EVALUATION(Sibson, CAGEFORM_T)
-CAGEFORM_COMPILE Vec<CAGEFORM_T, CAGEFORM_D> Sibson::nearest_boundary(const Vec<CAGEFORM_T, CAGEFORM_D>&,
-                                                                      std::span<CAGEFORM_T>) const;
-CAGEFORM_COMPILE Status Sibson::prepare();
+#define CAGEFORM_SIBSON(T, D)                                                                                \
+    CAGEFORM_EVALUATION(T, SibsonCoordinates<T, D>)                                                          \
+    CAGEFORM_COMPILE Vec<T, D> SibsonCoordinates<T, D>::nearest_boundary(const Vec<T, D>&, std::span<T>)     \
+        const;                                                                                               \
+    CAGEFORM_COMPILE Status SibsonCoordinates<T, D>::prepare();
+CAGEFORM_FOR_SCALARS(CAGEFORM_SIBSON, CAGEFORM_D)
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,5 +1,6 @@
 // From a coordinate type and points to a binding, and whether the report tells the truth.
 #include "catch.hpp"
+#include "support/effort.hpp"
 #include "support/larger.hpp"
 #include "support/thin_cages.hpp"
 #include "support/weights.hpp"
@@ -633,7 +634,8 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
                    Harmonic<double>) {
     const Polygon<double> cage(random_star<double>(6));
     auto points = points_about(cage, 1000, 0, 500);
-    for (std::size_t i = 0; i < 150000; ++i) points.push_back(points[i]); // enough for several steps
+    for (std::size_t i = 0; i < effort(150000U, 75000U); ++i)
+        points.push_back(points[i]); // enough for several steps
     const TestType coordinates(cage);
     std::vector<double> told;
     const auto whole = cageform::bind(coordinates, points, {}, {.progress = [&](double done) {

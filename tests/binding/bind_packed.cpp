@@ -118,7 +118,7 @@ TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make
         }
         check_same(cageform::HarmonicCoordinates<T, 2>(star), points, {.pack = {.threshold = 1e-4}}, 2);
     }
-    const auto data = random_mesh(3);
+    const auto data = random_mesh(4);
     Points3<T> in_space;
     for (const auto& p : points_about(data, effort(300, 60), 2)) in_space.push_back(vec_cast<T>(p));
     const cageform::HarmonicCoordinates<T, 3> harmonic(data.template mesh<T>(),

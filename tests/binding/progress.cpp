@@ -2,6 +2,7 @@
 #include "../support/progress.hpp"
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
+#include "../support/effort.hpp"
 #include "../support/figures.hpp"
 
 #include <cageform/binding/bind_bones.hpp>
@@ -61,7 +62,7 @@ TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[co
     const auto star = random_star<double>(3);
     const cageform::Polygon<double> polygon(star);
     std::vector<Vec<double, 2>> points;
-    for (int i = 0; i < 700; ++i) points.push_back(random_inside(polygon, random, 0));
+    for (int i = 0; i < effort(700, 150); ++i) points.push_back(random_inside(polygon, random, 0));
     const cageform::MeanValueCoordinates<double, 2> plane(polygon);
     check_binds("mean value, plane", plane, points);
     check_bind("Green", cageform::GreenCoordinates<double, 2>(polygon), points);

@@ -309,7 +309,7 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
 
 TEST_CASE("faces are divided 1 to 64 times", "[cage][polyhedral][fans][status]") {
     const PolyhedronData data = prism_over({{0, 0}, {2, 0}, {2, 2}, {0, 2}}, 2);
-    PolyhedralOptions options{.faces = PolyhedralOptions::Faces::fan, .divisions = 64};
+    PolyhedralOptions options{.faces = PolyhedralOptions::Faces::fan, .divisions = effort(64U, 16U)};
     const auto mesh = [&] { return PolyhedralMesh<double>(data.vertices, data.faces, options); };
     CHECK(check(mesh()).status == Status::ok);
     for (const std::uint32_t k : {0u, 65u, ~0u}) {

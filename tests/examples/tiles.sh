@@ -62,7 +62,7 @@ works "other options" bind_tiles harmed --points 'few/0?.ply' --json --coordinat
 report $ok "other options make other figures"
 
 # ---- ended in between ----
-works "large tiles" "$programs/make_tiles" character.obj --points 800000 --tiles 8 -o many/%d.ply
+works "large tiles" "$programs/make_tiles" character.obj --points 400000 --tiles 8 -o many/%d.ply
 works "large tiles by one process" bind_tiles whole --points 'many/*.ply'
 for signal in TERM KILL; do
   mkdir broken_$signal

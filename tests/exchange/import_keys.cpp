@@ -1,6 +1,7 @@
 // Keys of other programs, to be compiled: the curves between them are those that are imported one by one.
 #include "catch.hpp"
 #include "support/cages.hpp"
+#include "support/effort.hpp"
 
 #include <cageform/animate/compile.hpp>
 #include <cageform/exchange/blender.hpp>
@@ -76,7 +77,7 @@ KeyKind random_kind(Random& random) {
 
 TEST_CASE("keys of Blender, Unity, Unreal, Lottie and CSS have the imported curves between them",
           "[animate][import][keys][property]") {
-    const auto seed = GENERATE(seeds(60));
+    const auto seed = GENERATE(seeds(cageform_tests::effort(60, 10)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1);
     std::vector<double> times, values;

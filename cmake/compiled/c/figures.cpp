@@ -23,6 +23,7 @@ namespace cageform::inline CAGEFORM_ABI::detail::c {
     template cageform_status sample_cage(const AnyCoordinates<T, D>&, const PoseSampleOptions&,              \
                                          const Running&, cageform_samples&, cageform_report&);               \
     template cageform_status pack_samples(const PoseSamples<T, D>&, cageform_bytes**, cageform_report&);
-CAGEFORM_C_FIGURES(CAGEFORM_T, CAGEFORM_D)
+CAGEFORM_FOR_SCALARS(CAGEFORM_C_FIGURES, 2)
+CAGEFORM_FOR_SCALARS(CAGEFORM_C_FIGURES, 3)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail::c

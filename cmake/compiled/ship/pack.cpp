@@ -10,6 +10,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
         const BindingView<T, D>&, const PackOptions&, const Running&, std::span<const char>);                \
     CAGEFORM_COMPILE Status pack_parts(const FigureBinding<T, D>&, const FigurePackOptions&, const Running&, \
                                        Result<PackedFigure<T, D>, FigurePackReport>&);
-CAGEFORM_PACK(CAGEFORM_T, CAGEFORM_D)
+CAGEFORM_FOR_SCALARS(CAGEFORM_PACK, 2)
+CAGEFORM_FOR_SCALARS(CAGEFORM_PACK, 3)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -5,9 +5,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-CAGEFORM_COMPILE Status Skinner<CAGEFORM_T, CAGEFORM_D>::run(SkinWeights&, SkinWeightsReport&);
-CAGEFORM_COMPILE Status make_smooth_skin(const BindingView<CAGEFORM_T, CAGEFORM_D>&,
-                                         std::span<const MeshFace>, const SkinWeightsOptions&, const Running&,
-                                         SkinWeights&, SkinWeightsReport&);
+#define CAGEFORM_SKIN(T, D)                                                                                  \
+    CAGEFORM_COMPILE Status Skinner<T, D>::run(SkinWeights&, SkinWeightsReport&);                            \
+    CAGEFORM_COMPILE Status make_smooth_skin(const BindingView<T, D>&, std::span<const MeshFace>,            \
+                                             const SkinWeightsOptions&, const Running&, SkinWeights&,        \
+                                             SkinWeightsReport&);
+CAGEFORM_FOR_SCALARS(CAGEFORM_SKIN, 2)
+CAGEFORM_FOR_SCALARS(CAGEFORM_SKIN, 3)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
