@@ -5,6 +5,7 @@
 //
 //     lines      second differences of weights along random lines inside the cage, near its skin
 //     sheet      bends between neighbouring faces of flat sheets in a posed cube; by mean value coordinates too
+//     weights    differences to the weights of the last accuracy, below faces and anywhere inside
 //     depths     how far weights are from those of a face, 0.01 to 0.0001 roots of its area below it
 //     plates     flat boxes: nodes, time, memory; errors where the solution is known, farther from the rim than
 //                four thicknesses; differences to the weights of the last accuracy
@@ -244,6 +245,30 @@ void measure_gradients(const Given& given, const NamedCage& cage) {
     }
 }
 
+void measure_weights(const Given& given, const NamedCage& cage) {
+    const auto skin = cageform_tests::points_below_faces(cage.mesh, given.points, 17);
+    const auto inside = cageform_tests::points_anywhere(cage.mesh, given.points, 18);
+    const auto finest = solved(cage, given.accuracies.back());
+    const auto finest_skin = bound(finest, skin), finest_inside = bound(finest, inside);
+    std::printf(" taken as exact\n");
+    for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
+        const auto coordinates = solved(cage, given.accuracies[n]);
+        const auto print_errors = [&](const char* what, const Points& points, const auto& right) {
+            const auto found = bound(coordinates, points);
+            std::vector<double> errors;
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                errors.push_back(largest_of(cage.mesh.size(), [&](std::size_t k) {
+                    return found.weight(i, k) - right.weight(i, k);
+                }));
+            }
+            print(what, std::move(errors));
+        };
+        print_errors("below faces off by", skin, finest_skin);
+        print_errors("inside", inside, finest_inside);
+        end_row();
+    }
+}
+
 void measure_depths(const Given& given, const NamedCage& cage) {
     for (const double accuracy : given.accuracies) {
         const auto coordinates = solved(cage, accuracy);
@@ -460,6 +485,8 @@ int main(int argc, char** argv) {
         usual(1, 100, {1e-3}), each_cage(measure_lines);
     else if (name == "sheet")
         usual(1, 12, {1e-2, 1e-3}), measure_sheet(given);
+    else if (name == "weights")
+        usual(2000, 1, {2e-3, 2e-4}), each_cage(measure_weights);
     else if (name == "depths")
         usual(3000, 1, {1e-3}), each_cage(measure_depths);
     else if (name == "plates")
@@ -471,5 +498,5 @@ int main(int argc, char** argv) {
     else if (name == "cost")
         usual(8066, 1, {1e-3}), each_cage(measure_cost);
     else
-        line.refuse("name a measure: lines, sheet, depths, plates, gradients, pack or cost");
+        line.refuse("name a measure: lines, sheet, weights, depths, plates, gradients, pack or cost");
 }

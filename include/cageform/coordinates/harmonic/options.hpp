@@ -63,9 +63,10 @@ struct HarmonicOptions {
     /// The largest error of a weight, 1e-5 … 0.1, for which an adaptive grid is made
     /// (coordinates/harmonic/tree_solver.hpp). In 2D errors stay within the accuracy. In 3D, depending
     /// on the cage, 93 to 100 % of the points do. The largest errors measured are ten times the
-    /// accuracy, next to vertices where reflex edges meet (`bench_skin`). 3D cages with cells inside or
-    /// with faces of more than three corners have no near field (coordinates/harmonic/near_rows.hpp).
-    /// Their errors can reach 0.1 closer to a small face than the face is wide.
+    /// accuracy, next to vertices where reflex edges meet (`bench_smoothness weights`). 3D cages with
+    /// cells inside or with faces of more than three corners have no near field
+    /// (coordinates/harmonic/near_rows.hpp). Their errors can reach 0.1 closer to a small face than the
+    /// face is wide.
     /// SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
     /// For UniformHarmonicCoordinates: this many cells along the cage's longest side, 8 … 16384, in
