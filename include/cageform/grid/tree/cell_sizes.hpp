@@ -145,8 +145,8 @@ public:
         return least;
     }
 
-    /// Returns the size that a facet allows near a point on its rim. In space it is at most the thickness
-    /// of the outside behind the facet: large cells would not notice a narrow dent.
+    /// Returns the size that a facet allows near a point on its rim. In space the size is at most the
+    /// thickness of the outside behind the facet: no axis line of larger cells may cross a narrow dent.
     double size_near(std::uint32_t n, const Point& position) {
         const auto within = 0.95 * position + (0.05 / D) * sum(boundary_[n].corner);
         const double size = size_of(n, true, within);
