@@ -146,12 +146,13 @@ public:
     }
 
     /// Returns the size that a facet allows near a point on its rim. In space the size is at most the
-    /// thickness of the outside behind the facet: no axis line of larger cells may cross a narrow dent.
+    /// thickness of the outside behind the facet, or an eighth of the size without this rule: no axis line
+    /// of larger cells may cross a narrow dent.
     double size_near(std::uint32_t n, const Point& position) {
         const auto within = 0.95 * position + (0.05 / D) * sum(boundary_[n].corner);
         const double size = size_of(n, true, within);
         if (!boundary_[n].separates) return (std::min)(size, size_of(n, false, within));
-        return D == 2 ? size : (std::min)(size, thickness(n, false, within));
+        return D == 2 ? size : std::clamp(thickness(n, false, within), size / 8, size);
     }
 
     /// A piece of the boundary, for RefinementPlanner.

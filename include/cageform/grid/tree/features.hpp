@@ -234,8 +234,10 @@ private:
         const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
-        // At a distance r from the vertex cells are as large as the radius of a cone of this angle.
-        const double slope = std::sqrt(angle / std::numbers::pi) * std::exp2(2 - levels);
+        // At a distance r from the vertex cells are as large as the radius of a cone of this angle, but not
+        // smaller than r / 32.
+        const double slope =
+            (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
         for (const auto& at : about) {
             auto edge = boundary_[at.facet].corner[(at.corner + 1) % 3] - position;
             for (double here = 0.5 * slope * length(edge); here > least; here *= 0.5, edge = 0.5 * edge) {
