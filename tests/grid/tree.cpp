@@ -324,6 +324,38 @@ TEST_CASE("cells are as small as facets ask", "[grid][tree][sizing][property]") 
     check_sizes(star, {.across = 3});
     check_sizes(star, {.per_facet = 3, .corner_levels = 3, .corner_gradation = 2, .largest = 0.03});
 }
+/// Checks the size of the cell in the middle between a wall and the boundary, a gap apart.
+template <class Cage>
+void check_gap(const Cage& cage, const Vec<double, Cage::dimension>& middle, double gap) {
+    constexpr std::size_t D = Cage::dimension;
+    const TreeBoundary<D> boundary(cage, 10);
+    CutTree<D> tree(boundary);
+    FinestCells<D> finest;
+    const RefinementOptions options{.across = 3};
+    REQUIRE(refine(tree, options, 2000000, finest));
+    const double size = tree.leaf_at(boundary.in_units(middle)).size;
+    CHECK(boundary.unit() * size <= gap / options.across);
+}
+TEST_CASE("a gap at either side of a wall has as many cells as asked", "[grid][tree][sizing][property]") {
+    const int seed = GENERATE(range(0, 3));
+    const bool is_left = GENERATE(true, false), is_reversed = GENERATE(true, false);
+    Random random(std::uint64_t(seed) + 70);
+    const double gap = random.uniform(0.04, 0.1), x = is_left ? gap : 1 - gap;
+    const double middle = is_left ? 0.5 * gap : 1 - 0.5 * gap;
+    CAPTURE(seed, is_left, is_reversed, gap);
+    CellComplex<double, 2> square(
+        Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
+    std::vector<Vec<double, 2>> chain{{x, 0.2}, {x, 0.8}};
+    if (is_reversed) std::swap(chain[0], chain[1]);
+    (void)square.add_chain(chain);
+    check_gap(square, Vec<double, 2>{middle, 0.5}, gap);
+    CellComplex<double, 3> cube(cageform_tests::divided_box({1, 1, 1}, 1).mesh<double>());
+    std::vector<Vec<double, 3>> wall{{x, 0.2, 0.2}, {x, 0.8, 0.2}, {x, 0.5, 0.8}};
+    for (auto& p : wall) p = p - Vec<double, 3>{0.5, 0.5, 0.5};
+    if (is_reversed) std::swap(wall[0], wall[1]);
+    (void)cube.add_faces(wall, std::vector<std::array<int, 3>>{{0, 1, 2}});
+    check_gap(cube, Vec<double, 3>{middle - 0.5, -0.1, -0.1}, gap);
+}
 TEST_CASE("cells grow with the distance from a reflex vertex in the plane", "[grid][tree][sizing]") {
     const Polygon<double> cage(std::vector<Vec<double, 2>>{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
     for (const double gradation : {1.0, 2.0, 4.0}) {

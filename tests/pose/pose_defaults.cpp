@@ -164,8 +164,8 @@ TEST_CASE("the defaults of pins serve figures in the plane that they were not ch
                {254, 352}, {272, 284}, {322, 322}, {392, 262}, {368, 236}, {326, 276}},
          3, true);
     check_in_plane("man", made_cage(man, 24));
-    // A long limb: at accuracies from 2e-3 to 1e-4, one in 12 to 23 of 300 random poses creeps on by more than 5e-4.
-    // The farthest creeps by 4.4e-3.
+    // A long limb: at accuracies from 2e-3 to 1e-4, 13 to 24 of 300 random poses creep on by more than 5e-4. The
+    // farthest creeps by 4.4e-3.
     draw(spiral, {{0, 0}, {1, 0}, {1, 1}, {-1, 1}, {-1, -1}, {2, -1}, {2, 2}, {-2, 2}}, 0.12, false);
     check_in_plane("spiral", made_cage(spiral, 40), 5e-3);
 #endif

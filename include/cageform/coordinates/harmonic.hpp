@@ -157,8 +157,9 @@ public:
     ///              length. Those of points outside stay as they are
     ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the
     ///              tolerance over h. Where weights are C²: the continuous derivatives of the weights
-    ///              before negative ones become 0 (cube, accuracy 1e-3: 90 % within 1.1e-3 per root of
-    ///              a face's area; `bench_smoothness --cage cube gradients`).
+    ///              before negative ones become 0. At accuracy 1e-3 in a cube, 90 % of the gradients
+    ///              times the root of the mean area of a face are within 1.1e-3
+    ///              (`bench_smoothness --cage cube gradients`).
     ///              Elsewhere: differences over a cell, with errors of order h², and of order h within a
     ///              cell of the boundary. A point on the boundary gets the gradient of a point inside, a
     ///              hundredth of a cell away where weights are C², else half a cell. It is unreached if

@@ -115,6 +115,7 @@ public:
     using Samples = std::vector<Sample>;
     Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
+        samples.reserve(points.size());
         for (const std::size_t i : points) {
             Sample& sample = samples.emplace_back(Sample{i, {}, {}});
             if (i >= batch.points.points) continue;

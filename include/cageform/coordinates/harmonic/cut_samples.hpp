@@ -27,7 +27,7 @@ auto values_at(const StencilTable<D>& stencils, std::size_t n, const Functions& 
     return value;
 }
 
-/// The stencils of points.
+/// Stencils, each with the number of its point.
 template <std::size_t D>
 class CutSamples {
 public:

@@ -169,10 +169,13 @@ private:
     }
 
     std::vector<std::size_t> order_of(const Batch<T>& batch) const {
-        if constexpr (requires { solver_->order(batch); }) return solver().order(batch);
-        std::vector<std::size_t> order(batch.points.blocks() * lane_count<T>);
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        return order;
+        if constexpr (requires { solver_->order(batch); }) {
+            return solver().order(batch);
+        } else {
+            std::vector<std::size_t> order(batch.points.blocks() * lane_count<T>);
+            std::iota(order.begin(), order.end(), std::size_t{0});
+            return order;
+        }
     }
 
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): used only after `make`

@@ -32,7 +32,7 @@ struct RefinementOptions {
     double corner_gradation = 1;
     double edge_levels = 1; ///< extra halvings at reflex edges and rims of walls, in space
     /// Extra halvings at the ends of such edges. Where functions decrease like the power λ < 1 of the
-    /// distance from the end, the number is divided by λ.
+    /// distance from the end, the number is divided by λ. The quotient is at most 10.
     double reflex_levels = 1;
     /// Largest cell at a vertex of more than three facets in space, as a fraction of the cage's size.
     double at_vertex = 1.0 / 16;
@@ -146,8 +146,8 @@ public:
     }
 
     /// Returns the size that a facet allows near a point on its rim. In space the size is at most the
-    /// thickness of the outside behind the facet, or an eighth of the size without this rule: no axis line
-    /// of larger cells may cross a narrow dent.
+    /// thickness of the outside behind the facet, because axis lines of larger cells can miss a narrow dent.
+    /// This rule divides the size by at most eight.
     double size_near(std::uint32_t n, const Point& position) {
         const auto within = 0.95 * position + (0.05 / D) * sum(boundary_[n].corner);
         const double size = size_of(n, true, within);
@@ -280,10 +280,9 @@ private:
         return (front ? -1.0 : 1.0) * boundary_.normal(n);
     }
     /// Returns the distance across the domain from a point on a facet to the facet that faces it
-    /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)); across the outside, if `front` is false
-    /// and the facet is no wall. Returns infinity if the first facet
-    /// met does not face it, shares a vertex with it (a wedge has no thickness), or is `most` or
-    /// farther away.
+    /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)). If `front` is false and the facet is no wall,
+    /// the distance is across the outside. Returns infinity if the first facet met does not face it, shares a
+    /// vertex with it (a wedge has no thickness), or is `most` or farther away.
     double thickness(std::uint32_t from_facet, bool front, const Point& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();
@@ -291,10 +290,11 @@ private:
         if (!(dot(direction, direction) > 0)) return none;
         double nearest = (std::min)(most, std::ldexp(2.0, int(boundary_.depth())));
         std::uint32_t met = from_facet;
+        const bool is_outside = !front && boundary_[from_facet].separates;
         // How much a facet faces the ray, in [-1, 1].
         const auto faces = [&](std::uint32_t n) {
             const double along = dot(direction, boundary_.normal(n));
-            return boundary_[n].separates ? (front ? along : -along) : std::fabs(along);
+            return boundary_[n].separates ? (is_outside ? -along : along) : std::fabs(along);
         };
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<D>& facet = boundary_[n];

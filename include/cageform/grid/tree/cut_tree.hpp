@@ -100,7 +100,7 @@ public:
     }
     /// Does so for a point in units, which is rounded.
     bool is_inside(const Vec<double, D>& p) const noexcept { return is_inside(line_of(p)); }
-    /// Does so for points of one leaf that lie on a line along axis 0, in ascending order.
+    /// Does so for points on a line along axis 0, in ascending order. All points lie in the same leaf.
     template <std::size_t count>
     std::array<bool, count> are_inside(const std::array<Vec<double, D>, count>& points) const noexcept {
         const auto line = line_of(points[0]);

@@ -221,8 +221,8 @@ private:
             if (is_end) add_spike(about, size, features);
         });
     }
-    /// Adds the cells about a vertex where functions decrease like a power λ < 1 of the distance, and the
-    /// cells along its edges, if the outside is narrow there. `size` is what the facets allow.
+    /// Adds the cells about a vertex where functions decrease like a power λ < 1 of the distance. If the
+    /// outside is narrow there, the cells along the edges are added too. `size` is what the facets allow.
     void add_spike(std::span<const FacetCorner> about, double size, std::vector<Feature<3>>& features) const {
         constexpr double most_levels = 10, narrow = 2.2; // in steradians
         const double angle = angle_outside(about), levels = sizes_.options().reflex_levels;
@@ -234,8 +234,8 @@ private:
         const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
-        // At a distance r from the vertex cells are as large as the radius of a cone of this angle, but not
-        // smaller than r / 32.
+        // At two levels, cells at a distance r from the vertex are as large as the radius of a cone of this
+        // angle, but at least r / 32. Each further level halves them.
         const double slope =
             (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
         for (const auto& at : about) {
@@ -247,7 +247,8 @@ private:
             }
         }
     }
-    /// Returns the solid angle outside the domain at a vertex, at most 2π; 2π at walls.
+    /// Returns the solid angle outside the domain at a vertex, at most 2π. Returns 2π at walls, at faces
+    /// without area, and for angles below 1e-6.
     double angle_outside(std::span<const FacetCorner> about) const noexcept {
         constexpr double full = 4 * std::numbers::pi;
         const Point axis{0.2, 0.4, std::sqrt(0.8)}; // any direction
