@@ -1,23 +1,25 @@
-// How smooth are harmonic weights in space, how exact next to the skin, and what do they cost?
+// Measures harmonic weights in space: their smoothness, their errors next to the skin, and their cost.
 //
 //     bench_smoothness [--cage NAME] [--obj FILE] [--turned] [--count COUNT] [--points COUNT] [--figure FILE]
 //                      [--box X Y Z] MEASURE [ACCURACY…]
 //
-//     lines      second differences of weights along random lines inside the cage, near its skin
-//     sheet      bends between neighbouring faces of flat sheets in a posed cube; by mean value coordinates too
-//     weights    differences to the weights of the last accuracy, below faces and anywhere inside
-//     depths     how far weights are from those of a face, 0.01 to 0.0001 roots of its area below it
-//     plates     flat boxes: nodes, time, memory; errors where the solution is known, farther from the rim than
-//                four thicknesses; differences to the weights of the last accuracy
-//     gradients  differences to the gradients of the last accuracy; steps of gradients along the lines
-//     pack       the time to pack the points of a figure, or points near the skin
-//     cost       the time to bind them, and to bind them again with the same solution
+// MEASURE is one of:
 //
-// At half the step, second differences of a smooth function fall by four, steps of its gradients by two, and
-// jumps not at all. Lines where they do not fall by 2.5 or 1.6 are counted, unless they are below 1e-8. There
+//     lines      Second differences of weights along random lines inside the cage, near its skin.
+//     sheet      Bends between neighbouring faces of flat sheets in a posed cube; by mean value coordinates too.
+//     weights    Differences to the weights of the last accuracy, below faces and anywhere inside.
+//     depths     Differences to the weights of a face, 0.01 to 0.0001 roots of its area below the face.
+//     plates     Nodes, time and memory of flat boxes. Differences to the weights of the last accuracy. Errors
+//                farther from the rim than four thicknesses, where the solution is known.
+//     gradients  Differences to the gradients of the last accuracy; steps of gradients along the lines.
+//     pack       The time to pack the points of a figure, or points near the skin.
+//     cost       The time to bind them, and to bind them again with the same solution.
+//
+// At half the step, second differences of a smooth function fall by four. Steps of its gradients fall by two.
+// Jumps do not fall. Lines where they do not fall by 2.5 or 1.6 are counted, unless they are below 1e-8. There
 // steps are made 4,096 times smaller, which leaves a jump as it is. Gradients are multiplied by the root of the
-// mean area of a face. --count is for lines and sheets; --turned turns everything by 0.7 about (1, 2, 3).
-// With -I of another version's headers it measures that version, on the same lines and points.
+// mean area of a face. --count is for lines and sheets. --turned turns everything by 0.7 about (1, 2, 3).
+// With -I of another version's headers the program measures that version, on the same lines and points.
 #include "../tests/support/gradients.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
 #include "named_cages.hpp"
@@ -455,6 +457,15 @@ void measure_cost(const Given& given, const NamedCage& cage) {
     }
 }
 
+/// A measure, with the numbers that it takes if none are given.
+struct Measure {
+    std::string name;
+    std::size_t points, count;
+    std::vector<double> accuracies;
+    void (*in_cage)(const Given&, const NamedCage&); ///< null if the measure has its own cages
+    void (*without_cage)(const Given&) = nullptr;
+};
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -478,30 +489,25 @@ int main(int argc, char** argv) {
             given.accuracies.push_back(line.accuracy());
     }
     if (given.boxes.empty()) given.boxes = {{4, 4, 0.1}, {20, 20, 0.1}, {200, 200, 0.02}};
-    const auto usual = [&](std::size_t points, std::size_t count, const std::vector<double>& accuracies) {
-        if (given.points == 0) given.points = points;
-        if (given.count == 0) given.count = count;
-        if (given.accuracies.empty()) given.accuracies = accuracies;
-    };
-    const auto each_cage = [&](auto measure) {
-        for (const auto& cage : line.cages()) measure(given, NamedCage{cage.name, given.turned(cage.mesh)});
-    };
-    if (name == "lines")
-        usual(1, 100, {1e-3}), each_cage(measure_lines);
-    else if (name == "sheet")
-        usual(1, 12, {1e-2, 1e-3}), measure_sheet(given);
-    else if (name == "weights")
-        usual(2000, 1, {2e-3, 2e-4}), each_cage(measure_weights);
-    else if (name == "depths")
-        usual(3000, 1, {1e-3}), each_cage(measure_depths);
-    else if (name == "plates")
-        usual(3000, 1, {1e-3}), measure_plates(given);
-    else if (name == "gradients")
-        usual(400, 20, {1e-3, 1e-4}), each_cage(measure_gradients);
-    else if (name == "pack")
-        usual(100000, 1, {2e-3}), each_cage(measure_pack);
-    else if (name == "cost")
-        usual(8066, 1, {1e-3}), each_cage(measure_cost);
-    else
-        line.refuse("name a measure: lines, sheet, weights, depths, plates, gradients, pack or cost");
+    const std::vector<Measure> measures{{"lines", 1, 100, {1e-3}, measure_lines},
+                                        {"sheet", 1, 12, {1e-2, 1e-3}, nullptr, measure_sheet},
+                                        {"weights", 2000, 1, {2e-3, 2e-4}, measure_weights},
+                                        {"depths", 3000, 1, {1e-3}, measure_depths},
+                                        {"plates", 3000, 1, {1e-3}, nullptr, measure_plates},
+                                        {"gradients", 400, 20, {1e-3, 1e-4}, measure_gradients},
+                                        {"pack", 100000, 1, {2e-3}, measure_pack},
+                                        {"cost", 8066, 1, {1e-3}, measure_cost}};
+    const auto measure = std::find_if(measures.begin(), measures.end(),
+                                      [&](const Measure& known) { return known.name == name; });
+    if (measure == measures.end()) {
+        std::string names;
+        for (const Measure& known : measures) names += ' ' + known.name;
+        line.refuse("name a measure, one of" + names);
+    }
+    if (given.points == 0) given.points = measure->points;
+    if (given.count == 0) given.count = measure->count;
+    if (given.accuracies.empty()) given.accuracies = measure->accuracies;
+    if (measure->without_cage != nullptr) return measure->without_cage(given), 0;
+    for (const auto& cage : line.cages())
+        measure->in_cage(given, NamedCage{cage.name, given.turned(cage.mesh)});
 }
