@@ -101,7 +101,8 @@ public:
         return accuracy;
     }
 
-    /// Returns the cages of the files, or those with a name; of them, the one that is asked for.
+    /// Returns the cages of the files, or the named cages if there are no files. If one cage is asked for,
+    /// returns only that one.
     std::vector<NamedCage> cages() const {
         auto list = files_.empty() ? named_cages() : files_;
         std::erase_if(list, [&](const NamedCage& cage) { return !only_.empty() && only_ != cage.name; });
@@ -143,7 +144,7 @@ private:
     std::vector<NamedCage> files_;
 };
 
-/// Errors, sorted, by the share of points that stay below one.
+/// The errors of points, sorted. `at(share)` is the error that this share of the points does not exceed.
 class Errors {
 public:
     explicit Errors(std::vector<double> errors)

@@ -242,8 +242,8 @@ void measure_gradients(const Given& given, const NamedCage& cage) {
         print_lines(lines, 1.6, [&](const Points& along) {
             const auto [evaluation, states, rows] = gradients_of(coordinates, along);
             demand(evaluation.status);
-            const auto part = [&, &rows = rows](std::size_t i, std::size_t k) {
-                return size * rows[i][k / 3][k % 3];
+            const auto part = [&, &all = rows](std::size_t i, std::size_t k) {
+                return size * all[i][k / 3][k % 3];
             };
             return largest_difference(1, along.size(), 3 * cage.mesh.size(), part);
         });

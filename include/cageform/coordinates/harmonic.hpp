@@ -157,8 +157,8 @@ public:
     ///              length. Those of points outside stay as they are
     ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the
     ///              tolerance over h. Where weights are C²: the continuous derivatives of the weights
-    ///              before negative ones become 0. At accuracy 1e-3 in a cube, 90 % of the gradients
-    ///              times the root of the mean area of a face are within 1.1e-3
+    ///              before negative ones become 0. In a cube at accuracy 1e-3, errors of 90 % of the
+    ///              gradients, times the root of the mean face area, are at most 1.1e-3
     ///              (`bench_smoothness --cage cube gradients`).
     ///              Elsewhere: differences over a cell, with errors of order h², and of order h within a
     ///              cell of the boundary. A point on the boundary gets the gradient of a point inside, a

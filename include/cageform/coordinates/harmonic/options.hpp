@@ -65,8 +65,8 @@ struct HarmonicOptions {
     /// on the cage, 93 to 100 % of the points do. The largest errors measured are ten times the
     /// accuracy, next to vertices where reflex edges meet (`bench_smoothness weights`). 3D cages with
     /// cells inside or with faces of more than three corners have no near field
-    /// (coordinates/harmonic/near_rows.hpp). Their errors can reach 0.1 closer to a small face than the
-    /// face is wide.
+    /// (coordinates/harmonic/near_rows.hpp). Errors in such cages can reach 0.1 at points
+    /// whose distance from a small face is less than the width of the face.
     /// SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
     /// For UniformHarmonicCoordinates: this many cells along the cage's longest side, 8 … 16384, in

@@ -135,7 +135,7 @@ private:
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running,
                   const SamplesOf& samples_of) const {
         // Points that are sampled together share work. `few` is the least number of points for a thread.
-        // At once, `many` points are sampled from kept functions, and else `together`.
+        // If functions are kept, `many` points are sampled at once. Otherwise `together` points are.
         constexpr std::size_t few = 256, many = 4096, together = 1024;
         const auto order = order_of(batch);
         const std::size_t count = order.size(), pieces = (count + together - 1) / together;

@@ -31,8 +31,8 @@ struct RefinementOptions {
     /// A cell near such a vertex is no larger than its distance from the vertex divided by this.
     double corner_gradation = 1;
     double edge_levels = 1; ///< extra halvings at reflex edges and rims of walls, in space
-    /// Extra halvings at the ends of such edges. Where functions decrease like the power λ < 1 of the
-    /// distance from the end, the number is divided by λ. The quotient is at most 10.
+    /// Extra halvings at the ends of such edges. This number is divided by λ where functions decrease like
+    /// the power λ < 1 of the distance from the end. At most 10 halvings are then made.
     double reflex_levels = 1;
     /// Largest cell at a vertex of more than three facets in space, as a fraction of the cage's size.
     double at_vertex = 1.0 / 16;

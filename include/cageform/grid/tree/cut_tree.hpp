@@ -100,7 +100,8 @@ public:
     }
     /// Does so for a point in units, which is rounded.
     bool is_inside(const Vec<double, D>& p) const noexcept { return is_inside(line_of(p)); }
-    /// Does so for points on a line along axis 0, in ascending order. All points lie in the same leaf.
+    /// Returns for each point whether it is inside. The points lie in one leaf, on a line along axis 0, in
+    /// ascending order.
     template <std::size_t count>
     std::array<bool, count> are_inside(const std::array<Vec<double, D>, count>& points) const noexcept {
         const auto line = line_of(points[0]);

@@ -226,16 +226,16 @@ private:
     void add_spike(std::span<const FacetCorner> about, double size, std::vector<Feature<3>>& features) const {
         constexpr double most_levels = 10, narrow = 2.2; // in steradians
         const double angle = angle_outside(about), levels = sizes_.options().reflex_levels;
-        // The least root λ of P_λ(cos θ) for a circular cone of half-angle θ, whose outside has this solid
-        // angle. For angles from 90 to 175 degrees the formula is within 2 % of 1/λ.
+        // λ is the least root of P_λ(cos θ). A circular cone of half-angle θ has the solid angle `angle`
+        // outside it. The formula is within 2 % of 1/λ for θ from 90 to 175 degrees.
         const double inverse = 1 + 0.95 * std::log(2 * std::numbers::pi / angle);
         if (!(inverse > 1)) return;
         const auto position = boundary_[about[0].facet].corner[about[0].corner];
         const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
-        // At two levels, cells at a distance r from the vertex are as large as the radius of a cone of this
-        // angle, but at least r / 32. Each further level halves them.
+        // If `levels` is 2, a cell at a distance r from the vertex is as large as the radius of the cone
+        // there, but at least r / 32. One level more halves the cells.
         const double slope =
             (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
         for (const auto& at : about) {
