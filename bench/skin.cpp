@@ -1,6 +1,6 @@
 // How far off are harmonic weights in space next to the skin, and inside, by cage and accuracy?
 // References are walks on spheres (tests/support/walk_on_spheres.hpp), which --keep stores in a folder, as
-// examples/sources/convergence.cpp reads them.
+// examples/sources/tables/convergence.cpp reads them.
 //
 //     bench_skin [--cage NAME] [--obj FILE] [--points COUNT] [--walks COUNT] [--keep FOLDER] [ACCURACY…]
 //     bench_skin --obj CAGE --figure FILE --pose CAGE [ACCURACY…]

@@ -289,7 +289,7 @@ step "a character for a game"
 # A game takes these: a packed binding with the dance, and glTF files as a skin and as morph targets.
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
   --coordinates harmonic --max-distance 0.001 -o out/character.figure --report >>$report
-mkdir -p out/character_poses # four poses of its clip; sh examples/farms/run.sh has hundreds of them done by a farm
+mkdir -p out/character_poses # four poses of its clip; sh examples/integrations/farms/run.sh has hundreds of them done by a farm
 "$programs/clone_figure" out/character.figure --poses out/character_clip.csv --rate 10 --rows 0:4 --json \
   -o 'out/character_poses/%02d.ply' >>$report
 # Points in tiles, half of them by each of two processes.

@@ -16,7 +16,7 @@ echo "the character (its program takes some minutes to build the first time)"
 cmake --build build --target make_character >$work/build.txt 2>&1 || { cat $work/build.txt; exit 1; }
 build/examples/make_character $work >/dev/null
 
-if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp $page/run.sh examples/support/wasm -newer $work/page.wasm -type f)" ]; then
+if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp $page/run.sh examples/bindings/wasm -newer $work/page.wasm -type f)" ]; then
   echo "the library to WebAssembly (a minute)"
   # Loops over coordinates are unrolled: a cage in space takes less than half of the time. Longer ones are not: the page would grow by 4 %.
   loops=
@@ -24,7 +24,7 @@ if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp $page/run.sh exa
     loops="$loops -mllvm $option -Wl,-mllvm,$option"
   done
   # shellcheck disable=SC2086  # the list is meant to be split
-  sh examples/support/wasm/compile.sh $page/page.cpp $work/page.wasm -funroll-loops $loops
+  sh examples/bindings/wasm/compile.sh $page/page.cpp $work/page.wasm -funroll-loops $loops
 fi
 
 # packed FILE: as a string of JavaScript
@@ -78,7 +78,7 @@ done
   printf ' },\nwasm: '
   packed $work/page.wasm
   printf '\n};\n'
-  cat examples/support/wasm/host.js
+  cat examples/bindings/wasm/host.js
   for part in engine read path safe_svg figure cage kinds field clip pins plane_pins view app pointer timeline save mesh mesh_pins keep main; do cat $page/js/$part.js; done
 } >$work/page.js
 

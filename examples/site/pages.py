@@ -37,9 +37,9 @@ TYPES = [
 
 # Other languages and programs in the order of the menu: the page, its name there, and the README that it shows.
 LANGUAGES = [
-    ("c", "C", "include/cageform/c/README.md"), ("python", "Python", "examples/python/README.md"),
-    ("npm", "JavaScript", "examples/npm/README.md"), ("csharp", "C#", "examples/csharp/README.md"),
-    ("blender", "Blender", "examples/blender/README.md"), ("packaging", "vcpkg, Conan", "examples/packaging/README.md"),
+    ("c", "C", "include/cageform/c/README.md"), ("python", "Python", "examples/bindings/python/README.md"),
+    ("npm", "JavaScript", "examples/bindings/npm/README.md"), ("csharp", "C#", "examples/bindings/csharp/README.md"),
+    ("blender", "Blender", "examples/integrations/blender/README.md"), ("packaging", "vcpkg, Conan", "examples/integrations/packaging/README.md"),
 ]
 
 
@@ -209,13 +209,13 @@ def public_headers():
 
 def check_paths(name, text):
     """Ends the run where a page names a header or a file that is not there; Changes names old ones too."""
-    text = re.sub(r"^\|[^|]*\|", "", text, flags=re.M) if name == "changes.md" else text
+    text = re.sub(r"^\|[^|]*\|", "", text, flags=re.M) if name == "CHANGELOG.md" else text
     for path in re.findall(r"`(?:cageform/)?((?:%s)/[\w/]+\.hpp)`" % "|".join(ROOMS), text):
         if path == path.lower() and not os.path.exists(os.path.join(ROOT, "include/cageform", path)):
-            sys.exit("%s/%s: there is no header %s" % (SITE, name, path))
+            sys.exit("%s: there is no header %s" % (name, path))
     for path in re.findall(r"`((?:tests|examples|bench|cmake)/[\w./]+)`", text):
         if not os.path.exists(os.path.join(ROOT, path)):
-            sys.exit("%s/%s: there is no %s" % (SITE, name, path))
+            sys.exit("%s: there is no %s" % (name, path))
 
 
 def label_of(path):
@@ -233,7 +233,7 @@ def label_of(path):
     if page:
         return page[1] if page[1] != "index" else "index"
     return {
-        "README.md": "index", "examples/README.md": "gallery", "examples": "gallery",
+        "README.md": "index", "CHANGELOG.md": "changes", "examples/README.md": "gallery", "examples": "gallery",
         "bench/README.md": "speed", "bench": "speed", "examples/page/README.md": "play", "examples/lessons": "lessons",
     }.get(path)
 
@@ -439,11 +439,11 @@ def main(out):
         if label == "c":
             text += "\n\n<h2>The header</h2>\n\n```c\n%s```\n" % read("include/cageform/c/cageform.h")
         write_page(label, text)
-    for name in files(SITE, ".md"):
-        check_paths(name, read(SITE + "/" + name))
-        text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())
+    for path in ["CHANGELOG.md"] + [SITE + "/" + name for name in files(SITE, ".md")]:
+        check_paths(path, read(path))
+        text = relinked(read(path), os.path.dirname(path), headers).replace("@README_CODE@", readme_code())
         text = text.replace("@PLAY@", play())
-        write_page(name[:-len(".md")], text)
+        write_page(label_of(path), text)
     write("layout.xml", layout(entries))
     print("%d public headers, %d of the machinery, %d lessons" % (len(public), len(more), len(names)))
 

@@ -121,8 +121,8 @@ refuses 'cannot write missing/out.0.ply: No such file or directory' "$clone" cha
 refuses '--rate' "$clone" character.figure --poses character_clip.csv --rate 0 "$to"
 refuses '--threads' "$clone" character.figure --poses poses.csv --threads 0 "$to"
 
-# ---- the files of farms: short, and parsed. sh examples/farms/run.sh runs two of them ----
-farms="$data/../farms"
+# ---- the files of farms: short, and parsed. sh examples/integrations/farms/run.sh runs two of them ----
+farms="$data/../integrations/farms"
 for file in slurm.sbatch dask_map.py opencue.py kubernetes.yaml; do
   [ "$(grep -c '' "$farms/$file")" -le 30 ] && ok=yes || ok=no
   report $ok "$file has at most 30 lines"

@@ -1,5 +1,5 @@
 // Puzzles in fractions: the means are exact, and the answers those of the reference file.
-#include "files/exact_puzzle.hpp"
+#include "puzzles/exact_puzzle.hpp"
 
 #include "catch.hpp"
 #include "support/cages.hpp"

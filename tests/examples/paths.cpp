@@ -1,5 +1,5 @@
 // Means over rays and over Brownian paths are the coordinates that they are said to be.
-#include "pictures/paths.hpp"
+#include "tables/paths.hpp"
 
 #include "catch.hpp"
 #include "support/cages.hpp"

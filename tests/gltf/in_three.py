@@ -17,7 +17,7 @@ import numpy as np
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 sys.dont_write_bytecode = True
-sys.path[:0] = [HERE, os.path.join(ROOT, "examples/npm/test")]
+sys.path[:0] = [HERE, os.path.join(ROOT, "examples/bindings/npm/test")]
 from chromium import Browser, serve  # noqa: E402
 from glb import Glb  # noqa: E402
 
@@ -25,7 +25,7 @@ from glb import Glb  # noqa: E402
 def installed():
     """Returns the folder of three.js, of the version that the project's example takes."""
     folder = os.path.join(ROOT, "build/gltf_three")
-    wanted = os.path.join(ROOT, "examples/npm/three/package.json")
+    wanted = os.path.join(ROOT, "examples/bindings/npm/three/package.json")
     os.makedirs(folder, exist_ok=True)
     shutil.copy(wanted, folder)
     subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--silent", "--prefer-offline"], cwd=folder, check=True)
