@@ -12,17 +12,17 @@
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "cli/figure_motion.hpp"
-#include "cli/guard.hpp"
 #include "cli/pinned_figure.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/atomic_file.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
-#include "files/csv.hpp"
 #include "files/marker_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/render.hpp"
-#include "svg/text.hpp"
+#include "pictures/text.hpp"
 
 #include <cageform/core/threads.hpp>
 
@@ -34,7 +34,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 /// A line with tufts of grass, which repeat every `period` units; begins `period` before the view.
 pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
@@ -104,7 +104,7 @@ ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
     return clip;
 }
 
-SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
+Expected<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
     if (!settings.markers.empty()) return load_markers(settings.markers);
     if (settings.pins.is_given()) {
         const auto pins = settings.pins.pins<2>();
@@ -136,10 +136,10 @@ struct HandleKeys {
 };
 
 /// Poses the cage by the pins of a motion; other motions are of the vertices as they are.
-SvgResult<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
-                              FigureControl& control) {
+Expected<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
+                             FigureControl& control) {
     if (!motion.has_pins()) {
-        if (!settings.pins.held.empty()) return SvgError{"--hold is for pins, and the motion has none"};
+        if (!settings.pins.held.empty()) return FileError{"--hold is for pins, and the motion has none"};
         return HandleKeys{motion, cage.vertices};
     }
     const auto still = settings.operations.still(cage.lattice);
@@ -160,15 +160,15 @@ SvgResult<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, co
     }
     if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
     if (!settings.save_clip.empty() && control.poses_all_handles)
-        return SvgError{"--save-clip " + settings.save_clip +
-                        ": with these coordinates pins pose the edges beside the vertices, and a clip has "
-                        "vertices alone; take mean-value or harmonic"};
+        return FileError{"--save-clip " + settings.save_clip +
+                         ": with these coordinates pins pose the edges beside the vertices, and a clip has "
+                         "vertices alone; take mean-value or harmonic"};
     return HandleKeys{std::move(*keys), figure->rest()};
 }
 
 /// Writes where points of the figure are in every frame, and at the end where they began.
-SvgResult<std::string> tracks_of(const Settings& settings, const FigureControl& control,
-                                 const ClipFile& file) {
+Expected<std::string> tracks_of(const Settings& settings, const FigureControl& control,
+                                const ClipFile& file) {
     Tracks tracks{settings.tracked, {}, {}};
     auto places = move_points(tracks.rest, settings.figure, control, settings.outside);
     if (!places) return places.error();
@@ -190,17 +190,17 @@ struct PlayedFile {
 ///
 ///   most    the largest tolerance to try
 ///   fails   where that is not enough
-SvgResult<PlayedFile> played_file(AnimatedSvg& drawing, const Settings& settings, double seconds,
-                                  double tolerance, double most) {
+Expected<PlayedFile> played_file(AnimatedSvg& drawing, const Settings& settings, double seconds,
+                                 double tolerance, double most) {
     PlayedFile file;
     for (file.tolerance = tolerance;; file.tolerance *= 2) {
         file.keys = drawing.play(seconds, file.tolerance);
         file.text = to_text(drawing.document);
         if (settings.size_limit == 0 || file.text.size() <= settings.size_limit) return file;
         if (2 * file.tolerance > most)
-            return SvgError{settings.out + ": has " + std::to_string(file.text.size()) +
-                            " bytes with key frames within " + detail::short_number(file.tolerance) +
-                            " units, more than --size-limit " + std::to_string(settings.size_limit)};
+            return FileError{settings.out + ": has " + std::to_string(file.text.size()) +
+                             " bytes with key frames within " + detail::short_number(file.tolerance) +
+                             " units, more than --size-limit " + std::to_string(settings.size_limit)};
     }
 }
 
@@ -224,18 +224,18 @@ struct Plan {
     double passed = 0; // how far the ground moves during the clip
 };
 
-SvgResult<Plan> plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {
+Expected<Plan> plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {
     const double frames = std::max(1.0, std::round(file.length * settings.rate));
     const double most = settings.films.empty() ? 1e5 : 3600;
     if (!(frames <= most))
-        return SvgError{settings.clip + ": its length needs " + detail::short_number(frames) + " frames; " +
-                        (settings.films.empty() ? "at most " : "a film has at most ") +
-                        std::to_string(int(most)) + "; a smaller --rate needs fewer"};
+        return FileError{settings.clip + ": its length needs " + detail::short_number(frames) + " frames; " +
+                         (settings.films.empty() ? "at most " : "a film has at most ") +
+                         std::to_string(int(most)) + "; a smaller --rate needs fewer"};
     const double passed = file.ground ? file.ground->speed * file.length : 0;
     if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view.width && std::fabs(passed) <= 1e3 * view.width))
-        return SvgError{settings.clip + ": during the clip the ground passes by " +
-                        detail::short_number(passed) +
-                        " units; it can be a thousandth to a thousand times the picture's width"};
+        return FileError{settings.clip + ": during the clip the ground passes by " +
+                         detail::short_number(passed) +
+                         " units; it can be a thousandth to a thousand times the picture's width"};
     return Plan{std::size_t(frames), passed};
 }
 

@@ -15,19 +15,19 @@
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/weight_choice.hpp"
-#include "files/atomic_file.hpp"
+#include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
-#include "files/csv.hpp"
 #include "files/figure_parts.hpp"
 #include "files/gltf_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/binding/pack.hpp>
 #include <cageform/pose/pose_samples.hpp>
@@ -38,7 +38,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Status;
 
 struct Arguments {
@@ -65,7 +65,7 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
 }
 
 /// The curves of x, y and z of every vertex. Fails where single precision does not hold them.
-SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
+Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
     for (std::size_t n = 0; n < 3 * clip.keys[0].places.size(); ++n) {
@@ -76,8 +76,8 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
             pieces.push_back({float(begin), float(c0), float(c1), float(c2), float(c3)});
             for (const double number : {c0, c1, c2, c3}) {
                 if (std::isfinite(float(number))) continue;
-                return SvgError{clip.name + ": v " + std::to_string(n / 3 + 1) + " moves too fast after " +
-                                std::to_string(begin) + " s: single precision cannot represent its curve"};
+                return FileError{clip.name + ": v " + std::to_string(n / 3 + 1) + " moves too fast after " +
+                                 std::to_string(begin) + " s: single precision cannot represent its curve"};
             }
         }
         curves.emplace_back(std::move(pieces), float(clip.length));
@@ -109,14 +109,14 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
 }
 
 /// Samples the inside of the cage for pins, and packs the samples; tells their size.
-SvgResult<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
-                                                      const std::string& cage, bool tells) {
+Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
+                                                     const std::string& cage, bool tells) {
     ProgressBar bar("sampling");
     const auto [samples, report] = pose_samples(coordinates, {}, {.progress = bar.callback()});
     if (report.status != Status::ok)
-        return SvgError{cage + ": --pose-samples: " + cageform::to_string(report.status)};
+        return FileError{cage + ": --pose-samples: " + cageform::to_string(report.status)};
     auto packed = cageform::pack(samples);
-    if (!packed) return SvgError{cage + ": --pose-samples: " + cageform::to_string(packed.status())};
+    if (!packed) return FileError{cage + ": --pose-samples: " + cageform::to_string(packed.status())};
     if (tells) {
         std::cout << "samples for pins: " << packed.value.bytes().size() << " bytes, of " << report.samples
                   << " points in " << report.rotations << " clusters, " << report.seconds << " s\n";
@@ -125,17 +125,17 @@ SvgResult<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<fl
 }
 
 /// The figure's vectors across its surface, bound and packed with the tolerance of the tangents.
-SvgResult<cageform::PackedBinding<float, 3>>
+Expected<cageform::PackedBinding<float, 3>>
 packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector<Point3>& places,
                const std::vector<Point3>& normals, const Arguments& given, cageform::PackOptions options) {
     ProgressBar bar("binding normals");
     const auto bound =
         cageform::bind_vectors(coordinates, places, std::array{std::span<const Point3>(normals)},
                                given.outside.bind_options(coordinates), {.progress = bar.callback()});
-    if (!bound) return SvgError{std::string("normals: ") + cageform::to_string(bound.report.status)};
+    if (!bound) return FileError{std::string("normals: ") + cageform::to_string(bound.report.status)};
     options.tolerance = std::min(1.0, of_vectors * given.weights.distance);
     auto packed = cageform::pack(bound.value[0], options);
-    if (!packed) return SvgError{std::string("normals: ") + cageform::to_string(packed.report.status)};
+    if (!packed) return FileError{std::string("normals: ") + cageform::to_string(packed.report.status)};
     return std::move(packed.value);
 }
 

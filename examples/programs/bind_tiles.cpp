@@ -13,20 +13,20 @@
 // Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a
 // failure may pass, such as a full disk: try again. Tiles beside one that fails are done.
 
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/tile_list.hpp"
 #include "cli/weight_choice.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
+#include "files/bind_report.hpp"
 #include "files/figure_stream.hpp"
-#include "files/input_file.hpp"
 #include "files/point_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/binding/pack.hpp>
 #include <cageform/core/threads.hpp>
@@ -43,7 +43,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Status;
 using Point = cageform::Vec<float, 3>;
 

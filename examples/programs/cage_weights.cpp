@@ -20,15 +20,15 @@
 // ones of chains and points, of green then the edges (or faces); --labels names those of vertices. Points
 // are read, bound and written in batches, so a file may have any length.
 
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/atomic_file.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
-#include "files/csv.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <array>
 #include <bit>
@@ -39,7 +39,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Settings {
     std::string cage_path, points_path, labels_path, out_path, scalar = "double", outside = "extend",
@@ -51,8 +51,7 @@ struct Settings {
 
 /// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails
 /// where two have one name.
-SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
-                                   std::size_t vertices) {
+Expected<std::string> header_line(const std::string& labels_path, std::size_t handles, std::size_t vertices) {
     std::vector<std::string> labels;
     if (!labels_path.empty()) {
         auto read = read_labels(labels_path, vertices);
@@ -65,7 +64,7 @@ SvgResult<std::string> header_line(const std::string& labels_path, std::size_t h
     for (std::size_t h = 0; h < handles; ++h) {
         const std::string name = labels[h].empty() ? "w" + std::to_string(h) : labels[h];
         if (!names.insert(name).second)
-            return SvgError{labels_path + ": two columns would have the name " + detail::quoted(name)};
+            return FileError{labels_path + ": two columns would have the name " + detail::quoted(name)};
         text += ',';
         if (name.find_first_of(",\"") == std::string::npos) {
             text += name;

@@ -12,15 +12,15 @@
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/row_range.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
 #include "files/figure_parts.hpp"
 #include "files/pose_rows.hpp"
 #include "files/posed_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/core/threads.hpp>
 #include <cageform/runtime.hpp>
@@ -32,7 +32,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Status;
 using cageform::Vec;
 

@@ -3,15 +3,15 @@
 //     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/base64.hpp"
-#include "files/input_file.hpp"
+#include "io/base64.hpp"
+#include "io/input_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/render.hpp"
 #include "svg/xml.hpp"
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 /// Makes the identifiers of a document its own, so that several can share a file.
 void prefix_ids(pugi::xml_node node, const std::string& prefix) {
@@ -32,12 +32,12 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
 }
 
 /// A PNG file as an SVG that holds it.
-SvgResult<SvgDocument> wrap_png(const std::string& path) {
+Expected<SvgDocument> wrap_png(const std::string& path) {
     const auto file = read_file(path);
     if (!file) return file.error();
     const std::string& bytes = *file;
     if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n"))
-        return SvgError{path + ": is not a PNG file"};
+        return FileError{path + ": is not a PNG file"};
     const auto number = [&](std::size_t at) { // four bytes, the highest first
         std::uint32_t n = 0;
         for (std::size_t k = 0; k < 4; ++k) n = n << 8 | std::uint8_t(bytes[at + k]);

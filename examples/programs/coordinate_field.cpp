@@ -7,12 +7,12 @@
 //     surface.png
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 
 #include <cageform/papers/detail/rasterise.hpp>
@@ -23,7 +23,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string cage, out, zoom, classes;
@@ -50,21 +50,21 @@ struct Arguments {
 };
 
 /// "v0,v1,…", a number for each vertex.
-SvgResult<std::vector<double>> parse_values(const std::string& text, const CageFile& cage) {
+Expected<std::vector<double>> parse_values(const std::string& text, const CageFile& cage) {
     std::vector<double> values;
     std::string_view rest = text;
     for (bool more = true; more;) {
         const std::size_t end = std::min(rest.find(','), rest.size());
         const std::string why =
             detail::parse_number(detail::trim(rest.substr(0, end)), values.emplace_back());
-        if (!why.empty()) return SvgError{"--values: " + why};
-        if (!std::isfinite(values.back())) return SvgError{"--values: a value is not finite"};
+        if (!why.empty()) return FileError{"--values: " + why};
+        if (!std::isfinite(values.back())) return FileError{"--values: a value is not finite"};
         more = end < rest.size();
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     if (values.size() != cage.vertices.size()) {
-        return SvgError{"--values: " + std::to_string(values.size()) + " values, but " + cage.name + " has " +
-                        std::to_string(cage.vertices.size()) + " vertices"};
+        return FileError{"--values: " + std::to_string(values.size()) + " values, but " + cage.name +
+                         " has " + std::to_string(cage.vertices.size()) + " vertices"};
     }
     return values;
 }
@@ -90,7 +90,7 @@ public:
 
     /// Returns the values at points, NaN outside. Only one column of the weights is kept, so points are
     /// bound in batches.
-    SvgResult<std::vector<double>>
+    Expected<std::vector<double>>
     at(std::span<const Point2> points, const std::string& cage_path,
        cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
         constexpr std::size_t most = 16384;
@@ -99,7 +99,7 @@ public:
             const auto part = points.subspan(first, std::min(most, points.size() - first));
             const auto [binding, bound] = coordinates_.bind(
                 part, {.outside = outside, .linear_precision = cageform::LinearPrecision::leave});
-            if (bound.status != cageform::Status::ok) return SvgError{describe_faults(cage_path, bound)};
+            if (bound.status != cageform::Status::ok) return FileError{describe_faults(cage_path, bound)};
             for (std::size_t i = 0; i < part.size(); ++i) {
                 for (const auto& [vertex, value] : terms_)
                     values[first + i] += value * binding.weight(i, vertex);
@@ -127,8 +127,8 @@ std::vector<std::vector<Point2>> loops_of(const CageFile& cage) {
 
 /// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not
 /// interpolate piece by piece their limits from inside.
-SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
-                                              const CoordinateField& field, const PlaneBox& box) {
+Expected<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
+                                             const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
     const std::size_t pieces = given.interpolates() ? 1 : cage.curves ? 4 : 32;
     const auto add = [&](const Point2& a, const Point2& b, const auto& value) {
@@ -165,8 +165,8 @@ SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const Cage
 }
 
 /// The map of the field over a box, seen at twice the pixels and halved, under the boundary's values.
-SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
-                            const PlaneBox& box) {
+Expected<Picture> draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                           const PlaneBox& box) {
     const double scale = 2 * double(given.style.size) / box.extent();
     const std::size_t width = 2 * std::size_t(std::ceil(box.width() * scale / 2));
     const std::size_t height = 2 * std::size_t(std::ceil(box.height() * scale / 2));
@@ -217,8 +217,8 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
                            std::max(largest, given.style.one), given.style);
 }
 
-SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
-                                   const PlaneBox& box) {
+Expected<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                                  const PlaneBox& box) {
     std::vector<std::vector<Point2>> loops = loops_of(cage);
     if (cage.lattice) { // its box
         const std::size_t last = cage.lattice->points() - 1, along = cage.lattice->axes[0].points - 1;
@@ -278,9 +278,9 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
     return fine.halved();
 }
 
-SvgResult<CageFile> cage_about(const std::string& figure, const std::string& word, CageEdges edges) {
+Expected<CageFile> cage_about(const std::string& figure, const std::string& word, CageEdges edges) {
     if (!CageWord::of(word).is_auto) return load_cage(word, edges);
-    if (figure.empty()) return SvgError{"--cage " + word + " needs a --figure, around which it is made"};
+    if (figure.empty()) return FileError{"--cage " + word + " needs a --figure, around which it is made"};
     const auto document = load_svg(figure);
     return document ? load_or_make_cage(word, *document, edges) : document.error();
 }

@@ -12,18 +12,18 @@
 // Everything else in the file stays: groups, materials, texture coordinates, comments, cells.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/mesh_control.hpp"
 #include "cli/mesh_folds.hpp"
 #include "cli/progress_bar.hpp"
-#include "cli/view_choice.hpp"
-#include "files/atomic_file.hpp"
+#include "files/bind_report.hpp"
 #include "files/medit_file.hpp"
 #include "files/obj_parts.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
+#include "pictures/view_choice.hpp"
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
@@ -34,7 +34,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string figure, out, picture;

@@ -8,16 +8,16 @@
 // change with the view turn by the rotation of J. The opacity stays.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/mesh_control.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
-#include "files/splat_file.hpp"
+#include "files/bind_report.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "splats/posed_splats.hpp"
+#include "splats/splat_file.hpp"
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
@@ -30,7 +30,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string scene, out;
@@ -266,7 +266,7 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
     const std::size_t splats = scene.size();
     std::vector<Point3> places(splats);
     for (std::size_t i = 0; i < splats; ++i) places[i] = scene.place(i);
-    SvgResult<MeshControl> control = [&] {
+    Expected<MeshControl> control = [&] {
         const Clock clock(seconds.control);
         const CageWord word = CageWord::of(given.control.cage);
         const bool is_made = word.is_auto || word.is_lattice;

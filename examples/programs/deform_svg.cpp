@@ -15,19 +15,19 @@
 // CSV.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "cli/figure_motion.hpp"
-#include "cli/guard.hpp"
 #include "cli/pinned_figure.hpp"
 #include "cli/pose_choice.hpp"
-#include "files/base64.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
+#include "io/base64.hpp"
+#include "io/messages.hpp"
 #include "pictures/cage_picture.hpp"
 #include "pictures/render.hpp"
+#include "pictures/text.hpp"
 #include "svg/document.hpp"
-#include "svg/text.hpp"
 
 #include <cageform/core/threads.hpp>
 
@@ -35,10 +35,10 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 /// All that bounds what a document draws.
-SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
+Expected<std::vector<Point2>> control_points(const SvgDocument& figure) {
     SvgDocument work = detail::copy_of(figure);
     std::vector<std::string> told_later; // when the figure is moved
     const auto all = detail::drawn_shapes(work, told_later);
@@ -77,9 +77,9 @@ struct Control {
 ///
 ///   rest    of the vertices that --hold may select
 ///   still   those that no pose moves
-SvgResult<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const CagePaths& paths,
-                         const OutsideChoice& outside, std::span<const cageform::Vec<double, 2>> rest,
-                         const std::vector<std::size_t>& still) {
+Expected<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const CagePaths& paths,
+                        const OutsideChoice& outside, std::span<const cageform::Vec<double, 2>> rest,
+                        const std::vector<std::size_t>& still) {
     if (!paths.pins.is_given()) return true;
     auto pins = paths.pins.pins<2>();
     if (!pins) return pins.error();
@@ -102,12 +102,12 @@ SvgResult<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const Cag
     return true;
 }
 
-SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
-                              const SiteChoice& of_sites, const OutsideChoice& outside,
-                              const SvgDocument& figure) {
-    if (!paths.has_pose() && !paths.pins.is_given()) return SvgError{"--pose is required for points"};
+Expected<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
+                             const SiteChoice& of_sites, const OutsideChoice& outside,
+                             const SvgDocument& figure) {
+    if (!paths.has_pose() && !paths.pins.is_given()) return FileError{"--pose is required for points"};
     if (paths.pins.is_given() && !of_sites.weights.empty())
-        return SvgError{"--weights: pins cannot be solved for where points have weights"};
+        return FileError{"--weights: pins cannot be solved for where points have weights"};
     const bool has_pose = !paths.pose.empty();
     auto posed = load_posed_sites<2>(paths.cage, has_pose ? paths.pose : paths.cage, of_sites,
                                      [&] { return control_points(figure); });
@@ -141,9 +141,9 @@ SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& 
     return result;
 }
 
-SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
-                                const SiteChoice& of_sites, const OutsideChoice& outside,
-                                const SvgDocument& figure, const std::string& figure_path) {
+Expected<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
+                               const SiteChoice& of_sites, const OutsideChoice& outside,
+                               const SvgDocument& figure, const std::string& figure_path) {
     if (choice.takes_sites()) return read_sites(choice, paths, of_sites, outside, figure);
     const auto cage = load_or_make_cage(paths.cage, figure, choice.edges());
     if (!cage) return cage.error();
@@ -165,17 +165,17 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths
 }
 
 /// The text of a pose of a cage, or of points without one.
-SvgResult<std::string> saved_pose(const Control& posed, bool of_sites, const std::string& path,
-                                  const ViewBox& view) {
+Expected<std::string> saved_pose(const Control& posed, bool of_sites, const std::string& path,
+                                 const ViewBox& view) {
     if (posed.control.coordinates.handles().vector_count() > 0 && posed.control.poses_all_handles)
-        return SvgError{"--save-pose " + path +
-                        ": with these coordinates pins pose the edges beside the vertices, and a pose has "
-                        "vertices alone; take mean-value or harmonic"};
+        return FileError{"--save-pose " + path +
+                         ": with these coordinates pins pose the edges beside the vertices, and a pose has "
+                         "vertices alone; take mean-value or harmonic"};
     if (!of_sites) {
         const auto text = pose_text(posed.drawn, path, view);
-        return text ? text : SvgError{"--save-pose " + to_string(text.error())};
+        return text ? text : FileError{"--save-pose " + to_string(text.error())};
     }
-    if (ending_of(path) != ".csv") return SvgError{"--save-pose " + path + ": points need a .csv file"};
+    if (ending_of(path) != ".csv") return FileError{"--save-pose " + path + ": points need a .csv file"};
     std::string text;
     for (std::size_t i = 0; i < posed.saved; ++i) {
         const Point2& p = posed.drawn.vertices[i];

@@ -5,12 +5,12 @@
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "cli/view_choice.hpp"
-#include "files/atomic_file.hpp"
 #include "files/obj_parts.hpp"
-#include "files/splat_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/splat_picture.hpp"
+#include "pictures/view_choice.hpp"
+#include "splats/splat_file.hpp"
 
 #include <cageform/core/threads.hpp>
 
@@ -18,7 +18,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 int run_program(int argc, char** argv) {
     CommandLine line(

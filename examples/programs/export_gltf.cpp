@@ -24,19 +24,19 @@
 // with the colours and the texture that its MTL file gives.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/skeleton_choice.hpp"
-#include "cli/view_choice.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
+#include "files/bind_report.hpp"
 #include "files/gltf_skeleton.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/skeleton_picture.hpp"
+#include "pictures/view_choice.hpp"
 
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/jacobians.hpp>
@@ -46,7 +46,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Binding;
 using cageform::SkinWeights;
 using cageform::Status;
@@ -338,7 +338,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
 
 /// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how
 /// far that is from the vectors of a moving face.
-SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
+Expected<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
     std::vector<std::string> warnings;
     for (PoseKey& key : motion.keys) {
@@ -447,12 +447,12 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
 }
 
 /// The figure's clones in the frames of the motion, from its beginning to the return of the first pose.
-SvgResult<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
-                                  const Binding<double, 3>& bound) {
+Expected<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
+                                 const Binding<double, 3>& bound) {
     constexpr double most = 100000;
     if (given.rate * scene.clip.length > most) {
-        return SvgError{scene.clip.name + ": " + detail::short_number(given.rate) +
-                        " frames a second are more than 100000 in all: give a smaller --rate"};
+        return FileError{scene.clip.name + ": " + detail::short_number(given.rate) +
+                         " frames a second are more than 100000 in all: give a smaller --rate"};
     }
     FigureFrames frames{scene.figure.name, scene.stored.vertices, scene.figure.triangles, {}, {}, {}};
     const SampledPoses poses = sample_poses(scene.clip, given.rate);
@@ -471,7 +471,7 @@ SvgResult<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
             if (status == Status::ok) status = clone(bound, handles, places);
         }
         if (status != Status::ok)
-            return SvgError{name_of_pose(scene.clip, time) + ": " + cageform::to_string(status)};
+            return FileError{name_of_pose(scene.clip, time) + ": " + cageform::to_string(status)};
         places = counted_from(scene.origin, places);
         frames.times.push_back(time);
     }

@@ -11,12 +11,12 @@
 // null is infinite.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
 #include "files/lottie_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 #include "svg/xml.hpp"
@@ -32,7 +32,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::BezierCurve;
 using cageform::BezierFit;
 using cageform::FitCondition;
@@ -679,5 +679,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("fit_curve", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("fit_curve", [&] { return run_program(argc, argv); });
 }

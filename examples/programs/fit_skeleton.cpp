@@ -9,13 +9,13 @@
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/skeleton_choice.hpp"
-#include "cli/view_choice.hpp"
 #include "files/gltf_skeleton.hpp"
 #include "files/mdd_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/skeleton_picture.hpp"
+#include "pictures/view_choice.hpp"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +25,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string rest, out, picture, axes = "x,y,z";
@@ -68,7 +68,7 @@ bool ascend(std::span<const double> times) {
 }
 
 /// Reads the frames. Vertices that a frame leaves out are left out of the figure too.
-SvgResult<MddFile> read_frames(Arguments& given, ObjFile& figure) {
+Expected<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
         auto file = load_mdd(given.frames[0], figure.vertices.size());
         if (!file) return file;
@@ -79,7 +79,7 @@ SvgResult<MddFile> read_frames(Arguments& given, ObjFile& figure) {
             }
             const std::string name = given.frames[0] + ": frame " + std::to_string(t) + ", ";
             if (const auto why = leave_out_also(figure, strays, name, given.is_strict); !why.empty())
-                return SvgError{why};
+                return FileError{why};
         }
         turn_axes(given.axes, file->frames);
         if (const double first = file->times.empty() ? 0 : file->times[0]; first < 0 && given.rate == 0) {
@@ -99,17 +99,17 @@ SvgResult<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     std::vector<std::vector<Point3>> frames;
     for (const std::string& path : given.frames) {
         if (ending_of(path) == ".mdd")
-            return SvgError{path + ": one MDD file holds all frames: give it alone, after " + given.rest};
+            return FileError{path + ": one MDD file holds all frames: give it alone, after " + given.rest};
         auto frame = load_obj(path, strays_of(given.is_strict));
         if (!frame) return frame.error();
         if (frame->vertices.size() != figure.vertices.size()) {
-            return SvgError{path + " has " + std::to_string(frame->vertices.size()) + " vertices, " +
-                            given.rest + " has " + std::to_string(figure.vertices.size()) +
-                            ": a frame is the figure with its vertices moved"};
+            return FileError{path + " has " + std::to_string(frame->vertices.size()) + " vertices, " +
+                             given.rest + " has " + std::to_string(figure.vertices.size()) +
+                             ": a frame is the figure with its vertices moved"};
         }
         if (const auto why = leave_out_also(figure, frame->left_out, path + ": ", given.is_strict);
             !why.empty())
-            return SvgError{why};
+            return FileError{why};
         if (const auto fault = single_precision_fault(*frame)) return *fault;
         frames.push_back(std::move(frame->vertices));
     }
@@ -277,5 +277,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("fit_skeleton", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("fit_skeleton", [&] { return run_program(argc, argv); });
 }

@@ -9,14 +9,14 @@
 // follow every bend: the program says how far the figure is off, and where.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
-#include "cli/view_choice.hpp"
-#include "files/atomic_file.hpp"
+#include "files/bind_report.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
+#include "pictures/view_choice.hpp"
 #include "svg/document.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -29,7 +29,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string rest, posed, cage, out, picture;
@@ -53,15 +53,15 @@ struct Fitted {
 
 /// Fits the lattice's pose, and prints how well the figure follows.
 template <std::size_t D>
-SvgResult<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
-                            const std::optional<LatticeBox<D>>& lattice) {
+Expected<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
+                           const std::optional<LatticeBox<D>>& lattice) {
     const auto& [rest_name, posed_name, rest, posed] = figures;
     if (!lattice)
-        return SvgError{"--cage " + detail::quoted(given.cage) +
-                        " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4")};
+        return FileError{"--cage " + detail::quoted(given.cage) +
+                         " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4")};
     if (rest.size() != posed.size())
-        return SvgError{posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
-                        " has " + std::to_string(rest.size()) + ": give a pose of the same figure"};
+        return FileError{posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
+                         " has " + std::to_string(rest.size()) + ": give a pose of the same figure"};
     const auto held = given.choice.still(lattice);
     if (!held) return held.error();
     const std::vector<std::uint32_t> frozen(held->begin(), held->end());
@@ -69,17 +69,17 @@ SvgResult<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
     const auto start = std::chrono::steady_clock::now();
     const auto coordinates = lattice->template coordinates<double>();
     const auto bound = cageform::bind(coordinates, rest);
-    if (!bound) return SvgError{describe_faults(rest_name, bound.report)};
+    if (!bound) return FileError{describe_faults(rest_name, bound.report)};
     std::vector<cageform::Vec<double, D>> displacements;
     for (std::size_t i = 0; i < rest.size(); ++i) displacements.push_back(posed[i] - rest[i]);
     auto fit = cageform::fit_lattice(coordinates, bound.value, displacements,
                                      {.smoothness = given.smoothness, .frozen = frozen});
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
     const auto& report = fit.report;
-    if (!fit) return SvgError{posed_name + ": " + cageform::to_string(report.status)};
+    if (!fit) return FileError{posed_name + ": " + cageform::to_string(report.status)};
     Fitted<D> result{std::move(fit.value), rest};
     const auto status = cageform::clone(bound.value, result.pose, result.moved);
-    if (status != cageform::Status::ok) return SvgError{cageform::to_string(status)};
+    if (status != cageform::Status::ok) return FileError{cageform::to_string(status)};
     const auto number = [](double x) { return detail::short_number(x); };
     std::cout << printable(rest_name) << ": by " << describe(*lattice)
               << "\nlargest distance: " << number(report.largest) << ", of " << (D == 2 ? "point " : "v ")
@@ -115,7 +115,7 @@ int fit_in_plane(const Arguments& given) {
     if (!fit) return fail(to_string(fit.error()));
     const CageFile pose = moved_cage(*cage, fit->pose);
     const auto view = view_box(*rest);
-    const SvgResult<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
+    const Expected<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
     outputs.add(given.out).write(*text);

@@ -6,10 +6,10 @@
 // The box is filled by cubes, and each cube falls into six tetrahedra about a diagonal.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
 #include "files/medit_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/cage/box_mesh.hpp>
 
@@ -22,7 +22,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 using Counts = std::array<std::size_t, 3>;
 constexpr double most_cells = 16777216;

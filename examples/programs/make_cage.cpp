@@ -11,24 +11,24 @@
 // library. deform_svg and the other programs make the same cage themselves if --cage auto is given.
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
-#include "cli/view_choice.hpp"
-#include "files/csv.hpp"
+#include "files/bind_report.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/cage_picture.hpp"
 #include "pictures/parts_picture.hpp"
 #include "pictures/render.hpp"
-#include "svg/text.hpp"
+#include "pictures/text.hpp"
+#include "pictures/view_choice.hpp"
 
 #include <cmath>
 #include <iostream>
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string figure, out, picture;
@@ -40,7 +40,7 @@ struct Arguments {
     std::optional<LatticeWord> lattice;
 
     double lattice_margin() const {
-        return options.margin > 0 ? options.margin : cageform_examples::lattice_margin;
+        return options.margin > 0 ? options.margin : cageform_support::lattice_margin;
     }
 };
 
@@ -98,10 +98,10 @@ int write_in_plane(const Arguments& given, const SvgDocument& figure, const Cage
                    const ViewBox& view, const std::string& description) {
     OutputFiles outputs;
     if (!given.out.empty()) {
-        const SvgResult<std::string> text = is_lattice_path(given.out) ? to_json(*cage.lattice)
-                                            : given.out.ends_with(".csv")
-                                                ? to_csv(cage)
-                                                : to_svg(cage, view_about(cage, view));
+        const Expected<std::string> text = is_lattice_path(given.out) ? to_json(*cage.lattice)
+                                           : given.out.ends_with(".csv")
+                                               ? to_csv(cage)
+                                               : to_svg(cage, view_about(cage, view));
         if (!text) return fail(given.out + ": " + to_string(text.error()));
         outputs.add(given.out).write(*text);
     }

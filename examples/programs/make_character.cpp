@@ -10,9 +10,9 @@
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
 #include "files/clip_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/surface_nets.hpp"
 
@@ -34,14 +34,14 @@ namespace {
 
 using Point = cageform::Vec<double, 3>;
 
-using Mesh = cageform_examples::ImplicitMesh;
-using cageform_examples::ball;
-using cageform_examples::carve;
-using cageform_examples::ellipsoid;
-using cageform_examples::fail;
-using cageform_examples::join;
-using cageform_examples::length;
-using cageform_examples::limb;
+using Mesh = cageform_support::ImplicitMesh;
+using cageform_support::ball;
+using cageform_support::carve;
+using cageform_support::ellipsoid;
+using cageform_support::fail;
+using cageform_support::join;
+using cageform_support::length;
+using cageform_support::limb;
 
 /// 0 up to `from`, 1 beyond `to`, smooth between; `to` may be the lesser.
 double ramp(double from, double to, double x) {
@@ -258,7 +258,7 @@ std::string bones_text() {
             const double turns = side > 0 ? 1 : 0;
             for (const double x : {side * head[0], head[1], head[2], side * tail[0], tail[1], tail[2],
                                    turns * turn[0], turns * turn[1], turns * turn[2]})
-                text += ',' + cageform_examples::text_of("%g", x);
+                text += ',' + cageform_support::text_of("%g", x);
             text += '\n';
         };
         add("shoulder", "chest", {0.06, 1.34, 0}, {0.2, 1.325, 0}, {});
@@ -302,8 +302,8 @@ bool is_sound(const Mesh& mesh, const char* what) {
 }
 
 int run_program(int argc, char** argv) {
-    cageform_examples::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
-                                        "files, a dance of the cage, and bones.");
+    cageform_support::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
+                                       "files, a dance of the cage, and bones.");
     line.set_examples({"out", "."});
     std::string folder;
     line.add("folder", folder,
@@ -313,17 +313,17 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const Mesh figure =
-        cageform_examples::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
+        cageform_support::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
     std::vector<Point> normals;
     for (const Point& p : figure.vertices) {
-        const Point g = cageform_examples::slope(puppet, p);
+        const Point g = cageform_support::slope(puppet, p);
         normals.push_back((1 / length(g)) * g);
     }
     const Cage cage = make_cage();
     Mesh pose = cage.mesh;
     for (std::size_t i = 0; i < pose.vertices.size(); ++i)
         pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], waving);
-    cageform_examples::PoseClip dance{"the dance", dance_length, {}};
+    cageform_support::PoseClip dance{"the dance", dance_length, {}};
     constexpr std::size_t keys = 24;
     for (std::size_t k = 0; k < keys; ++k) {
         const double part = double(k) / keys;
@@ -335,17 +335,17 @@ int run_program(int argc, char** argv) {
 
     if (!is_sound(figure, "the figure") || !is_sound(cage.mesh, "the cage") || !is_sound(pose, "the pose"))
         return 1;
-    const auto motion = cageform_examples::make_clip<double>(dance);
+    const auto motion = cageform_support::make_clip<double>(dance);
     auto cursor = motion.make_cursor();
     for (std::size_t k = 0; k < 2 * keys; ++k) { // at the keys and halfway between
         Mesh now = cage.mesh;
         motion.sample(double(k) / double(2 * keys) * dance_length, cursor, now.vertices);
         if (!is_sound(now, "the dance")) return 1;
     }
-    cageform_examples::ObjFile shell;
+    cageform_support::ObjFile shell;
     shell.vertices = cage.mesh.vertices;
     shell.triangles = cage.mesh.faces;
-    const auto coordinates = cageform_examples::make_coordinates<double>({}, shell);
+    const auto coordinates = cageform_support::make_coordinates<double>({}, shell);
     const auto outside = coordinates.bind(figure.vertices).report.outside;
     if (!outside.empty()) {
         const Point& p = figure.vertices[outside.front()];
@@ -356,12 +356,12 @@ int run_program(int argc, char** argv) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) return fail("cannot make the folder " + folder + ": " + error.message());
-    cageform_examples::OutputFiles outputs;
+    cageform_support::OutputFiles outputs;
     std::string summary;
     const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
         const auto path = std::filesystem::path(folder) / name;
         outputs.add(path).write(text);
-        summary += cageform_examples::printable(path.string()) + ": " + holds + '\n';
+        summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
     };
     const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
                                 const std::vector<Point>& vertex_normals) {
@@ -372,7 +372,7 @@ int run_program(int argc, char** argv) {
     write_mesh("character.obj", "A puppet, made by make_character", figure, normals);
     write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {});
     write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
-    write("character_clip.csv", cageform_examples::pose_clip_text(dance, "A dance of the puppet's cage"),
+    write("character_clip.csv", cageform_support::pose_clip_text(dance, "A dance of the puppet's cage"),
           std::to_string(keys) + " poses of the cage in 2.4 s");
     write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
     if (const auto failure = outputs.commit()) return fail(*failure);
@@ -383,5 +383,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("make_character", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("make_character", [&] { return run_program(argc, argv); });
 }

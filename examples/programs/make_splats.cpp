@@ -5,8 +5,8 @@
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "splats/surface_splats.hpp"
 
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a scene of 3D Gaussian splatting from a mesh: splats lie flat on its faces, with "

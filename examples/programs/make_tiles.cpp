@@ -8,10 +8,10 @@
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/row_range.hpp"
-#include "files/atomic_file.hpp"
 #include "files/obj_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -21,7 +21,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string mesh, output, rows;

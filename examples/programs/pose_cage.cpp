@@ -5,10 +5,10 @@
 //     pose_cage character_cage.obj --bend 'x>0:xy,0.2,0.3,-60' -o pose.obj --picture pose.png
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/cage_picture.hpp"
 #include "pictures/field_plot.hpp"
 #include "pictures/render.hpp"
@@ -18,7 +18,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string cage, out, picture, figure, coordinates;
@@ -28,7 +28,7 @@ struct Arguments {
 
 /// The pose, after a word on how many vertices have moved and where they were.
 template <std::size_t D>
-SvgResult<std::vector<cageform::Vec<double, D>>>
+Expected<std::vector<cageform::Vec<double, D>>>
 posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
       const std::optional<LatticeBox<D>>& lattice, const CageFile* curves = nullptr,
       const cageform::CageParts* parts = nullptr) {
@@ -47,7 +47,7 @@ posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
 }
 
 /// Returns the view of the cage's document; for a CSV file its bounds.
-SvgResult<ViewBox> view_of(const CageFile& cage) {
+Expected<ViewBox> view_of(const CageFile& cage) {
     if (cage.name.ends_with(".csv") || cage.lattice) {
         PlaneBox box;
         for (const Point2& p : cage.vertices) box.add(p);

@@ -7,15 +7,15 @@
 // surface (fields/skin.hpp).
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
-#include "cli/view_choice.hpp"
-#include "files/atomic_file.hpp"
+#include "files/bind_report.hpp"
 #include "files/gltf_skeleton.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
+#include "pictures/view_choice.hpp"
 
 #include <cageform/binding/bind_bones.hpp>
 #include <cageform/clone/clone.hpp>
@@ -29,7 +29,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Status;
 using Move = cageform::Transform<double, 3>;
 using Use = GltfDocument::Use;
@@ -95,7 +95,7 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
     return {};
 }
 
-SvgResult<std::vector<Bone>> load_bones(const std::string& path) {
+Expected<std::vector<Bone>> load_bones(const std::string& path) {
     const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<Bone> bones;
@@ -108,7 +108,7 @@ SvgResult<std::vector<Bone>> load_bones(const std::string& path) {
         if (!why.empty()) return detail::row_fault(path, number, line, why);
         bones.push_back(std::move(bone));
     }
-    if (bones.empty()) return SvgError{path + ": holds no bones"};
+    if (bones.empty()) return FileError{path + ": holds no bones"};
     return bones;
 }
 
@@ -215,8 +215,8 @@ void average(const WeldedMesh& mesh, std::vector<double>& weights, std::size_t b
 }
 
 /// The figure posed, by linear blend skinning.
-SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bone>& bones,
-                                     std::span<const double> weights) {
+Expected<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bone>& bones,
+                                    std::span<const double> weights) {
     std::vector<Move> frames;
     for (const Bone& bone : bones) frames.push_back({{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, bone.segment.head});
     const auto bound = cageform::bind_bones(figure.vertices, std::span<const Move>(frames), weights);
@@ -225,7 +225,7 @@ SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bo
     const std::vector<Move> moves = pose_of(bones);
     if (status == Status::ok) status = pose_bones(bound.value, std::span<const Move>(moves), handles);
     if (status == Status::ok) status = clone(bound.value, handles, moved);
-    if (status != Status::ok) return SvgError{figure.name + ": " + cageform::to_string(status)};
+    if (status != Status::ok) return FileError{figure.name + ": " + cageform::to_string(status)};
     return moved;
 }
 
@@ -282,9 +282,9 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
 /// The document: the meshes, the bones as nodes, the skin, and the turn into the pose.
 ///
 ///   figure   its vertices counted from `origin`
-SvgResult<std::string> gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
-                                 const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
-                                 const cageform::SkinWeights& skin, bool binary) {
+Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
+                                const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
+                                const cageform::SkinWeights& skin, bool binary) {
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform skin_mesh";
     document.json["scene"] = 0;
@@ -333,18 +333,18 @@ SvgResult<std::string> gltf_text(const ObjFile& figure, const Point3& origin, co
 
     add_turns(document, bones, first);
     if (document.bytes() > 0x7fffffff)
-        return SvgError{figure.name + ": the file would be larger than glTF allows"};
+        return FileError{figure.name + ": the file would be larger than glTF allows"};
     return document.text(binary);
 }
 
 /// The bone of a name; without one, `otherwise`.
-SvgResult<std::size_t> bone_named(const Arguments& given, const std::vector<Bone>& bones,
-                                  const std::string& name, std::size_t otherwise) {
+Expected<std::size_t> bone_named(const Arguments& given, const std::vector<Bone>& bones,
+                                 const std::string& name, std::size_t otherwise) {
     if (name.empty()) return otherwise;
     for (std::size_t b = 0; b < bones.size(); ++b) {
         if (bones[b].name == name) return b;
     }
-    return SvgError{given.bones + ": there is no bone " + detail::quoted(name)};
+    return FileError{given.bones + ": there is no bone " + detail::quoted(name)};
 }
 
 int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
@@ -514,5 +514,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("skin_mesh", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("skin_mesh", [&] { return run_program(argc, argv); });
 }

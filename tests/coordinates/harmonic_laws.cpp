@@ -196,7 +196,7 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
         for (std::size_t i = 0; i < cage.size(); ++i) {
             std::vector<double> field(side * side, std::numeric_limits<double>::quiet_NaN());
             for (std::size_t k = 0; k < points.size(); ++k) field[numbers[k]] = weights.rows[k][i];
-            const auto next_to_outside = [&](const cageform_examples::Point2& p) {
+            const auto next_to_outside = [&](const cageform_support::Point2& p) {
                 for (const double dx : {-1.0, 0.0, 1.0}) {
                     for (const double dy : {-1.0, 0.0, 1.0}) {
                         const double x = std::round(p.x) + dx, y = std::round(p.y) + dy;
@@ -208,7 +208,7 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
             };
             for (const double level : {0.05, 0.1, 0.2, 0.35, 0.5, 0.7}) {
                 CAPTURE(i, level);
-                for (const auto& line : cageform_examples::level_lines(field, side, level)) {
+                for (const auto& line : cageform_support::level_lines(field, side, level)) {
                     CHECK(line.front() != line.back());
                     CHECK(next_to_outside(line.front()));
                     CHECK(next_to_outside(line.back()));

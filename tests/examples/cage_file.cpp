@@ -1,6 +1,6 @@
 #include "files/cage_file.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/pins.hpp"
+#include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
 #include "files/marker_file.hpp"
 #include "files/obj_file.hpp"
@@ -22,14 +22,14 @@
 
 namespace cage_file_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::CageFaultKind;
 
 namespace {
 
 const std::string square = "0,0\n4,0\n4,4\n0,4\n";
 
-SvgResult<std::vector<CageBlock>> parse(const std::string& text) {
+Expected<std::vector<CageBlock>> parse(const std::string& text) {
     return parse_cage_csv(text, "c.csv");
 }
 
@@ -215,17 +215,17 @@ std::string row_of(std::size_t count, Random& random) {
 /// A kind of CSV file: its text, a header that fits it, and what its reader makes of a file, else an error.
 struct Kind {
     std::string header, text;
-    SvgResult<std::string> (*read)(const std::string& path);
+    Expected<std::string> (*read)(const std::string& path);
 };
 
 template <std::size_t D>
-SvgResult<std::string> points_in(const std::string& path) {
+Expected<std::string> points_in(const std::string& path) {
     std::ostringstream text;
     PointReader<D> reader(path);
     for (std::vector<std::array<double, D>> next; reader.read(next, 1);) {
         for (const double x : next[0]) text << x << ' ';
     }
-    if (!reader.error().empty()) return SvgError{reader.error()};
+    if (!reader.error().empty()) return FileError{reader.error()};
     return text.str();
 }
 
@@ -245,13 +245,13 @@ std::vector<Kind> kinds(Random& random) {
     return {
         {"x,y\n", points, points_in<2>},
         {"u,v\n", points,
-         [](const std::string& path) -> SvgResult<std::string> {
+         [](const std::string& path) -> Expected<std::string> {
              const auto blocks = read_cage_csv(path);
              if (!blocks) return blocks.error();
              return blocks->size() == 1 ? to_csv(make_cage("c.csv", *blocks)) : "many blocks";
          }},
         {"v0 x,v0 y,\"v0, z\",and so on\n", poses,
-         [](const std::string& path) -> SvgResult<std::string> {
+         [](const std::string& path) -> Expected<std::string> {
              std::ostringstream text;
              PoseRows<3> rows(path, std::vector<cageform::Vec<double, 3>>(4), 24);
              for (PoseRow row; rows.next(row);) {
@@ -259,21 +259,21 @@ std::vector<Kind> kinds(Random& random) {
                  if (!pose) return pose.error();
                  for (const auto& p : *pose) text << p[0] << ' ' << p[1] << ' ' << p[2] << ' ';
              }
-             if (!rows.error().empty()) return SvgError{rows.error()};
+             if (!rows.error().empty()) return FileError{rows.error()};
              return text.str();
          }},
         {"word,time,way\n", "length,4.5\n" + clip,
-         [](const std::string& path) -> SvgResult<std::string> {
+         [](const std::string& path) -> Expected<std::string> {
              const auto read = load_pose_clip(path, 4);
-             return read ? SvgResult<std::string>(pose_clip_text(*read, "")) : read.error();
+             return read ? Expected<std::string>(pose_clip_text(*read, "")) : read.error();
          }},
         {"word,number\n", "length,1.5\ncontrol,arm\nvertices,0:0.5,3\npivot,1.5,2.5\n" + keys,
-         [](const std::string& path) -> SvgResult<std::string> {
+         [](const std::string& path) -> Expected<std::string> {
              const auto read = load_clip(path, 4);
-             return read ? SvgResult<std::string>(clip_text(*read, "")) : read.error();
+             return read ? Expected<std::string>(clip_text(*read, "")) : read.error();
          }},
         {"x,y,to x,to y\n", pins,
-         [](const std::string& path) -> SvgResult<std::string> {
+         [](const std::string& path) -> Expected<std::string> {
              const auto read = load_pins<2>(path, {});
              if (!read) return read.error();
              std::ostringstream text;
@@ -283,9 +283,9 @@ std::vector<Kind> kinds(Random& random) {
              return text.str();
          }},
         {"frame,marker 1 x,marker 1 y,marker 2 x,marker 2 y\n", markers,
-         [](const std::string& path) -> SvgResult<std::string> {
+         [](const std::string& path) -> Expected<std::string> {
              const auto read = load_markers(path);
-             return read ? SvgResult<std::string>(clip_text(*read, "")) : read.error();
+             return read ? Expected<std::string>(clip_text(*read, "")) : read.error();
          }},
     };
 }
@@ -403,7 +403,7 @@ TEST_CASE("a file that cannot be read is no empty file", "[examples][csv]") {
         const auto clip = load_clip(path, 4);
         const auto poses = load_pose_clip(path, 4);
         REQUIRE_FALSE((text || cage || clip || poses));
-        for (const SvgError& error : {text.error(), cage.error(), clip.error(), poses.error()})
+        for (const FileError& error : {text.error(), cage.error(), clip.error(), poses.error()})
             CHECK(says(to_string(error)));
     }
 }

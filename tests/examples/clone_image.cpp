@@ -15,7 +15,7 @@
 namespace clone_image_tests {
 
 using namespace cageform_tests;
-using namespace cageform_examples;
+using namespace cageform_support;
 using Values = Membrane::Values;
 
 /// Discs and holes at random places; with `noise`, single pixels change too.

@@ -19,7 +19,7 @@
 
 namespace curved_cage_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 namespace electron_waves_tests {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 using cageform_tests::Random;
 
 namespace {

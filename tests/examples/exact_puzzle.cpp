@@ -8,7 +8,7 @@
 namespace exact_puzzle_tests {
 
 using namespace cageform_tests;
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 TEST_CASE("puzzles of the reference file are solved to the fraction", "[examples][puzzle][oracle]") {
     const auto reference = read_json("puzzles");

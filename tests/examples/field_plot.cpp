@@ -11,7 +11,7 @@
 namespace field_plot_tests {
 
 using namespace cageform_tests;
-using namespace cageform_examples;
+using namespace cageform_support;
 
 double cross2(const Point2& a, const Point2& b, const Point2& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);

@@ -13,7 +13,7 @@
 
 namespace figure_parts_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Status;
 using Point = cageform::Vec<float, 3>;
 using Part = cageform::FigurePartData;

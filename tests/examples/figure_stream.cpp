@@ -19,7 +19,7 @@
 
 namespace figure_stream_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using namespace cageform_tests;
 using cageform::PackOptions;
 using cageform::Status;

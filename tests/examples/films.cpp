@@ -16,7 +16,7 @@
 
 namespace films_test {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 using Complex = std::complex<double>;
 
 constexpr double pi = std::numbers::pi;

@@ -13,7 +13,7 @@
 
 namespace hand_test {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 constexpr double rounding = 16 * cageform::epsilon<double>; // of places no farther than 2 from the origin
 

@@ -11,7 +11,7 @@
 
 namespace lattice_file_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

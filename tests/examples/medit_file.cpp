@@ -7,7 +7,7 @@
 
 namespace medit_file_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

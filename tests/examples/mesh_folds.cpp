@@ -14,7 +14,7 @@
 
 namespace mesh_folds_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

@@ -1,9 +1,9 @@
 #include "files/obj_file.hpp"
 
-#include "files/csv.hpp"
 #include "files/gltf_file.hpp"
 #include "files/moved_normals.hpp"
 #include "files/obj_parts.hpp"
+#include "io/csv.hpp"
 
 #include "catch.hpp"
 
@@ -21,7 +21,7 @@
 
 namespace obj_file_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

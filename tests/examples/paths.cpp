@@ -9,7 +9,7 @@
 namespace path_tests {
 
 using namespace cageform_tests;
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 std::vector<std::vector<Point2>> loops_of(const Oracle& oracle) {
     std::vector<std::vector<Point2>> loops;

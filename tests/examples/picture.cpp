@@ -9,7 +9,7 @@
 namespace picture_tests {
 
 using namespace cageform_tests;
-using namespace cageform_examples;
+using namespace cageform_support;
 
 TEST_CASE("a number on an axis, read back, is the value at its mark", "[examples][picture][property]") {
     const auto seed = GENERATE(seeds(500));

@@ -1,6 +1,6 @@
 #include "cli/pins.hpp"
-#include "files/csv.hpp"
 #include "files/marker_file.hpp"
+#include "io/csv.hpp"
 
 #include "catch.hpp"
 
@@ -12,7 +12,7 @@
 
 namespace pins_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Vec;
 
 namespace {

@@ -15,7 +15,7 @@
 
 namespace ply_file_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform_tests::Random;
 
 namespace {

@@ -12,7 +12,7 @@
 
 namespace pose_operations_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Vec;
 using cageform_tests::larger;
 

@@ -1,8 +1,8 @@
 #include "files/pose_rows.hpp"
 #include "cli/row_range.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
 #include "files/posed_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
 
 #include "catch.hpp"
 #include "support/effort.hpp"
@@ -27,7 +27,7 @@
 
 namespace pose_rows_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using cageform::Vec;
 
 namespace {

@@ -1,9 +1,9 @@
 #include "files/ply_file.hpp"
-#include "files/splat_file.hpp"
 #include "pictures/splat_picture.hpp"
 #include "splats/harmonics.hpp"
 #include "splats/posed_splats.hpp"
 #include "splats/splat.hpp"
+#include "splats/splat_file.hpp"
 #include "splats/surface_splats.hpp"
 
 #include "catch.hpp"
@@ -29,7 +29,7 @@
 
 namespace splats_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

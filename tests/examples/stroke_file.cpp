@@ -10,11 +10,11 @@
 
 namespace stroke_file_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 
-SvgResult<StrokeFile> strokes_of(const std::string& content) {
+Expected<StrokeFile> strokes_of(const std::string& content) {
     const std::string path = "stroke_file_test.svg";
     std::ofstream(path) << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 50\">" << content
                         << "</svg>";
@@ -22,8 +22,8 @@ SvgResult<StrokeFile> strokes_of(const std::string& content) {
     std::remove(path.c_str());
     return file;
 }
-SvgResult<std::vector<double>> number(const std::string& word) {
-    if (word == "x") return SvgError{"no number"};
+Expected<std::vector<double>> number(const std::string& word) {
+    if (word == "x") return FileError{"no number"};
     return std::vector<double>{std::stod(word)};
 }
 std::string words_of(const std::optional<PaintColour>& colour) {

@@ -1,7 +1,7 @@
 // Drawings in several frames: every frame is the still of its pose. Letters on paths go where their paths go.
 
-#include "pictures/drawn_figure.hpp"
 #include "svg/document.hpp"
+#include "svg/drawn_figure.hpp"
 #include "svg/shapes.hpp"
 #include "svg/style.hpp"
 #include "svg/walk.hpp"
@@ -19,7 +19,7 @@
 
 namespace svg_animation_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using svg_texts::by_id;
 using svg_texts::by_name;
 using svg_texts::parsed;

@@ -1,4 +1,4 @@
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 #include "svg/document.hpp"
 #include "svg/shapes.hpp"
 #include "svg/style.hpp"
@@ -24,7 +24,7 @@
 
 namespace svg_document_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using svg_texts::deformed;
 using svg_texts::parsed;
 using Result = svg_texts::Deformed;

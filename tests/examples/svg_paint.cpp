@@ -18,7 +18,7 @@
 
 namespace svg_paint_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using detail::Box;
 using namespace svg_texts;
 using Result = Deformed;

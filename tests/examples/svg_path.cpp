@@ -14,7 +14,7 @@
 
 namespace svg_path_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 
@@ -50,7 +50,7 @@ std::string normal(std::string_view text) {
     return write_path_data(parsed(text), 6);
 }
 
-SvgError path_error(std::string_view text) {
+FileError path_error(std::string_view text) {
     const auto path = parse_path_data(text);
     INFO(text);
     REQUIRE_FALSE(path);
@@ -229,7 +229,7 @@ TEST_CASE("path data: errors tell line, column and reason", "[examples][svg_path
     const auto check = [](std::string_view text, std::size_t line, std::size_t column,
                           std::string_view reason) {
         CAPTURE(text);
-        const SvgError error = path_error(text);
+        const FileError error = path_error(text);
         CHECK(error.line == line);
         CHECK(error.column == column);
         CHECK(error.message == reason);

@@ -16,7 +16,7 @@
 
 namespace svg_style_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using svg_texts::by;
 using svg_texts::by_name;
 using svg_texts::Deformed;

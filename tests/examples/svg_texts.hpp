@@ -16,7 +16,7 @@
 
 namespace svg_texts {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 /// A drawing of 100 by 100 units.
 inline std::string svg(std::string_view content, std::string_view view_box = "0 0 100 100") {

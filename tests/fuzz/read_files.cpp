@@ -28,7 +28,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 #define REQUIRE(condition)                                                                                   \
     if (!(condition)) {                                                                                      \
@@ -37,7 +37,7 @@ using namespace cageform_examples;
     }
 
 template <class T>
-bool taken(const SvgResult<T>& result) {
+bool taken(const Expected<T>& result) {
     REQUIRE(result || !result.error().message.empty());
     return bool(result);
 }

@@ -22,7 +22,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 #define REQUIRE(condition)                                                                                   \
     if (!(condition)) {                                                                                      \

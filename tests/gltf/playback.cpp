@@ -28,7 +28,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using Matrix = std::array<double, 16>; // by columns
 
 /// An accessor's numbers, integers as they are or normalised (3.6.2.2), element by element.

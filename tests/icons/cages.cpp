@@ -7,7 +7,7 @@
 // are inside. Area over the tightest, least angles in degrees, and milliseconds have median, 95th
 // percentile and worst.
 
-#include "pictures/drawn_figure.hpp"
+#include "svg/drawn_figure.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>
@@ -19,7 +19,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using Segments = std::vector<cageform::DrawnSegment<double>>;
 
 struct Icon {
@@ -83,7 +83,7 @@ int main() {
     std::size_t unread = 0;
     while (std::getline(std::cin, name)) {
         const auto document = load_svg(name);
-        auto figure = document ? drawn_figure(*document) : SvgResult<DrawnFigure>(document.error());
+        auto figure = document ? drawn_figure(*document) : Expected<DrawnFigure>(document.error());
         if (figure) {
             icons.push_back({name, std::move(*figure)});
         } else {

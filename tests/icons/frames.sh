@@ -21,7 +21,7 @@ out=$PWD/out/frames
 rm -rf "$out"
 mkdir -p "$out"
 c++ -std=c++20 -O2 -Iinclude -isystem /usr/include/eigen3 -Iexamples/support tests/icons/judge.cpp \
-  "$programs/support/libexample_plane.a" "$programs/../libcageform_plane.a" -lpugixml -lz -ltinyobjloader_double -o "$out/judge"
+  "$programs/support/libsupport_plane.a" "$programs/../libcageform_plane.a" -lpugixml -lz -ltinyobjloader_double -o "$out/judge"
 find "$@" -name '*.svg' -o -name '*.svgz' | LC_ALL=C sort |
   awk -v wanted="$count" '{ name[NR] = $0 } END { n = wanted < NR ? wanted : NR; for (k = 0; k < n; ++k) print name[int(k * NR / n) + 1] }' >"$out/list.txt"
 printf '%-40s %8s %8s %8s %10s %10s\n' drawing largest mean '> 32' still motion

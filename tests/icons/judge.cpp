@@ -36,7 +36,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using Vertex = std::array<double, 2>;
 
 constexpr int rendered_width = 256; // of the viewBox, in pixels

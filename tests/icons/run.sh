@@ -19,7 +19,7 @@ programs=$(cd "${PROGRAMS:-build/examples}" && pwd)
 rm -rf "$out"
 mkdir -p "$out/kept"
 c++ -std=c++20 -O2 -Iinclude -isystem /usr/include/eigen3 -Iexamples/support tests/icons/judge.cpp \
-  "$programs/support/libexample_plane.a" "$programs/../libcageform_plane.a" -lpugixml -lz -ltinyobjloader_double -o "$out/judge"
+  "$programs/support/libsupport_plane.a" "$programs/../libcageform_plane.a" -lpugixml -lz -ltinyobjloader_double -o "$out/judge"
 
 # ---- which ----
 # One name of each content, in the order of names; spread evenly over a theme where only some of it is wanted.

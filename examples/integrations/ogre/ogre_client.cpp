@@ -85,7 +85,7 @@ public:
         const auto opened = cageform::open<float, 3>(file_.bytes());
         if (!opened) throw std::runtime_error(path + ": " + cageform::to_string(opened.status()));
         figure_ = opened.value;
-        parts_ = cageform_examples::read_parts(figure_);
+        parts_ = cageform_support::read_parts(figure_);
         if (!parts_.fault.empty()) throw std::runtime_error(path + ": " + parts_.fault);
         if (parts_.clip.vertex_count() == 0) throw std::runtime_error(path + ": holds no clip");
         cursor_ = parts_.clip.make_cursor();
@@ -96,14 +96,14 @@ public:
     std::span<const std::array<std::uint32_t, 3>> triangles() const { return parts_.triangles; }
     /// Returns the pose of the cage's vertices.
     std::span<const Vec3> pose() const {
-        return std::span(pose_).first(cageform_examples::vertices_of(figure_));
+        return std::span(pose_).first(cageform_support::vertices_of(figure_));
     }
     float length() const { return float(parts_.clip.end()); }
 
     /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go
     /// along.
     void play(float time) {
-        const std::span vertices = std::span(pose_).first(cageform_examples::vertices_of(figure_));
+        const std::span vertices = std::span(pose_).first(cageform_support::vertices_of(figure_));
         parts_.clip.sample(time, cursor_, vertices);
         const auto report = cageform::pose_handles(figure_, vertices, pose_);
         if (report.status != cageform::Status::ok)
@@ -123,7 +123,7 @@ public:
 private:
     MappedFile file_;
     cageform::PackedFigureView<float, 3> figure_;
-    cageform_examples::FigureParts parts_;
+    cageform_support::FigureParts parts_;
     cageform::CageClip<float, 3>::Cursor cursor_;
     std::vector<Vec3> pose_;
 };

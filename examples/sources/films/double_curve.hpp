@@ -14,7 +14,9 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 namespace detail {
 
@@ -107,4 +109,4 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
     return pieces;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

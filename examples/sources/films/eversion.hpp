@@ -13,7 +13,9 @@
 #include <numbers>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// The parameters of a stage. The surface is ruled where `lambda` is 1, and on its way to a sphere below.
 struct EversionStage {
@@ -177,4 +179,4 @@ private:
     std::array<double, steps + 1> way_{}; // how far the fastest point has come
 };
 
-} // namespace cageform_examples
+} // namespace cageform_sources

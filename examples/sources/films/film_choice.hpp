@@ -3,7 +3,7 @@
 // The options --stills, --gif, --frames and --rate, which the programs of films have in common.
 
 #include "cli/command_line.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 #include "pictures/render.hpp"
 
 #include <filesystem>
@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 struct FilmChoice {
     std::string stills, gif; // empty: none
@@ -67,4 +69,4 @@ struct FilmChoice {
     }
 };
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -17,7 +17,9 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// A closed curve of unit speed by the angle of its tangent, `turns` τ + Σ sines[j] sin (j + 1) τ +
 /// Σ cosines[j] cos (j + 1) τ for τ from 0 to 2π.
@@ -216,4 +218,4 @@ private:
     double start_ = 0;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_sources

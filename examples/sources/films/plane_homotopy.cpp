@@ -6,11 +6,11 @@
 //     plane_homotopy circle eight -o fails.svg
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
 #include "film_choice.hpp"
 #include "homotopy.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 
@@ -18,7 +18,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 using Complex = std::complex<double>;
 
 constexpr int most_turns = 12;
@@ -34,7 +34,7 @@ std::string parse_turns(std::string_view text, int& turns) {
 }
 
 /// circle, loops, eight, random:TURNS:SEED or TURNS:A1,A2,…
-SvgResult<TurningCurve> parse_curve(const std::string& word) {
+Expected<TurningCurve> parse_curve(const std::string& word) {
     if (word == "circle") return TurningCurve{1};
     if (word == "loops") return TurningCurve{1, {0, 2.5}};
     if (word == "eight")
@@ -44,25 +44,25 @@ SvgResult<TurningCurve> parse_curve(const std::string& word) {
     const std::string_view rest = std::string_view(word).substr(is_random ? 7 : 0);
     const std::size_t colon = rest.find(':');
     if (colon == rest.npos)
-        return SvgError{
+        return FileError{
             start + "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5"};
     int turns = 0;
     if (const std::string why = parse_turns(rest.substr(0, colon), turns); !why.empty())
-        return SvgError{start + why};
+        return FileError{start + why};
     TurningCurve curve{turns};
     std::string_view numbers = rest.substr(colon + 1);
     while (!numbers.empty()) {
         const std::size_t comma = std::min(numbers.find(','), numbers.size());
         double& number = curve.sines.emplace_back(0.0);
         if (const std::string why = detail::parse_number(numbers.substr(0, comma), number); !why.empty())
-            return SvgError{start + why};
+            return FileError{start + why};
         if (!(std::fabs(number) <= 20) || curve.sines.size() > 16)
-            return SvgError{start + "16 numbers from -20 to 20 are the most"};
+            return FileError{start + "16 numbers from -20 to 20 are the most"};
         numbers.remove_prefix(std::min(comma + 1, numbers.size()));
     }
     if (!is_random) return curve;
     if (curve.sines.size() != 1 || !(curve.sines[0] >= 0) || curve.sines[0] != std::round(curve.sines[0]))
-        return SvgError{start + "the seed is a whole number from 0 to 20"};
+        return FileError{start + "the seed is a whole number from 0 to 20"};
     return random_curve(turns, unsigned(curve.sines[0]));
 }
 

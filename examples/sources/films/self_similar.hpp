@@ -15,7 +15,9 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 class SelfSimilarCurve {
 public:
@@ -146,4 +148,4 @@ inline double area_of(const std::vector<std::complex<double>>& line) {
     return std::fabs(twice) / 2;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -11,16 +11,16 @@
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
-#include "cli/view_choice.hpp"
 #include "double_curve.hpp"
 #include "eversion.hpp"
 #include "files/obj_file.hpp"
 #include "film_choice.hpp"
+#include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
 #include "pictures/plot.hpp"
+#include "pictures/view_choice.hpp"
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/folds.hpp>
@@ -29,7 +29,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 struct Arguments {
     std::string out, volume, cage;
@@ -66,11 +66,11 @@ ObjFile all_stages() {
     return figure;
 }
 
-SvgResult<std::optional<Control>> read_control(const Arguments& given, const ObjFile& all_stages) {
+Expected<std::optional<Control>> read_control(const Arguments& given, const ObjFile& all_stages) {
     const bool is_posed = !given.operations.operations.empty();
     if (given.cage.empty()) {
         if (is_posed)
-            return SvgError{"operations such as --twist pose a cage: give --cage, such as lattice:6x6x6"};
+            return FileError{"operations such as --twist pose a cage: give --cage, such as lattice:6x6x6"};
         return std::optional<Control>();
     }
     auto cage = load_or_make_cage(given.cage, all_stages);
@@ -85,10 +85,10 @@ SvgResult<std::optional<Control>> read_control(const Arguments& given, const Obj
     auto coordinates = make_coordinates<double>(given.choice, *cage);
     if (!coordinates.note.empty()) note(coordinates.note);
     const auto bound = coordinates.bind(all_stages.vertices, given.outside.bind_options(coordinates));
-    if (!bound) return SvgError{describe_mesh_faults(cage->name, bound.report)};
+    if (!bound) return FileError{describe_mesh_faults(cage->name, bound.report)};
     const auto outside =
         given.outside.judge(coordinates, bound.report, all_stages.vertices, all_stages.name, cage->name);
-    if (!outside.fault.empty()) return SvgError{outside.fault};
+    if (!outside.fault.empty()) return FileError{outside.fault};
     if (!outside.warning.empty()) warn(outside.warning);
     return std::optional<Control>(Control{std::move(coordinates), std::move(*cage), std::move(pose)});
 }
@@ -112,9 +112,9 @@ public:
     }
 
     /// The stage at a time, as the cage moves it, if there is one.
-    SvgResult<Tile> tile(double time) const {
+    Expected<Tile> tile(double time) const {
         EversionMesh mesh = eversion_mesh(eversion_.stage(time), given_.net_rows(), given_.net_columns());
-        if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return SvgError{why};
+        if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return FileError{why};
         Tile tile{std::move(mesh.vertices), {}};
         for (const auto& [a, b] : double_curve(tile.vertices, shown_))
             tile.lines.push_back({{a, b}, 1.5, {1.0f, 0.88f, 0.45f}});
@@ -122,11 +122,11 @@ public:
     }
 
     /// A tile, at the scale of a whole eversion.
-    SvgResult<Picture> draw(const Tile& tile) {
+    Expected<Picture> draw(const Tile& tile) {
         if (stage_.empty()) {
             for (int n = 0; n <= 24; ++n) {
                 auto mesh = eversion_mesh(eversion_.stage(n / 24.0), 16, 32);
-                if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return SvgError{why};
+                if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return FileError{why};
                 for (const Point3& p : mesh.vertices) stage_.push_back(1.04 * p); // what lies between these
             }
             if (control_) add_cage();
@@ -137,11 +137,11 @@ public:
     }
 
     /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
-    SvgResult<double> least_determinant(double time) const {
+    Expected<double> least_determinant(double time) const {
         const auto rest = eversion_mesh(eversion_.stage(time), 48, 96).vertices;
         const auto columns =
             control_->coordinates.bind_jacobians(rest, given_.outside.bind_options(control_->coordinates));
-        if (!columns) return SvgError{cageform::to_string(columns.report.status)};
+        if (!columns) return FileError{cageform::to_string(columns.report.status)};
         std::string warning;
         const auto handles = pose_of_handles(columns.value[0], control_->pose, control_->cage.name, warning);
         if (!handles) return handles.error();
@@ -219,7 +219,7 @@ std::string volume_curve(const Theatre& theatre) {
 }
 
 /// Prints what holds of a stage, and of the cage's deformation there.
-SvgResult<bool> print_stage(const Theatre& theatre, double time) {
+Expected<bool> print_stage(const Theatre& theatre, double time) {
     constexpr std::size_t rows = 100, columns = 180;
     const EversionStage stage = theatre.stage(time);
     const EversionMesh mesh = eversion_mesh(stage, rows, columns);

@@ -4,9 +4,9 @@
 //     zooms koch -o koch.svg --png --gif koch.gif
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
 #include "film_choice.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 #include "self_similar.hpp"
@@ -15,7 +15,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 /// A frame, a square of a size in pixels, its upper left corner at 0, 0.
 std::string frame_of(const SelfSimilarCurve& curve, int level, double time, int size) {

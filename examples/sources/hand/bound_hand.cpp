@@ -6,7 +6,9 @@
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/clone/clone_rational.hpp>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 BoundHand::BoundHand(const char* type)
     : hand(make_hand(hand_cell)) {
@@ -34,4 +36,4 @@ ImplicitMesh cage_of(const Hand& hand) {
     throw std::runtime_error("no cage of the hand is a manifold");
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -9,7 +9,9 @@
 
 #include <string_view>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// Some 7,000 vertices. Surface nets are manifold but where two sheets share a cell, between fingers or in
 /// a line: not every size will do, and make_hand checks.
@@ -60,4 +62,4 @@ inline std::vector<Point3> turned_over(std::vector<Point3> points) {
     return points;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -11,7 +11,9 @@
 #include <functional>
 #include <numbers>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 namespace {
 
@@ -579,4 +581,4 @@ AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& buil
     return lines.count();
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

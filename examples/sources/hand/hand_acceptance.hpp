@@ -7,7 +7,9 @@
 
 #include <cstddef>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 struct AcceptanceCount {
     std::size_t lines = 0, missed = 0;
@@ -17,4 +19,4 @@ struct AcceptanceCount {
 /// says what this hand does not do yet.
 AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -12,7 +12,9 @@
 #include <stdexcept>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 struct HandBuild {
     const char* name;
@@ -83,4 +85,4 @@ inline std::vector<HandBuild> hand_builds(const Hand& hand, const HandBuilder& b
     return made;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -6,7 +6,9 @@
 #include <limits>
 #include <numbers>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 namespace {
 
@@ -578,4 +580,4 @@ std::string obj_text(const ImplicitMesh& mesh, const std::string& comment) {
     return text;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -15,7 +15,9 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// The angles of the joints. Four fingers have a metacarpal (which bends only in the ring and the little
 /// finger) and three phalanges; the thumb has three bones. The first joint of each finger and of the
@@ -149,4 +151,4 @@ Hand make_hand(double cell);
 /// A mesh as an OBJ file that begins with a comment.
 std::string obj_text(const ImplicitMesh& mesh, const std::string& comment);
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -7,7 +7,9 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 namespace {
 
@@ -569,4 +571,4 @@ void draw_hand(const BoundHand& bound, const HandBuilder& builder, const std::fi
     locality(bound).write_png(outputs.add(folder / "hand_locality.png"));
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

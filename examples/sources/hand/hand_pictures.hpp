@@ -3,12 +3,14 @@
 // Pictures of the hand: its layers, its control points, its poses and builds, and how its skin follows.
 
 #include "bound_hand.hpp"
-#include "files/atomic_file.hpp"
 #include "hand_builds.hpp"
+#include "io/atomic_file.hpp"
 
 #include <filesystem>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// Adds the pictures to the outputs:
 ///
@@ -24,4 +26,4 @@ namespace cageform_examples {
 void draw_hand(const BoundHand& bound, const HandBuilder& builder, const std::filesystem::path& folder,
                OutputFiles& outputs);
 
-} // namespace cageform_examples
+} // namespace cageform_sources

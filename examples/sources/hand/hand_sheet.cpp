@@ -7,16 +7,16 @@
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
 #include "hand_acceptance.hpp"
 #include "hand_pictures.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 
 #include <cstdio>
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 int run_program(int argc, char** argv) {
     CommandLine line(
@@ -48,5 +48,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("hand_sheet", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("hand_sheet", [&] { return run_program(argc, argv); });
 }

@@ -9,9 +9,9 @@
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
 #include "files/gltf_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
 
@@ -20,7 +20,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 template <class... Values>
 void append(std::string& text, const char* format, Values... values) {
@@ -76,7 +76,7 @@ Rows difference(Rows a, const Rows& b) {
 }
 
 /// The clip as morph targets, one a key.
-SvgResult<std::string> clip_text(const BoundHand& bound) {
+Expected<std::string> clip_text(const BoundHand& bound) {
     using Use = GltfDocument::Use;
     constexpr std::size_t keys = 17; // the first and the last are at rest
     const auto file = parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj");
@@ -100,7 +100,7 @@ SvgResult<std::string> clip_text(const BoundHand& bound) {
             weights.push_back({target == key ? 1.0f : 0.0f});
         if (key == 0 || key + 1 == keys) continue;
         const auto skin = bound.clone(pose_at(bound, 0.25 * double(key)));
-        if (skin.empty()) return SvgError{"a pose of the clip cannot be cloned"};
+        if (skin.empty()) return FileError{"a pose of the clip cannot be cloned"};
         const Rows shift = difference(gltf_positions(mesh, skin), rest),
                    turn = difference(gltf_normals(mesh, *file, {skin}), normals);
         primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
@@ -165,5 +165,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("make_hand", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("make_hand", [&] { return run_program(argc, argv); });
 }

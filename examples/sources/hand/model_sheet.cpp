@@ -3,7 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 namespace {
 
@@ -115,4 +117,4 @@ void write_caption(Picture& picture, const Point2& at, const std::string& captio
     picture.text(at, caption, letter, text_ink);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 using Face = std::array<std::uint32_t, 3>;
 
@@ -79,4 +81,4 @@ void write_caption(Picture& picture, const Point2& at, const std::string& captio
 
 std::vector<Colour> heat_of(const std::vector<double>& values, double most);
 
-} // namespace cageform_examples
+} // namespace cageform_sources

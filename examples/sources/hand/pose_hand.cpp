@@ -7,14 +7,14 @@
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 /// The joint at a fingertip, where nothing is said of it: two thirds of the one before it, as tendons pull
 /// both.
@@ -44,7 +44,7 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
     return {};
 }
 
-SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
+Expected<std::vector<HandPose>> load_poses(const std::string& path) {
     const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<HandPose> poses;
@@ -55,9 +55,9 @@ SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
         const std::string why = parse_angles(line, poses.emplace_back());
         if (!why.empty()) return detail::row_fault(path, number, line, why);
     }
-    if (poses.empty()) return SvgError{path + ": holds no pose"};
+    if (poses.empty()) return FileError{path + ": holds no pose"};
     if (poses.size() > 16)
-        return SvgError{path + ": holds more than 16 poses, the most that a picture can show"};
+        return FileError{path + ": holds more than 16 poses, the most that a picture can show"};
     return poses;
 }
 
@@ -88,7 +88,7 @@ int run_program(int argc, char** argv) {
     if (picture.empty() && out.empty()) return fail("give --picture or --output to choose what to write");
     const auto named = std::find_if(hand_poses().begin(), hand_poses().end(),
                                     [&](const NamedHandPose& known) { return pose == known.name; });
-    auto poses = named != hand_poses().end() ? SvgResult<std::vector<HandPose>>(std::vector{named->angles})
+    auto poses = named != hand_poses().end() ? Expected<std::vector<HandPose>>(std::vector{named->angles})
                                              : load_poses(pose);
     if (!poses) return fail(poses.error().message);
     if (!out.empty() && poses->size() > 1)
@@ -119,5 +119,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("pose_hand", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("pose_hand", [&] { return run_program(argc, argv); });
 }

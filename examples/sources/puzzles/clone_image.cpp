@@ -10,13 +10,13 @@
 // --report compare it with the harmonic function, which the Poisson equation asks for.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/base64.hpp"
 #include "files/cage_file.hpp"
-#include "puzzles/harbour.hpp"
+#include "io/base64.hpp"
+#include "io/messages.hpp"
 #include "pictures/image_clone.hpp"
 #include "pictures/render.hpp"
+#include "puzzles/harbour.hpp"
 
 #include <cageform/core/threads.hpp>
 
@@ -28,7 +28,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 struct Given {
     std::string source, target, region, out, pasted, poisson, frames, film, folder;
@@ -76,8 +76,8 @@ int make_pictures(const Given& given) {
 }
 
 /// The region of a mask or an outline in the source.
-SvgResult<PixelRegion> load_region(const std::string& path, const Pixels& source) {
-    const auto refuse = [&](const std::string& why) { return SvgError{path + ": " + why}; };
+Expected<PixelRegion> load_region(const std::string& path, const Pixels& source) {
+    const auto refuse = [&](const std::string& why) { return FileError{path + ": " + why}; };
     const std::string size = std::to_string(source.width) + " x " + std::to_string(source.height);
     PixelRegion region;
     if (const std::string ending = ending_of(path);

@@ -7,9 +7,9 @@
 // values as displayed.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/stroke_file.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/fields/strokes.hpp>
 
@@ -17,16 +17,16 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 constexpr std::size_t channels = 4; // red, green, blue, each times alpha, and alpha
 
 /// A colour as it is diffused, and back.
 struct Light {
     bool as_displayed = false;
 
-    SvgResult<std::vector<double>> read(const std::string& word) const {
+    Expected<std::vector<double>> read(const std::string& word) const {
         const auto colour = parse_colour(word);
-        if (!colour) return SvgError{"\"" + word + "\" is not a colour"};
+        if (!colour) return FileError{"\"" + word + "\" is not a colour"};
         const double alpha = double(colour->alpha);
         std::vector<double> values;
         for (const float channel : {colour->colour.r, colour->colour.g, colour->colour.b})
@@ -52,7 +52,7 @@ struct Light {
 
 /// The left and the right values of a line, on the screen, where y points down. In the drawing's units, y
 /// upwards as the library has it, these are the other way round.
-SvgResult<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light& light) {
+Expected<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light& light) {
     cageform::Stroke<double> stroke{line.points, {}, {}, 0};
     const auto read = [&](const std::string& word) { return light.read(word); };
     const std::string left = line.attribute("data-left"), right = line.attribute("data-right");

@@ -13,7 +13,9 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// A table of numbers: some cells are given, each of the others is the mean of its neighbours.
 struct Puzzle {
@@ -160,4 +162,4 @@ private:
     std::vector<mpz_class> right_;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_sources

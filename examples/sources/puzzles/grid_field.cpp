@@ -6,8 +6,8 @@
 // The grid is a CSV file of a row a line: numbers, or fractions as puzzle writes them; a cell that is
 // empty, ".", or "nan" lies outside.
 
-#include "cli/guard.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 #include "pictures/level_lines.hpp"
 
@@ -17,7 +17,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Grid {
     std::size_t width = 0;
@@ -37,7 +37,7 @@ std::string parse_cell(std::string_view cell, double& value) {
 }
 
 /// Reads a grid; an error has the line and the column.
-SvgResult<Grid> load_grid(const std::string& path) {
+Expected<Grid> load_grid(const std::string& path) {
     Grid grid;
     const auto size = read_table(path, [&](std::string_view cell) -> std::string {
         double& value = grid.values.emplace_back(std::numeric_limits<double>::quiet_NaN());
@@ -47,7 +47,7 @@ SvgResult<Grid> load_grid(const std::string& path) {
     if (!size) return size.error();
     grid.width = size->columns;
     if (std::all_of(grid.values.begin(), grid.values.end(), [](double value) { return std::isnan(value); }))
-        return SvgError{path + ": has no values"};
+        return FileError{path + ": has no values"};
     return grid;
 }
 

@@ -12,7 +12,9 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// Draws in units of the picture's width: x from 0 to 1, y from 0 to ¾, downwards. Colours are 0 to 255.
 class Harbour {
@@ -155,4 +157,4 @@ private:
     std::size_t width_;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -6,9 +6,9 @@
 // is. Between the lines the field is harmonic, so it has no summit of its own: each is drawn.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/stroke_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 #include "pictures/level_lines.hpp"
 
@@ -19,7 +19,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct HeightOptions {
     std::string strokes, lines;
@@ -30,26 +30,26 @@ struct HeightOptions {
     SurfaceView view;
 };
 
-SvgResult<std::vector<double>> read_height(const std::string& word) {
+Expected<std::vector<double>> read_height(const std::string& word) {
     double value = 0;
     const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (fault != std::errc() || end != word.data() + word.size() || !(value >= 0 && value <= 1))
-        return SvgError{"\"" + word + "\" is not a height from 0 to 1"};
+        return FileError{"\"" + word + "\" is not a height from 0 to 1"};
     return std::vector<double>{value};
 }
-SvgResult<std::vector<double>> heights_of(const DrawnLine& line) {
+Expected<std::vector<double>> heights_of(const DrawnLine& line) {
     const std::string text = line.attribute("data-height");
     if (!text.empty()) return values_along(line, text, 1, read_height);
     const auto colour = parse_colour(line.stroke);
     if (!colour)
-        return SvgError{"has no data-height, and its stroke \"" + line.stroke + "\" is not a colour"};
+        return FileError{"has no data-height, and its stroke \"" + line.stroke + "\" is not a colour"};
     const auto& [r, g, b] = colour->colour;
     return std::vector<double>(line.points.size(),
                                0.2126 * double(r) + 0.7152 * double(g) + 0.0722 * double(b));
 }
 
 /// The field of a drawing; an error that names the stroke.
-SvgResult<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const HeightOptions& options) {
+Expected<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const HeightOptions& options) {
     const auto& [x, y, width, height] = file.canvas;
     cageform::Diffusion<double> field({{x, y}, {x + width, y + height}}, options.size, 1);
     const auto add = [&](const std::string& label, const cageform::Stroke<double>& stroke) {
@@ -58,9 +58,9 @@ SvgResult<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const Hei
     };
     for (const DrawnLine& line : file.lines) {
         const auto heights = heights_of(line);
-        if (!heights) return SvgError{file.name + ": " + line.label + ": " + heights.error().message};
+        if (!heights) return FileError{file.name + ": " + line.label + ": " + heights.error().message};
         const std::string fault = add(line.label, {line.points, *heights, {}, 0});
-        if (!fault.empty()) return SvgError{fault};
+        if (!fault.empty()) return FileError{fault};
     }
     if (options.rim == "frame") {
         const double in = 1e-9 * std::max(width, height);
@@ -70,17 +70,17 @@ SvgResult<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const Hei
                               std::vector<double>(5, 0.0),
                               {},
                               0});
-        if (!fault.empty()) return SvgError{fault};
+        if (!fault.empty()) return FileError{fault};
     }
     ProgressBar bar("height map");
     const auto solved = field.solve({}, {.progress = bar.callback()});
     if (solved.status == cageform::Status::grid_too_coarse) {
         const std::size_t culprit = solved.solver.culprit; // the frame is the last
-        return SvgError{file.name + ": " +
-                        (culprit < file.lines.size() ? file.lines[culprit].label : "the frame") +
-                        " is smaller than a pixel: give a larger --size"};
+        return FileError{file.name + ": " +
+                         (culprit < file.lines.size() ? file.lines[culprit].label : "the frame") +
+                         " is smaller than a pixel: give a larger --size"};
     }
-    if (solved.status != cageform::Status::ok) return SvgError{file.name + ": " + to_string(solved.status)};
+    if (solved.status != cageform::Status::ok) return FileError{file.name + ": " + to_string(solved.status)};
     return field;
 }
 

@@ -8,11 +8,11 @@
 // find.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
-#include "puzzles/exact_puzzle.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
+#include "puzzles/exact_puzzle.hpp"
 #include "svg/xml.hpp"
 
 #include <cageform/fields/graph.hpp>
@@ -22,9 +22,9 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
-SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
+Expected<Puzzle> read_puzzle(const std::string& path, int neighbours) {
     Puzzle puzzle{path, 0, 0, {}, {}, neighbours};
     const auto size = read_table(path, [&](std::string_view cell) -> std::string {
         const bool unknown = cell.empty() || cell == ".";

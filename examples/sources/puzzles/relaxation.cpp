@@ -4,9 +4,9 @@
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 
@@ -16,7 +16,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 constexpr std::size_t most_cells = 1000, most_sweeps = 200000;
 
@@ -29,7 +29,7 @@ struct Line {
     double high() const { return *std::max_element(values.begin(), values.end()); }
 };
 
-SvgResult<Line> load_line(const std::string& path) {
+Expected<Line> load_line(const std::string& path) {
     Line line;
     const auto size = read_table(path, [&](std::string_view cell) -> std::string {
         const bool unknown = cell.empty() || cell == ".";
@@ -42,14 +42,14 @@ SvgResult<Line> load_line(const std::string& path) {
     if (!size) return size.error();
     const std::size_t count = line.values.size();
     if (size->rows > 1 && size->columns > 1) {
-        return SvgError{path + ": holds " + std::to_string(size->rows) + " rows of " +
-                        std::to_string(size->columns) + " cells; a line is one row, or one column"};
+        return FileError{path + ": holds " + std::to_string(size->rows) + " rows of " +
+                         std::to_string(size->columns) + " cells; a line is one row, or one column"};
     }
     if (count > most_cells)
-        return SvgError{path + ": holds " + std::to_string(count) + " cells; 1000 are the most"};
+        return FileError{path + ": holds " + std::to_string(count) + " cells; 1000 are the most"};
     const auto given = std::count(line.given.begin(), line.given.end(), true);
-    if (given == 0) return SvgError{path + ": no cell has a value"};
-    if (std::size_t(given) == count) return SvgError{path + ": every cell has a value, none is unknown (.)"};
+    if (given == 0) return FileError{path + ": no cell has a value"};
+    if (std::size_t(given) == count) return FileError{path + ": every cell has a value, none is unknown (.)"};
     return line;
 }
 

@@ -5,13 +5,13 @@
 //     adaptive_grid --cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg --png
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
-#include "files/base64.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
+#include "io/base64.hpp"
+#include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 #include "pictures/picture.hpp"
 #include "pictures/plot.hpp"
@@ -23,7 +23,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Square {
     Point2 low;
@@ -122,7 +122,7 @@ struct Arguments {
     CoordinatesChoice choice;
 };
 
-SvgResult<Section> in_plane(const Arguments& given) {
+Expected<Section> in_plane(const Arguments& given) {
     const auto cage = load_cage(given.cage);
     if (!cage) return cage.error();
     Section section;
@@ -139,12 +139,12 @@ SvgResult<Section> in_plane(const Arguments& given) {
     const auto coordinates = make_coordinates<double>(given.choice, *cage);
     cageform::BindReport report;
     const auto cells = cells_of(coordinates, report);
-    if (report.status != cageform::Status::ok) return SvgError{describe_faults(given.cage, report)};
+    if (report.status != cageform::Status::ok) return FileError{describe_faults(given.cage, report)};
     for (const auto& cell : cells) section.cells.push_back({{cell.low[0], cell.low[1]}, cell.size});
     return section;
 }
 
-SvgResult<Section> in_space(const Arguments& given) {
+Expected<Section> in_space(const Arguments& given) {
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return cage.error();
     auto slice = parse_slice(given.slice);
@@ -166,12 +166,12 @@ SvgResult<Section> in_space(const Arguments& given) {
     const auto coordinates = make_coordinates<double>(given.choice, *cage);
     cageform::BindReport report;
     const auto cells = cells_of(coordinates, report);
-    if (report.status != cageform::Status::ok) return SvgError{describe_mesh_faults(given.cage, report)};
+    if (report.status != cageform::Status::ok) return FileError{describe_mesh_faults(given.cage, report)};
     for (const auto& cell : cells) {
         const double above = slice->at - cell.low[slice->axis];
         if (above >= 0 && above < cell.size) section.cells.push_back({slice->flat(cell.low), cell.size});
     }
-    if (section.cells.empty()) return SvgError{"--slice: the plane does not meet the cage"};
+    if (section.cells.empty()) return FileError{"--slice: the plane does not meet the cage"};
     return section;
 }
 

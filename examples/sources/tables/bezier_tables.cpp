@@ -6,7 +6,7 @@
 // Each row stands twice: ours above, theirs below. At the end the largest difference of each table.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/animate/fit.hpp>
 
@@ -813,7 +813,7 @@ void scale_and_memory() {
 }
 
 int run_program(int argc, char** argv) {
-    cageform_examples::CommandLine options("Prints tables of fits of Bezier curves beside known numbers.");
+    cageform_support::CommandLine options("Prints tables of fits of Bezier curves beside known numbers.");
     if (const auto code = options.parse(argc, argv)) return *code;
     const auto start = std::chrono::steady_clock::now();
     captions_and_sup_errors();
@@ -832,5 +832,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("bezier_tables", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("bezier_tables", [&] { return run_program(argc, argv); });
 }

@@ -4,10 +4,10 @@
 //
 //     boundary_formula --cage square.csv --vertex 0 --at 1,0
 
-#include "cli/bind_report.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 
 #include <cmath>
@@ -15,7 +15,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 std::string number(double x) {
     return text_of("%.12g", x == 0 ? 0.0 : x);

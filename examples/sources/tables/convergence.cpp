@@ -6,13 +6,13 @@
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
 
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
-#include "files/input_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/input_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 #include "svg/xml.hpp"
@@ -29,7 +29,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Curve {
     std::string name, colour, dashes;
@@ -234,7 +234,7 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
 }
 
 /// Reads an oracle from a text file.
-SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
+Expected<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
     auto cage = load_obj(path.parent_path() / "cage.obj");
     if (!cage) return cage.error();
     const std::string folder = printable(path.parent_path().filename().string()),
@@ -252,8 +252,8 @@ SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string 
         words >> p[0] >> p[1] >> p[2];
         while (words >> vertex >> weight && vertex < row.size()) row[vertex] = weight;
         if (!words.eof())
-            return SvgError{path.string() + ":" + std::to_string(oracle.points.size()) +
-                            ": not a line of an oracle"};
+            return FileError{path.string() + ":" + std::to_string(oracle.points.size()) +
+                             ": not a line of an oracle"};
     }
     return oracle;
 }
@@ -476,5 +476,5 @@ int run_program(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return cageform_examples::guarded("convergence", [&] { return run_program(argc, argv); });
+    return cageform_support::guarded("convergence", [&] { return run_program(argc, argv); });
 }

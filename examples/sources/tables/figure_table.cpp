@@ -2,11 +2,11 @@
 //
 //     figure_table FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…] …
 
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
+#include "files/bind_report.hpp"
 #include "files/cage_file.hpp"
+#include "io/messages.hpp"
 #include "svg/document.hpp"
 
 #include <cageform/clone/clone.hpp>
@@ -18,7 +18,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 /// Median seconds of a call, over `repeats` samples of `calls` calls each.
 template <class F>

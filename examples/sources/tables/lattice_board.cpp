@@ -9,8 +9,8 @@
 // The picture has the board at rest, by the coarse lattice, and by the fine one.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/mesh_picture.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -23,7 +23,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using Lattice = cageform::LatticeCoordinates<double, 3>;
 using Axes = std::array<cageform::LatticeAxis, 3>;
 
@@ -90,10 +90,10 @@ struct Fitted {
     std::vector<Point3> pose, moved;
     cageform::LatticeFitReport report;
 };
-SvgResult<Fitted> fitted(const Board& board, const Lattice& lattice) {
+Expected<Fitted> fitted(const Board& board, const Lattice& lattice) {
     const auto bound =
         cageform::bind(lattice, board.vertices, {.outside = cageform::OutsidePoints::keep_in_place});
-    if (!bound) return SvgError{cageform::to_string(bound.status())};
+    if (!bound) return FileError{cageform::to_string(bound.status())};
     std::vector<Point3> targets;
     std::vector<double> weights; // the points in the lattice count
     for (std::size_t i = 0; i < board.vertices.size(); ++i) {
@@ -105,10 +105,10 @@ SvgResult<Fitted> fitted(const Board& board, const Lattice& lattice) {
     const auto still = frozen(lattice);
     auto fit = cageform::fit_lattice(lattice, bound.value, targets,
                                      {.smoothness = 1e-10, .point_weights = weights, .frozen = still});
-    if (!fit) return SvgError{cageform::to_string(fit.status())};
+    if (!fit) return FileError{cageform::to_string(fit.status())};
     Fitted result{std::move(fit.value), board.vertices, fit.report};
     const auto status = cageform::clone(bound.value, result.pose, result.moved);
-    if (status != cageform::Status::ok) return SvgError{cageform::to_string(status)};
+    if (status != cageform::Status::ok) return FileError{cageform::to_string(status)};
     std::cout << lattice.points(0) << " x " << lattice.points(1) << " x " << lattice.points(2)
               << " points: the board misses the relief by " << result.report.rms << ", at most by "
               << result.report.largest << '\n';

@@ -6,11 +6,11 @@
 // cages move the figure by Green coordinates. The picture has both at rest and posed, with their handles. The
 // handles, the seconds, and how far the two figures are from each other are printed.
 
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "cli/figure_motion.hpp"
-#include "cli/guard.hpp"
+#include "files/bind_report.hpp"
+#include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 #include "pictures/render.hpp"
 #include "svg/document.hpp"
@@ -24,7 +24,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string figure, cage, pose, out;

@@ -5,10 +5,10 @@
 //     paths --cage biped_cage.svg --point 150,600 -o paths.svg --png
 
 #include "tables/paths.hpp"
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
+#include "files/bind_report.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 
@@ -18,7 +18,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 struct Arguments {
     std::string cage, point, out;
@@ -27,16 +27,16 @@ struct Arguments {
 };
 
 /// The library's weights of a point; an error that says why there are none.
-SvgResult<std::vector<double>> weights_of(const std::string& type, const CageFile& cage, const Point2& p) {
+Expected<std::vector<double>> weights_of(const std::string& type, const CageFile& cage, const Point2& p) {
     CoordinatesChoice choice;
     choice.name = type;
     choice.resolution = 256;
     const auto coordinates = make_coordinates<double>(choice, cage);
     const auto [binding, report] =
         coordinates.bind(std::span(&p, 1), {.linear_precision = cageform::LinearPrecision::leave});
-    if (report.status != cageform::Status::ok) return SvgError{describe_faults(cage.name, report)};
+    if (report.status != cageform::Status::ok) return FileError{describe_faults(cage.name, report)};
     if (!report.outside.empty() || !report.on_boundary.empty() || !report.unreached.empty())
-        return SvgError{"the point is not inside " + cage.name};
+        return FileError{"the point is not inside " + cage.name};
     std::vector<double> weights;
     for (std::size_t i = 0; i < binding.handle_count(); ++i) weights.push_back(binding.weight(0, i));
     return weights;

@@ -14,7 +14,9 @@
 #include <span>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// Loops of a cage: points and, of each, the handles of its ends are its own and the next one's.
 class PathBoundary {
@@ -161,4 +163,4 @@ inline PathWeights weights_by_brownian_paths(const PathBoundary& boundary, const
     return weights;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -9,15 +9,15 @@
 // printed.
 
 #include "cli/auto_cage.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pinned_figure.hpp"
-#include "cli/view_choice.hpp"
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 #include "pictures/cage_picture.hpp"
 #include "pictures/mesh_picture.hpp"
 #include "pictures/render.hpp"
+#include "pictures/view_choice.hpp"
 #include "svg/document.hpp"
 
 #include <cageform/clone/clone.hpp>
@@ -30,7 +30,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 struct Arguments {
     std::string figure, cage, out;
@@ -42,8 +42,8 @@ struct Arguments {
 };
 
 template <std::size_t D>
-SvgResult<std::vector<Pin<D>>> pins_in(const std::string& words,
-                                       std::span<const cageform::Vec<double, D>> vertices = {}) {
+Expected<std::vector<Pin<D>>> pins_in(const std::string& words,
+                                      std::span<const cageform::Vec<double, D>> vertices = {}) {
     std::vector<Pin<D>> pins;
     for (const std::string_view word : detail::parts_of(words, ' ')) {
         if (word.empty()) continue;
@@ -51,7 +51,7 @@ SvgResult<std::vector<Pin<D>>> pins_in(const std::string& words,
         if (!pin) return pin.error();
         pins.push_back(std::move(*pin));
     }
-    if (pins.empty()) return SvgError{"--pinned " + detail::quoted(words) + ": a pose has no pins"};
+    if (pins.empty()) return FileError{"--pinned " + detail::quoted(words) + ": a pose has no pins"};
     return pins;
 }
 

@@ -13,8 +13,8 @@
 // is followed.
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "files/cage_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/level_lines.hpp"
 #include "pictures/picture.hpp"
 #include "pictures/render.hpp"
@@ -26,7 +26,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 using Vec2 = cageform::Vec<double, 2>;
 using cageform::SiteGradients;
 

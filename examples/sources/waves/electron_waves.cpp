@@ -10,9 +10,9 @@
 #include "waves/wave_tables.hpp"
 
 #include "cli/command_line.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 #include "pictures/render.hpp"
 
 #include <chrono>
@@ -24,7 +24,7 @@
 
 namespace {
 
-using namespace cageform_examples;
+using namespace cageform_sources;
 
 struct Settings {
     std::string scene = "slit", walls, out, csv, gif, stills;

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_sources {
 
 /// Points (i, j) · mesh, 0 ≤ i < columns, 0 ≤ j < rows; row 0 first. One row is a lattice of one dimension.
 struct WaveLattice {
@@ -358,4 +358,4 @@ private:
     double step_ = 0;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_sources

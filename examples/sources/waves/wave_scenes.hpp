@@ -6,7 +6,9 @@
 
 #include <string>
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 using Complex = std::complex<double>;
 
@@ -239,4 +241,4 @@ inline double fresnel_fringe(const WaveScene& scene, int k) {
     return scene.half * (a + b) / a + place * std::sqrt(b * (a + b) / (2 * a));
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -5,7 +5,9 @@
 
 #include "waves/wave_scenes.hpp"
 
-namespace cageform_examples {
+namespace cageform_sources {
+
+using namespace cageform_support;
 
 /// A packet of energy 1 on a line, with a wall of a height between two places; σ is the deviation of |Φ|².
 struct WaveLine {
@@ -82,4 +84,4 @@ inline double transmitted_of_plane_waves(const WaveLine& line) {
     return sum / weights;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

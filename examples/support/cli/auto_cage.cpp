@@ -1,8 +1,8 @@
 #include "cli/auto_cage_model.hpp"
 
 #include "cli/pose_operations.hpp"
-#include "files/csv.hpp"
-#include "pictures/drawn_figure.hpp"
+#include "io/csv.hpp"
+#include "svg/drawn_figure.hpp"
 
 #include <cageform/enclose/make_cage.hpp>
 
@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <span>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -42,15 +42,15 @@ CageWord CageWord::of(const std::string& word) {
     return found;
 }
 
-SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
-                                            const cageform::MakeCageOptions& options) {
+Expected<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
+                                           const cageform::MakeCageOptions& options) {
     const auto drawn = drawn_figure(figure);
     if (!drawn) return drawn.error();
     const auto made = cageform::make_cage(cageform::Drawing(drawn->segments, drawn->areas), options);
     if (!made) {
         double farthest = 0;
         for (const auto& segment : drawn->segments) farthest = farthest_coordinate(segment.a.v, farthest);
-        return SvgError{figure.name + ": " + no_cage(made.report, options, farthest)};
+        return FileError{figure.name + ": " + no_cage(made.report, options, farthest)};
     }
     std::vector<CageBlock> blocks;
     for (const auto& loop : made.value.loops()) {
@@ -63,7 +63,7 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
     return AutoCage<CageFile>{make_cage("the cage of " + figure.name, std::move(blocks)), made.report};
 }
 
-SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin) {
+Expected<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin) {
     const auto drawn = drawn_figure(figure);
     if (!drawn) return drawn.error();
     std::vector<cageform::Vec<double, 2>> corners; // of boxes around the strokes
@@ -78,7 +78,7 @@ SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWor
     return make_cage("the lattice about " + figure.name, std::move(*lattice));
 }
 
-SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
+Expected<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
     const CageWord wanted = CageWord::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
@@ -212,4 +212,4 @@ std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec
 template std::vector<cageform::Vec<double, 2>> first_pose(const std::vector<cageform::Vec<double, 2>>&);
 template std::vector<cageform::Vec<double, 3>> first_pose(const std::vector<cageform::Vec<double, 3>>&);
 
-} // namespace cageform_examples
+} // namespace cageform_support

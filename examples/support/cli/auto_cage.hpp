@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Text for --help, after the other values of --cage.
 inline constexpr const char* auto_cage_help =
@@ -45,29 +45,29 @@ struct AutoCage {
 ///
 ///   options   margins as shares; the mirror's place in root user space
 ///   fails     with a sentence that names the document
-SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
-                                            const cageform::MakeCageOptions& options);
+Expected<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
+                                           const cageform::MakeCageOptions& options);
 
 /// Makes a cage around all faces of a mesh, on all threads of the machine. Its faces are in groups part_1,
 /// part_2, part_-2 and so on, see find_parts().
-SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                           const cageform::Progress& progress = {});
+Expected<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                          const cageform::Progress& progress = {});
 
 /// Pairs triangles of a cage to quads, as many as possible; its vertices stay.
-SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                                        const cageform::MakeCageOptions& options);
+Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                                       const cageform::MakeCageOptions& options);
 
 /// Makes a lattice about everything that a document paints, or about the vertices of a mesh.
 ///
 ///   margin   of the box, as a part of their diagonal
 inline constexpr double lattice_margin = 0.02;
-SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
-SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
+Expected<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
+Expected<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
 
 /// The cage that --cage names: made for the figure, or read from a file.
-SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure,
-                                      CageEdges edges = CageEdges::lines);
-SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
+Expected<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure,
+                                     CageEdges edges = CageEdges::lines);
+Expected<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
 
 /// Reads "15%" or "0.15", the share by which a cage may exceed the tightest. Returns the fault; empty if
 /// there is none.
@@ -103,8 +103,8 @@ enum class MeshFormats { obj, obj_or_medit };
 
 /// Reads a figure. Vertices that are not finite and that no face has are left out with a warning; a strict
 /// reader refuses them.
-SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict,
-                                    MeshFormats formats = MeshFormats::obj);
+Expected<ObjFile> load_mesh_figure(const std::string& path, bool is_strict,
+                                   MeshFormats formats = MeshFormats::obj);
 
 /// Adds vertices that are not finite in a frame to those that the figure leaves out, with a warning.
 ///
@@ -115,4 +115,4 @@ SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict,
 std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
                            bool is_strict);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,5 +1,5 @@
 #include "cli/auto_cage_model.hpp"
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include "cli/mesh_cage.hpp"
 #include "files/medit_file.hpp"
@@ -8,7 +8,7 @@
 #include <cageform/enclose/find_parts.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -25,8 +25,8 @@ std::vector<Point3> without_strays(const ObjFile& figure) {
 
 } // namespace
 
-SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                           const cageform::Progress& progress) {
+Expected<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                          const cageform::Progress& progress) {
     const auto made = cageform::make_cage(without_strays(figure), figure.triangles, options,
                                           {.parallel = cageform::ThreadedFor{}, .progress = progress});
     const auto& report = made.report;
@@ -37,7 +37,7 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
         if (report.status == cageform::Status::figure_empty) why += " (it holds no faces)";
         if (report.status == cageform::Status::figure_not_finite)
             why += " (v " + std::to_string(report.culprit + 1) + ")";
-        return SvgError{why};
+        return FileError{why};
     }
     std::string text;
     for (const auto& p : made.value.vertices()) {
@@ -62,13 +62,13 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
     return result;
 }
 
-SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                                        const cageform::MakeCageOptions& options) {
+Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                                       const cageform::MakeCageOptions& options) {
     const ObjFile& cage = made.cage;
     const cageform::Result<cageform::TriangleMesh<double>, cageform::MakeCageReport> triangles{
         {cage.vertices, cage.triangles}, made.report};
     const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
-    if (!paired) return SvgError{figure.name + ": " + cageform::to_string(paired.report.status)};
+    if (!paired) return FileError{figure.name + ": " + cageform::to_string(paired.report.status)};
     // A quad stands in the line of its first triangle, and the line of its second one goes.
     std::string text;
     std::size_t begin = 0, line = 1, triangle = 0, face = 0;
@@ -97,13 +97,13 @@ SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const Obj
     return AutoCage<ObjFile>{std::move(*file), paired.report};
 }
 
-SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
+Expected<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
     auto lattice = lattice_about<3>(word, without_strays(figure), margin, figure.name);
     if (!lattice) return lattice.error();
     return lattice_mesh("the lattice about " + figure.name, std::move(*lattice));
 }
 
-SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
+Expected<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
     const CageWord wanted = CageWord::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
@@ -126,7 +126,7 @@ void add_strict(CommandLine& line, bool& is_strict) {
                   "refuse a figure that has a vertex that is not finite, also one that no face has");
 }
 
-SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
+Expected<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
     const StrayVertices strays = strays_of(is_strict);
     auto file =
         formats == MeshFormats::obj_or_medit ? load_mesh_or_obj(path, strays) : load_obj(path, strays);
@@ -163,4 +163,4 @@ std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertice
     return {};
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

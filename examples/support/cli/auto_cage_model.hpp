@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cli/auto_cage.hpp"
-#include "cli/guard.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <span>
 #include <system_error>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Rounds to the decimals that resolve a thousandth of `clearance`.
 inline double rounded(double x, double clearance) {
@@ -65,7 +65,7 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
 }
 
 /// Extends the error of a missing file if its name may have been meant as a keyword.
-inline SvgError with_words(SvgError error, const std::string& word) {
+inline FileError with_words(FileError error, const std::string& word) {
     std::error_code unknown;
     if (std::filesystem::exists(word, unknown)) return error;
     if (word.starts_with("box:"))
@@ -87,4 +87,4 @@ auto lattice_by_word(const std::string& word, const Figure& figure) {
     return decltype(make_lattice_for(figure, *read, lattice_margin))(read.error());
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -3,7 +3,7 @@
 
 #include <cageform/cage/detail/check_faces.impl.hpp>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {
     CageFaces faces;
@@ -87,4 +87,4 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
     return text.empty() ? text : cage.name + ": " + text;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,13 +1,13 @@
 // Defines make_clip() of clip_file.hpp for a motion in the plane, which compiles key-frame tracks.
 #include "files/clip_file.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <cageform/animate/compile.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -71,7 +71,7 @@ cageform::PiecewiseCubic<double> sum(double value, std::span<const WeightedCurve
 
 } // namespace
 
-SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices) {
+Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices) {
     std::vector<std::array<cageform::PiecewiseCubic<double>, 3>> moves;
     for (const ClipControl& control : file.controls) {
         auto& move = moves.emplace_back();
@@ -84,9 +84,9 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
             if (!compiled) {
                 // The culprit counts repeated keys; its row has the time in the file.
                 const std::size_t row = compiled.report.culprit % (control.rows.size() - 1);
-                return SvgError{file.name + ": " + detail::quoted(control.name) + ": the key at " +
-                                detail::short_number(control.rows[row].time) + ": " +
-                                cageform::to_string(compiled.status())};
+                return FileError{file.name + ": " + detail::quoted(control.name) + ": the key at " +
+                                 detail::short_number(control.rows[row].time) + ": " +
+                                 cageform::to_string(compiled.status())};
             }
             move[axis] = compiled.value.curve;
         }
@@ -113,4 +113,4 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
     return cageform::CageClip<double, 2>(curves, cycle, cycle);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,7 +1,7 @@
 #include "cli/command_line.hpp"
 
-#include "cli/guard.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/version.hpp>
 
@@ -14,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -198,4 +198,4 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     return std::nullopt;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -15,7 +15,7 @@ class App;
 class Option;
 } // namespace CLI
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// An option of a CommandLine.
 class CommandOption {
@@ -80,4 +80,4 @@ private:
     std::string formats_;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -8,7 +8,7 @@
 #include <optional>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 const std::vector<std::string>& CoordinatesChoice::names() {
     static const std::vector<std::string> all{"barycentric", "mean-value", "harmonic", "wachspress",
@@ -299,4 +299,4 @@ template OutsideChoice::Verdict OutsideChoice::judge(const ChosenCoordinates<flo
                                                      const cageform::BindReport&, std::span<const Point3>,
                                                      const std::string&, const std::string&) const;
 
-} // namespace cageform_examples
+} // namespace cageform_support

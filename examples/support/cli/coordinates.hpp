@@ -23,7 +23,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
 struct CoordinatesChoice {
@@ -88,9 +88,9 @@ struct PosedSites {
 ///
 ///   figure   returns the points that a requested box has to hold
 template <std::size_t D>
-SvgResult<PosedSites<D>>
+Expected<PosedSites<D>>
 load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,
-                 const std::function<SvgResult<std::vector<typename SiteFile<D>::Point>>()>& figure) {
+                 const std::function<Expected<std::vector<typename SiteFile<D>::Point>>()>& figure) {
     auto sites = load_sites<D>(path);
     if (!sites) return sites.error();
     auto pose = load_site_pose(pose_path, *sites);
@@ -105,7 +105,7 @@ load_posed_sites(const std::string& path, const std::string& pose_path, const Si
         const auto inside = figure();
         if (!inside) return inside.error();
         const std::string why = surround_sites(choice.surround, *inside, posed.sites, posed.pose);
-        if (!why.empty()) return SvgError{why};
+        if (!why.empty()) return FileError{why};
         if (!posed.weights.empty()) posed.weights.resize(posed.sites.points.size(), 1);
     }
     return posed;
@@ -184,13 +184,13 @@ void settle(const cageform::HandleView<T, 2>& handles, std::vector<Point2>& pose
 ///   pose, name   of the vertices, and their file
 ///   warning      out: of edges or faces that have no area in the pose; as it was where there are none
 template <cageform::Scalar T, std::size_t D, class P>
-SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, std::vector<P> pose,
-                                          const std::string& name, std::string& warning) {
+Expected<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, std::vector<P> pose,
+                                         const std::string& name, std::string& warning) {
     if constexpr (std::is_same_v<P, Point2>) settle(binding.handle_view(), pose);
     std::vector<P> handles(binding.handle_count());
     const auto report = cageform::pose_handles(binding, pose, handles);
     if (report.status != cageform::Status::ok)
-        return SvgError{name + ": " + cageform::to_string(report.status)};
+        return FileError{name + ": " + cageform::to_string(report.status)};
     if (report.collapsed_faces > 0) {
         const bool one = report.collapsed_faces == 1;
         warning = name + ": " + std::to_string(report.collapsed_faces) + (D == 2 ? " edge" : " face") +
@@ -237,4 +237,4 @@ struct OutsideChoice {
                   const std::string& figure, const std::string& cage) const;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -13,7 +13,7 @@
 #include <array>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -86,4 +86,4 @@ ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const 
     });
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -6,7 +6,7 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -79,4 +79,4 @@ template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, 
 template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const SiteFile<3>&);
 template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
 
-} // namespace cageform_examples
+} // namespace cageform_support

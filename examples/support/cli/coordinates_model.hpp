@@ -3,12 +3,12 @@
 // The coordinate types with every solver: for the files that compile them.
 
 #include "cli/coordinates.hpp"
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Harmonic coordinates by every solver that there is for a kind of cage.
 template <class C>
@@ -54,4 +54,4 @@ ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const 
     return made;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,8 +1,8 @@
 #include "cli/figure_motion.hpp"
 
-#include "cli/bind_report.hpp"
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
+#include "files/bind_report.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/cage/polygon.hpp>
@@ -15,7 +15,7 @@
 #include <functional>
 #include <limits>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 std::string FigureControl::name_of(std::size_t frame) const {
     return frames == 1 ? pose_name : pose_name + ": frame " + std::to_string(frame);
@@ -171,7 +171,7 @@ private:
         const std::string name = control_.name_of(frame);
         std::string collapsed;
         const auto handles = control_.poses_all_handles
-                                 ? SvgResult<std::vector<Point2>>(control_.poses[pose])
+                                 ? Expected<std::vector<Point2>>(control_.poses[pose])
                                  : pose_of_handles(binding, control_.poses[pose], name, collapsed);
         if (pose_warning.empty()) pose_warning = collapsed;
         if (!handles) {
@@ -196,9 +196,9 @@ private:
 
 } // namespace
 
-SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
-                                   const FigureControl& control, const OutsideChoice& outside,
-                                   const DeformOptions& options, const cageform::ParallelFor& parallel) {
+Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
+                                  const FigureControl& control, const OutsideChoice& outside,
+                                  const DeformOptions& options, const cageform::ParallelFor& parallel) {
     MovedFigure result;
     if (!control.coordinates.closed_form()) {
         // The points come in several batches; the functions are solved once.
@@ -207,14 +207,15 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
         result.bound.status = evaluation.status;
         result.bound.cage = control.coordinates.cage_report();
         result.bound.solver = evaluation.solver;
-        if (evaluation.status != cageform::Status::ok) return SvgError{control.describe_faults(result.bound)};
+        if (evaluation.status != cageform::Status::ok)
+            return FileError{control.describe_faults(result.bound)};
         warn_of_coarse_grid(control.name, evaluation.solver);
     }
     BatchMover mover(figure, control, outside, parallel);
     const FrameDeformer deformer = [&](std::span<const Point2> in, std::span<const PointRole> roles,
                                        std::span<Point2> out) { return mover.move(in, roles, out); };
     auto drawing = animate(document, deformer, control.frames, options);
-    if (!drawing) return mover.failure.empty() ? drawing.error() : SvgError{mover.failure};
+    if (!drawing) return mover.failure.empty() ? drawing.error() : FileError{mover.failure};
     if (mover.first.points != 0) result.bound = mover.first;
     for (const std::string& each : {mover.warning, mover.unreached, mover.pose_warning}) {
         if (!each.empty()) warn(each);
@@ -233,16 +234,16 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
     return result;
 }
 
-SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
-                                                        const std::string& figure,
-                                                        const FigureControl& control,
-                                                        const OutsideChoice& outside) {
+Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
+                                                       const std::string& figure,
+                                                       const FigureControl& control,
+                                                       const OutsideChoice& outside) {
     OutsideChoice of_part = outside;
     of_part.of_part = true;
     BatchMover mover(figure, control, std::move(of_part), cageform::SerialFor{});
     std::vector<Point2> moved(control.frames * points.size());
-    if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) return SvgError{mover.failure};
-    if (!mover.unreached.empty()) return SvgError{mover.unreached};
+    if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) return FileError{mover.failure};
+    if (!mover.unreached.empty()) return FileError{mover.unreached};
     if (!mover.warning.empty()) warn(mover.warning);
     std::vector<std::vector<Point2>> frames;
     for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))
@@ -250,4 +251,4 @@ SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2
     return frames;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Coordinates, and the poses of their handles in every frame: they move a figure.
 struct FigureControl {
@@ -47,18 +47,18 @@ struct MovedFigure {
 ///   figure     the name of its file
 ///   parallel   what binds; the result does not depend on it
 ///   fails      as animate() does, where the bind fails, or points are outside and --outside forbids it
-SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
-                                   const FigureControl& control, const OutsideChoice& outside,
-                                   const DeformOptions& options,
-                                   const cageform::ParallelFor& parallel = cageform::SerialFor{});
+Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
+                                  const FigureControl& control, const OutsideChoice& outside,
+                                  const DeformOptions& options,
+                                  const cageform::ParallelFor& parallel = cageform::SerialFor{});
 
 /// Moves points of layer 0 to all frames of a control. Points outside give a warning, never an error by their
 /// number.
 ///
 ///   returns  the points in every frame
-SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
-                                                        const std::string& figure,
-                                                        const FigureControl& control,
-                                                        const OutsideChoice& outside);
+Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
+                                                       const std::string& figure,
+                                                       const FigureControl& control,
+                                                       const OutsideChoice& outside);
 
-} // namespace cageform_examples
+} // namespace cageform_support

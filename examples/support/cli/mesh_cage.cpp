@@ -1,20 +1,20 @@
 #include "cli/mesh_cage.hpp"
 
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/enclose/space/part_labels.hpp>
 
 #include <algorithm>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
-SvgResult<std::size_t> cage_dimension(const std::string& path) {
+Expected<std::size_t> cage_dimension(const std::string& path) {
     if (is_lattice_path(path)) return lattice_dimension(path);
     return std::size_t{path.ends_with(".obj") ? 3u : 2u};
 }
 
-SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
+Expected<ObjFile> load_mesh_cage(const std::string& path) {
     if (is_lattice_path(path)) {
         auto lattice = load_lattice<3>(path);
         if (!lattice) return lattice.error();
@@ -22,10 +22,10 @@ SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
     }
     auto file = load_obj(path);
     if (file && file->faces.empty())
-        return SvgError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
+        return FileError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
     if (file && !file->folded.empty()) {
-        return SvgError{file->name + ": a face cannot be cut into triangles; please split it",
-                        file->faces[file->folded.front()].line};
+        return FileError{file->name + ": a face cannot be cut into triangles; please split it",
+                         file->faces[file->folded.front()].line};
     }
     return file;
 }
@@ -120,14 +120,14 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
     return text.str();
 }
 
-SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
-                                       double seconds) {
+Expected<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
+                                      double seconds) {
     PoseClip clip{"poses", seconds * double(poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
     for (const std::string& path : poses) {
         const auto pose = load_obj(path);
         if (!pose) return pose.error();
         const std::string why = pose_difference(cage, *pose);
-        if (!why.empty()) return SvgError{why};
+        if (!why.empty()) return FileError{why};
         if (const auto fault = single_precision_fault(*pose)) return *fault;
         clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
     }
@@ -169,4 +169,4 @@ std::string describe_winding(const std::string& pose, const std::string& figure,
                 : "does not mirror " + figure + ", and with --flip-faces its faces look inwards");
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,7 +2,7 @@
 
 // Cages in space: OBJ files of closed meshes, and what to say of them.
 
-#include "cli/bind_report.hpp"
+#include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
 #include "files/obj_file.hpp"
 
@@ -15,13 +15,13 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// 2 or 3: the dimension of a cage by its file. Fails where a lattice cannot be read.
-SvgResult<std::size_t> cage_dimension(const std::string& path);
+Expected<std::size_t> cage_dimension(const std::string& path);
 
 /// A cage from an OBJ file, or a lattice; fails also where a face cannot be cut into triangles.
-SvgResult<ObjFile> load_mesh_cage(const std::string& path);
+Expected<ObjFile> load_mesh_cage(const std::string& path);
 
 /// A lattice as an OBJ file: its handles, the faces between the outer ones, and the rows inside as lines.
 ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
@@ -72,8 +72,8 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
 
 /// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the
 /// next. Fails where a file cannot be read, is no pose of the cage or is beyond single precision.
-SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
-                                       double seconds);
+Expected<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
+                                      double seconds);
 
 /// Returns why `pose` is not a pose of `cage`; empty if it is one.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
@@ -100,4 +100,4 @@ std::string first_mirror(const ObjFile& figure, const cageform::Binding<T, 3>& b
     return {};
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

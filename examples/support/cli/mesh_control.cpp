@@ -1,22 +1,22 @@
 #include "cli/mesh_control.hpp"
 
 #include "cli/auto_cage.hpp"
-#include "cli/bind_report.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
+#include "files/bind_report.hpp"
+#include "io/messages.hpp"
 
 #include <algorithm>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
 /// Poses the vertices by pins, if there are any, beside those held where they are.
 ///
 ///   still   vertices that no pose moves
-SvgResult<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
-                         const std::vector<std::size_t>& still) {
+Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
+                        const std::vector<std::size_t>& still) {
     if (!given.pins.is_given()) return true;
     auto pins = given.pins.pins<3>(places);
     if (!pins) return pins.error();
@@ -31,7 +31,7 @@ SvgResult<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::s
     auto pose = pinned->rest();
     std::copy(to.pose.vertices.begin(), to.pose.vertices.end(), pose.begin());
     if (const auto started = pinned->start(pose); !started)
-        return SvgError{to.pose.name + ": " + to_string(started.error())};
+        return FileError{to.pose.name + ": " + to_string(started.error())};
     if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), pose); !done)
         return done.error();
     to.on_pins = pinned->report();
@@ -41,13 +41,13 @@ SvgResult<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::s
     return true;
 }
 
-SvgResult<MeshControl> read_sites(const MeshControlChoice& given, std::span<const Point3> places) {
-    if (given.pose.empty() && !given.pins.is_given()) return SvgError{"--pose is required for points"};
+Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const Point3> places) {
+    if (given.pose.empty() && !given.pins.is_given()) return FileError{"--pose is required for points"};
     if (given.pins.is_given() && !given.of_sites.weights.empty())
-        return SvgError{"--weights: pins cannot be solved for where points have weights"};
+        return FileError{"--weights: pins cannot be solved for where points have weights"};
     const std::string& path = given.pose.empty() ? given.cage : given.pose;
     auto posed =
-        load_posed_sites<3>(given.cage, path, given.of_sites, [&]() -> SvgResult<std::vector<Point3>> {
+        load_posed_sites<3>(given.cage, path, given.of_sites, [&]() -> Expected<std::vector<Point3>> {
             return std::vector<Point3>(places.begin(), places.end());
         });
     if (!posed) return posed.error();
@@ -72,11 +72,11 @@ SvgResult<MeshControl> read_sites(const MeshControlChoice& given, std::span<cons
 /// that is made one for a first look.
 ///
 ///   held   vertices that no pose moves
-SvgResult<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,
-                             const std::vector<std::size_t>& held) {
+Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,
+                            const std::vector<std::size_t>& held) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
-        return SvgError{"give --pose or operations such as --turn, but not both"};
+        return FileError{"give --pose or operations such as --turn, but not both"};
     const auto put_back = [&](ObjFile pose) {
         for (const std::size_t i : held) pose.vertices[i] = cage.vertices[i];
         return pose;
@@ -85,12 +85,12 @@ SvgResult<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage
         auto pose = load_obj(given.pose);
         if (!pose) return pose;
         const std::string why = pose_difference(cage, *pose);
-        if (!why.empty()) return SvgError{why};
+        if (!why.empty()) return FileError{why};
         return put_back(std::move(*pose));
     }
     if (!operated && given.pins.is_given()) return cage;
     if (!operated && !CageWord::of(given.cage).is_auto)
-        return SvgError{"--pose is required, or operations such as --turn, or --pin"};
+        return FileError{"--pose is required, or operations such as --turn, or --pin"};
     ObjFile pose = cage;
     if (operated) {
         const auto parts = cage_parts(cage);
@@ -105,8 +105,8 @@ SvgResult<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage
 
 } // namespace
 
-SvgResult<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
-                                         std::span<const Point3> places) {
+Expected<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+                                        std::span<const Point3> places) {
     if (given.choice.takes_sites()) return read_sites(given, places);
     auto cage = load_or_make_cage(given.cage, figure);
     if (!cage) return cage.error();
@@ -169,4 +169,4 @@ std::string MeshControlChoice::save_fault(const MeshControl& control) const {
            "harmonic";
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The control of a figure: coordinates, and the pose of their handles.
 struct MeshControl {
@@ -51,7 +51,7 @@ struct MeshControlChoice {
 ///   figure   a mesh that a made cage goes around
 ///   places   points of the figure: pins may name them by number, and --surround takes them in
 ///   fails    where a file cannot be read or fits not, no cage can be made, or pins cannot be reached
-SvgResult<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
-                                         std::span<const Point3> places);
+Expected<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+                                        std::span<const Point3> places);
 
-} // namespace cageform_examples
+} // namespace cageform_support

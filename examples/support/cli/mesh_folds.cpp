@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -90,4 +90,4 @@ Point3 on_the_way(const Point3& rest, const Point3& moved, double step) {
     return rest + step * (moved - rest);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

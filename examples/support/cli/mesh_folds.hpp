@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Folds of the tetrahedra of a mesh, or around its vertices where it has none.
 struct MeshFolds {
@@ -48,4 +48,4 @@ std::string describe(const MeshFolds& folds, bool stops);
 /// The point that lies a step of the way from rest.
 Point3 on_the_way(const Point3& rest, const Point3& moved, double step);
 
-} // namespace cageform_examples
+} // namespace cageform_support

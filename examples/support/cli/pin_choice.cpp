@@ -1,12 +1,12 @@
 #include "cli/pinned_cage.hpp"
 
-#include "cli/guard.hpp"
 #include "cli/pose_operations.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 void PinChoice::add_options(CommandLine& line) {
     solving.settled_step = 1e-6;
@@ -41,7 +41,7 @@ std::string PinChoice::fault(bool has_pose) const {
 }
 
 template <std::size_t D>
-SvgResult<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<double, D>> vertices) const {
+Expected<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<double, D>> vertices) const {
     std::vector<Pin<D>> all;
     for (const auto& [text, is_file] : given) {
         if (is_file) {
@@ -59,30 +59,31 @@ SvgResult<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<dou
 }
 
 template <std::size_t D>
-SvgResult<std::vector<std::uint32_t>> PinChoice::held_handles(std::span<const cageform::Vec<double, D>> rest,
-                                                              const std::vector<std::size_t>& still,
-                                                              const cageform::CageParts* parts) const {
+Expected<std::vector<std::uint32_t>> PinChoice::held_handles(std::span<const cageform::Vec<double, D>> rest,
+                                                             const std::vector<std::size_t>& still,
+                                                             const cageform::CageParts* parts) const {
     std::vector<std::size_t> all = still;
     if (!held.empty()) {
         auto selected = parse_selection(held, rest, parts);
-        if (!selected) return SvgError{"--hold " + detail::quoted(held) + ": " + to_string(selected.error())};
+        if (!selected)
+            return FileError{"--hold " + detail::quoted(held) + ": " + to_string(selected.error())};
         all.insert(all.end(), selected->begin(), selected->end());
     }
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     const auto is_vertex = [&](std::size_t i) { return i < rest.size(); };
     if (std::size_t(std::count_if(all.begin(), all.end(), is_vertex)) == rest.size())
-        return SvgError{"--hold " + detail::quoted(held) + " leaves no vertex of the cage to move"};
+        return FileError{"--hold " + detail::quoted(held) + " leaves no vertex of the cage to move"};
     return std::vector<std::uint32_t>(all.begin(), all.end());
 }
 
-template SvgResult<std::vector<Pin<2>>> PinChoice::pins(std::span<const cageform::Vec<double, 2>>) const;
-template SvgResult<std::vector<Pin<3>>> PinChoice::pins(std::span<const cageform::Vec<double, 3>>) const;
-template SvgResult<std::vector<std::uint32_t>>
+template Expected<std::vector<Pin<2>>> PinChoice::pins(std::span<const cageform::Vec<double, 2>>) const;
+template Expected<std::vector<Pin<3>>> PinChoice::pins(std::span<const cageform::Vec<double, 3>>) const;
+template Expected<std::vector<std::uint32_t>>
 PinChoice::held_handles(std::span<const cageform::Vec<double, 2>>, const std::vector<std::size_t>&,
                         const cageform::CageParts*) const;
-template SvgResult<std::vector<std::uint32_t>>
+template Expected<std::vector<std::uint32_t>>
 PinChoice::held_handles(std::span<const cageform::Vec<double, 3>>, const std::vector<std::size_t>&,
                         const cageform::CageParts*) const;
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// --pin, --pins, --hold, --pin-weight, --hard-pins and --smoothing.
 struct PinChoice {
@@ -37,7 +37,7 @@ struct PinChoice {
     ///   vertices   the figure's, which pins in space may name; else empty
     ///   fails      as parse_pin() and load_pins() do
     template <std::size_t D>
-    SvgResult<std::vector<Pin<D>>> pins(std::span<const cageform::Vec<double, D>> vertices = {}) const;
+    Expected<std::vector<Pin<D>>> pins(std::span<const cageform::Vec<double, D>> vertices = {}) const;
 
     /// The vertices that --hold selects, and those that stay still in every pose.
     ///
@@ -46,9 +46,9 @@ struct PinChoice {
     ///   parts    of a cage in space, or null
     ///   fails    where --hold is no selection of them, or nothing is left to move
     template <std::size_t D>
-    SvgResult<std::vector<std::uint32_t>> held_handles(std::span<const cageform::Vec<double, D>> rest,
-                                                       const std::vector<std::size_t>& still,
-                                                       const cageform::CageParts* parts = nullptr) const;
+    Expected<std::vector<std::uint32_t>> held_handles(std::span<const cageform::Vec<double, D>> rest,
+                                                      const std::vector<std::size_t>& still,
+                                                      const cageform::CageParts* parts = nullptr) const;
 };
 
 /// Names for the messages of a PinnedCage.
@@ -71,10 +71,9 @@ public:
     ///   held     handles that `settle` leaves where the pose has them
     ///   fails    where the coordinates have no gradients or cannot be sampled, a pin lies where they have no
     ///            weights, or no handle moves it; the message names the pin
-    static SvgResult<PinnedCage> make(const ChosenCoordinates<T, D>& coordinates,
-                                      const PinnedCageNames& names, std::vector<Pin<D>> pins,
-                                      std::vector<std::uint32_t> held, const PinChoice& choice,
-                                      const OutsideChoice& outside);
+    static Expected<PinnedCage> make(const ChosenCoordinates<T, D>& coordinates, const PinnedCageNames& names,
+                                     std::vector<Pin<D>> pins, std::vector<std::uint32_t> held,
+                                     const PinChoice& choice, const OutsideChoice& outside);
 
     const std::vector<Pin<D>>& pins() const { return pins_; }
     Pose rest() const { return solver_.samples().rest_handles; } ///< of all handles
@@ -83,13 +82,13 @@ public:
     Turns turns() const;                                         ///< of the pins; empty if none turns
 
     /// Starts the next pose from another than the last.
-    SvgResult<bool> start(const Pose& pose);
+    Expected<bool> start(const Pose& pose);
 
     /// Moves a pose to the targets until it has settled, and adds to `report()`.
     ///
     ///   pose    of all handles; in: where held ones are
     ///   fails   where a target or the result is not finite
-    SvgResult<bool> settle(const Targets& targets, const Turns& turns, Pose& pose);
+    Expected<bool> settle(const Targets& targets, const Turns& turns, Pose& pose);
     /// Returns the last pose's miss and stretch, and the costs of all poses, for people.
     std::string report() const;
     /// Says how many poses have not settled, and where the figure folds; empty where all is well.
@@ -108,4 +107,4 @@ private:
     double largest_step_ = 0; // of the last frames of poses that have not settled
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,17 +1,17 @@
 // Pins pose a cage: for the files that compile it, one for each dimension.
 #pragma once
 
-#include "cli/guard.hpp"
 #include "cli/pinned_cage.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/pose/pose_samples.hpp>
 
 #include <chrono>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -29,27 +29,27 @@ bool pin_turns(const Pin<D>& pin) {
 }
 
 template <class Coordinates>
-SvgError cage_refused(const Coordinates& coordinates, const PinnedCageNames& names,
-                      cageform::BindReport report, cageform::Status status) {
+FileError cage_refused(const Coordinates& coordinates, const PinnedCageNames& names,
+                       cageform::BindReport report, cageform::Status status) {
     report.status = status;
     report.cage = coordinates.cage_report();
-    return SvgError{names.describe_faults(report)};
+    return FileError{names.describe_faults(report)};
 }
 
 /// Samples the inside of a cage, with a bar.
 template <cageform::Scalar T, std::size_t D>
-SvgResult<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coordinates,
-                                              const PinnedCageNames& names,
-                                              const cageform::PoseSampleOptions& options) {
+Expected<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coordinates,
+                                             const PinnedCageNames& names,
+                                             const cageform::PoseSampleOptions& options) {
     using cageform::Status;
     if (!coordinates.has_gradients())
-        return SvgError{"--pin: " + names.coordinates + " coordinates have no gradients, which pins need"};
+        return FileError{"--pin: " + names.coordinates + " coordinates have no gradients, which pins need"};
     ProgressBar bar("sampling");
     auto [samples, report] = pose_samples(coordinates, options, {.progress = bar.callback()});
     if (report.status == Status::samples_missing)
-        return SvgError{names.cage + ": " + cageform::to_string(report.status)};
+        return FileError{names.cage + ": " + cageform::to_string(report.status)};
     if (report.status == Status::solver_not_supported)
-        return SvgError{"--pin: pins need gradients, which this --solver does not give"};
+        return FileError{"--pin: pins need gradients, which this --solver does not give"};
     if (report.status != Status::ok) return cage_refused(coordinates, names, report.bind, report.status);
     return std::move(samples);
 }
@@ -80,8 +80,8 @@ struct BoundPins {
 
 /// Binds pins, and names one that no vertex moves.
 template <cageform::Scalar T, std::size_t D>
-SvgResult<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates, const PinnedCageNames& names,
-                                     const std::vector<Pin<D>>& pins, const OutsideChoice& outside) {
+Expected<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates, const PinnedCageNames& names,
+                                    const std::vector<Pin<D>>& pins, const OutsideChoice& outside) {
     std::vector<cageform::Vec<double, D>> places;
     for (const Pin<D>& pin : pins) places.push_back(pin.place);
     cageform::BindOptions options = outside.bind_options(coordinates);
@@ -94,12 +94,12 @@ SvgResult<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates,
     if (const auto& out = report.outside; !out.empty()) {
         const std::string which = name_of(pins, out.front()) + " lies outside " + where + names.cage;
         if (options.outside == cageform::OutsidePoints::keep_in_place)
-            return SvgError{which + (coordinates.has_extension() ? ": use --outside extend"
-                                                                 : ": no vertex moves that point")};
+            return FileError{which + (coordinates.has_extension() ? ": use --outside extend"
+                                                                  : ": no vertex moves that point")};
         if (outside.word == "auto") warn(which + "; it follows the extension of the coordinates (--outside)");
     }
     if (const auto& lost = report.unreached; !lost.empty())
-        return SvgError{name_of(pins, lost.front()) + ": no weights can be computed there"};
+        return FileError{name_of(pins, lost.front()) + ": no weights can be computed there"};
     BoundPins<T, D> made{std::move(bound), {}};
     if (std::any_of(pins.begin(), pins.end(), pin_turns<D>)) {
         auto axes = coordinates.bind_jacobians(places, options);
@@ -112,10 +112,10 @@ SvgResult<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates,
 } // namespace detail
 
 template <cageform::Scalar T, std::size_t D>
-SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>& coordinates,
-                                                   const PinnedCageNames& names, std::vector<Pin<D>> pins,
-                                                   std::vector<std::uint32_t> held, const PinChoice& choice,
-                                                   const OutsideChoice& outside) {
+Expected<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>& coordinates,
+                                                  const PinnedCageNames& names, std::vector<Pin<D>> pins,
+                                                  std::vector<std::uint32_t> held, const PinChoice& choice,
+                                                  const OutsideChoice& outside) {
     using cageform::Status;
     PinnedCage made;
     detail::warn_of_far_targets(coordinates.handles(), pins);
@@ -144,8 +144,8 @@ SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>
     if (status == Status::ok) status = made.solver_.set_pins(of_solver);
     made.click_ms_ = detail::ms_since(click);
     if (status == Status::pin_without_weights)
-        return SvgError{name_of(pins, made.solver_.culprit()) + ": " + cageform::to_string(status)};
-    if (status != Status::ok) return SvgError{names.cage + ": pins: " + cageform::to_string(status)};
+        return FileError{name_of(pins, made.solver_.culprit()) + ": " + cageform::to_string(status)};
+    if (status != Status::ok) return FileError{names.cage + ": pins: " + cageform::to_string(status)};
     made.pins_ = std::move(pins);
     made.held_ = held.size();
     return made;
@@ -167,21 +167,21 @@ typename PinnedCage<T, D>::Turns PinnedCage<T, D>::turns() const {
 }
 
 template <cageform::Scalar T, std::size_t D>
-SvgResult<bool> PinnedCage<T, D>::start(const Pose& pose) {
+Expected<bool> PinnedCage<T, D>::start(const Pose& pose) {
     const auto status = solver_.set_pose(pose);
-    if (status != cageform::Status::ok) return SvgError{cageform::to_string(status)};
+    if (status != cageform::Status::ok) return FileError{cageform::to_string(status)};
     return true;
 }
 
 template <cageform::Scalar T, std::size_t D>
-SvgResult<bool> PinnedCage<T, D>::settle(const Targets& targets, const Turns& turns, Pose& pose) {
+Expected<bool> PinnedCage<T, D>::settle(const Targets& targets, const Turns& turns, Pose& pose) {
     const auto begin = detail::Clock::now();
     for (std::size_t n = 0; n < detail::most_frames && (n == 0 || !last_.settled); ++n) {
         last_ = solver_.solve(targets, pose, turns);
         if (last_.status != cageform::Status::ok) {
             const bool is_named = last_.culprit < pins_.size();
-            return SvgError{(is_named ? name_of(pins_, last_.culprit) : std::string("pins")) + ": " +
-                            cageform::to_string(last_.status)};
+            return FileError{(is_named ? name_of(pins_, last_.culprit) : std::string("pins")) + ": " +
+                             cageform::to_string(last_.status)};
         }
         if (frames_ == 0) first_ms_ = click_ms_ + detail::ms_since(begin);
         ++frames_;
@@ -237,4 +237,4 @@ std::string PinnedCage<T, D>::warning() const {
            detail::short_number(largest_step_) + " in a frame";
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,7 +1,7 @@
 #include "cli/pinned_cage.impl.hpp"
 
-namespace cageform_examples {
+namespace cageform_support {
 
 template class PinnedCage<double, 3>;
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -17,7 +17,7 @@ using Turns = PinnedCage<double, 2>::Turns;
 class PinMotion {
 public:
     /// Plays the pins as vertices, and beside each a point at distance 1, whose way is the turn.
-    static SvgResult<PinMotion> make(const ClipFile& motion) {
+    static Expected<PinMotion> make(const ClipFile& motion) {
         ClipFile as_vertices = motion;
         std::vector<Point2> places;
         const std::size_t count = motion.controls.size();
@@ -70,8 +70,8 @@ ClipFile clip_of(const ClipFile& motion, const std::vector<Point2>& rest,
 }
 
 /// Sets keys as few as keep to the poses: where they are missed most between two keys, one more.
-SvgResult<ClipFile> fitted(const ClipFile& motion, const std::vector<Point2>& rest,
-                           const std::vector<std::vector<Point2>>& poses, double tolerance) {
+Expected<ClipFile> fitted(const ClipFile& motion, const std::vector<Point2>& rest,
+                          const std::vector<std::vector<Point2>>& poses, double tolerance) {
     const std::size_t last = poses.size() - 1;
     std::vector<std::size_t> keys{0, last / 2, last};
     for (;;) {
@@ -104,8 +104,8 @@ SvgResult<ClipFile> fitted(const ClipFile& motion, const std::vector<Point2>& re
 
 } // namespace
 
-SvgResult<PinnedFigure> PinnedFigure::make(FigureControl& control, const PinnedControl& by,
-                                           std::vector<Pin<2>> pins) {
+Expected<PinnedFigure> PinnedFigure::make(FigureControl& control, const PinnedControl& by,
+                                          std::vector<Pin<2>> pins) {
     auto cage = PinnedCage<double, 2>::make(control.coordinates,
                                             {control.name, by.coordinates.name, control.describe_faults},
                                             std::move(pins), by.held, by.pins, by.outside);
@@ -118,28 +118,28 @@ SvgResult<PinnedFigure> PinnedFigure::make(FigureControl& control, const PinnedC
     for (std::size_t i = 0; i < count; ++i) made.rest_.push_back({made.pose_[i][0], made.pose_[i][1]});
     for (std::size_t i = 0; i < by.start.size(); ++i) made.pose_[i] = {by.start[i].x, by.start[i].y};
     if (const auto started = made.cage_.start(made.pose_); !started)
-        return SvgError{control.pose_name + ": " + to_string(started.error())};
+        return FileError{control.pose_name + ": " + to_string(started.error())};
     return made;
 }
 
-SvgResult<std::vector<Point2>> PinnedFigure::settled() {
+Expected<std::vector<Point2>> PinnedFigure::settled() {
     return pose_at(cage_.targets(), cage_.turns());
 }
 
-SvgResult<std::vector<Point2>> PinnedFigure::pose_at(const Targets& targets, const Turns& turns) {
+Expected<std::vector<Point2>> PinnedFigure::pose_at(const Targets& targets, const Turns& turns) {
     if (const auto done = cage_.settle(targets, turns, pose_); !done) return done.error();
     std::vector<Point2> pose;
     for (std::size_t i = 0; i < rest_.size(); ++i) pose.push_back({pose_[i][0], pose_[i][1]});
     return pose;
 }
 
-SvgResult<ClipFile> PinnedFigure::keys_of(const ClipFile& motion) {
+Expected<ClipFile> PinnedFigure::keys_of(const ClipFile& motion) {
     auto moving = PinMotion::make(motion);
     if (!moving) return moving.error();
     const double wished = std::round(60 * motion.length);
     if (!(wished <= 1e5))
-        return SvgError{motion.name + ": its length needs " + std::to_string(wished) +
-                        " poses by pins; at most 100000 are allowed"};
+        return FileError{motion.name + ": its length needs " + std::to_string(wished) +
+                         " poses by pins; at most 100000 are allowed"};
     const std::size_t steps = std::max<std::size_t>(std::size_t(wished), 8);
     ProgressBar bar("posing");
     const auto tell = bar.callback();
@@ -149,7 +149,7 @@ SvgResult<ClipFile> PinnedFigure::keys_of(const ClipFile& motion) {
     for (std::size_t n = 0; n <= steps; ++n) {
         moving->sample(motion.length * double(n) / double(steps), targets, turns);
         auto pose = pose_at(targets, turns);
-        if (!pose) return SvgError{motion.name + ": " + to_string(pose.error())};
+        if (!pose) return FileError{motion.name + ": " + to_string(pose.error())};
         poses.push_back(std::move(*pose));
         if (tell) tell(double(n) / double(steps));
     }
@@ -187,4 +187,4 @@ ClipFile motion_to(const std::vector<Pin<2>>& pins, double seconds) {
     return clip;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Names what pins pose, and the options.
 struct PinnedControl {
@@ -26,18 +26,18 @@ struct PinnedControl {
 class PinnedFigure {
 public:
     /// Works as PinnedCage::make(). The control's poses are then of all handles where vectors are among them.
-    static SvgResult<PinnedFigure> make(FigureControl& control, const PinnedControl& by,
-                                        std::vector<Pin<2>> pins);
+    static Expected<PinnedFigure> make(FigureControl& control, const PinnedControl& by,
+                                       std::vector<Pin<2>> pins);
 
     /// Settles the pins at their targets.
-    SvgResult<std::vector<Point2>> settled();
+    Expected<std::vector<Point2>> settled();
 
     /// The keys of all handles that follow pins through a motion: as few as keep to the poses, settled 60
     /// times a second, to a 1,920th of the cage's size.
     ///
     ///   motion   of the pins
     ///   fails    as PinnedCage::settle() does
-    SvgResult<ClipFile> keys_of(const ClipFile& motion);
+    Expected<ClipFile> keys_of(const ClipFile& motion);
 
     const PinnedCage<double, 2>& cage() const { return cage_; }
     const std::vector<Point2>& rest() const { return rest_; } ///< of what poses are of
@@ -46,8 +46,8 @@ private:
     explicit PinnedFigure(PinnedCage<double, 2> cage)
         : cage_(std::move(cage)) {}
 
-    SvgResult<std::vector<Point2>> pose_at(const PinnedCage<double, 2>::Targets& targets,
-                                           const PinnedCage<double, 2>::Turns& turns);
+    Expected<std::vector<Point2>> pose_at(const PinnedCage<double, 2>::Targets& targets,
+                                          const PinnedCage<double, 2>::Turns& turns);
 
     PinnedCage<double, 2> cage_;
     PinnedCage<double, 2>::Pose pose_; // of all handles, the last
@@ -60,4 +60,4 @@ std::vector<Pin<2>> pins_of(const ClipFile& motion);
 /// The motion of pins from rest to their targets and back.
 ClipFile motion_to(const std::vector<Pin<2>>& pins, double seconds);
 
-} // namespace cageform_examples
+} // namespace cageform_support

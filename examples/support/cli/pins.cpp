@@ -1,14 +1,14 @@
 #include "cli/pins.hpp"
 
 #include "cli/pose_operations.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <map>
 #include <numbers>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -106,7 +106,7 @@ std::string read_line(std::span<const std::string_view> fields, std::span<const 
 } // namespace
 
 template <std::size_t D>
-SvgResult<Pin<D>> parse_pin(std::string_view word, std::span<const Vec<double, D>> vertices) {
+Expected<Pin<D>> parse_pin(std::string_view word, std::span<const Vec<double, D>> vertices) {
     const std::size_t at = std::min(word.find('@'), word.size());
     const std::size_t colon = std::min(word.find(':'), at);
     const auto place = detail::parts_of(word.substr(0, colon), ',');
@@ -129,13 +129,13 @@ SvgResult<Pin<D>> parse_pin(std::string_view word, std::span<const Vec<double, D
         else
             pin.turn = radians * degrees * axis;
     }
-    if (!why.empty()) return SvgError{pin.name + ": " + why};
+    if (!why.empty()) return FileError{pin.name + ": " + why};
     return pin;
 }
 
 template <std::size_t D>
-SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::string& name,
-                                          std::span<const Vec<double, D>> vertices) {
+Expected<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::string& name,
+                                         std::span<const Vec<double, D>> vertices) {
     std::vector<Pin<D>> pins;
     std::size_t number = 0;
     detail::RowFilter rows;
@@ -148,12 +148,12 @@ SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::stri
         if (!why.empty()) return detail::row_fault(name, number, line, why);
         pins.push_back(std::move(pin));
     }
-    if (pins.empty()) return SvgError{name + ": holds no pins"};
+    if (pins.empty()) return FileError{name + ": holds no pins"};
     return pins;
 }
 
 template <std::size_t D>
-SvgResult<std::vector<Pin<D>>> load_pins(const std::string& path, std::span<const Vec<double, D>> vertices) {
+Expected<std::vector<Pin<D>>> load_pins(const std::string& path, std::span<const Vec<double, D>> vertices) {
     const auto text = read_text(path);
     return text ? parse_pins<D>(*text, path, vertices) : text.error();
 }
@@ -182,14 +182,14 @@ std::string contradiction(const std::vector<Pin<D>>& pins) {
     return {};
 }
 
-template SvgResult<Pin<2>> parse_pin(std::string_view, std::span<const Vec<double, 2>>);
-template SvgResult<Pin<3>> parse_pin(std::string_view, std::span<const Vec<double, 3>>);
-template SvgResult<std::vector<Pin<2>>> parse_pins(std::string_view, const std::string&,
-                                                   std::span<const Vec<double, 2>>);
-template SvgResult<std::vector<Pin<3>>> parse_pins(std::string_view, const std::string&,
-                                                   std::span<const Vec<double, 3>>);
-template SvgResult<std::vector<Pin<2>>> load_pins(const std::string&, std::span<const Vec<double, 2>>);
-template SvgResult<std::vector<Pin<3>>> load_pins(const std::string&, std::span<const Vec<double, 3>>);
+template Expected<Pin<2>> parse_pin(std::string_view, std::span<const Vec<double, 2>>);
+template Expected<Pin<3>> parse_pin(std::string_view, std::span<const Vec<double, 3>>);
+template Expected<std::vector<Pin<2>>> parse_pins(std::string_view, const std::string&,
+                                                  std::span<const Vec<double, 2>>);
+template Expected<std::vector<Pin<3>>> parse_pins(std::string_view, const std::string&,
+                                                  std::span<const Vec<double, 3>>);
+template Expected<std::vector<Pin<2>>> load_pins(const std::string&, std::span<const Vec<double, 2>>);
+template Expected<std::vector<Pin<3>>> load_pins(const std::string&, std::span<const Vec<double, 3>>);
 template std::string name_of(const std::vector<Pin<2>>&, std::size_t);
 template std::string name_of(const std::vector<Pin<3>>&, std::size_t);
 template std::string describe_target(const Pin<2>&);
@@ -197,4 +197,4 @@ template std::string describe_target(const Pin<3>&);
 template std::string contradiction(const std::vector<Pin<2>>&);
 template std::string contradiction(const std::vector<Pin<3>>&);
 
-} // namespace cageform_examples
+} // namespace cageform_support

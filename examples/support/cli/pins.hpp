@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* pins_format =
@@ -54,7 +54,7 @@ struct Pin {
 ///   vertices   the figure's, which pins in space may name; else empty
 ///   fails      where a part is no place, target or turn, or a vertex is none of the figure's
 template <std::size_t D>
-SvgResult<Pin<D>> parse_pin(std::string_view word, std::span<const cageform::Vec<double, D>> vertices = {});
+Expected<Pin<D>> parse_pin(std::string_view word, std::span<const cageform::Vec<double, D>> vertices = {});
 
 /// Reads pins from the text of a CSV file.
 ///
@@ -62,13 +62,13 @@ SvgResult<Pin<D>> parse_pin(std::string_view word, std::span<const cageform::Vec
 ///   fails   where a line has too few or too many numbers, a number is wrong, a weight is not positive, a
 ///           vertex is none of the figure's, or there is no pin
 template <std::size_t D>
-SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::string& name,
-                                          std::span<const cageform::Vec<double, D>> vertices = {});
+Expected<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::string& name,
+                                         std::span<const cageform::Vec<double, D>> vertices = {});
 
 /// Works as parse_pins(), from a file; fails also where it cannot be read.
 template <std::size_t D>
-SvgResult<std::vector<Pin<D>>> load_pins(const std::string& path,
-                                         std::span<const cageform::Vec<double, D>> vertices = {});
+Expected<std::vector<Pin<D>>> load_pins(const std::string& path,
+                                        std::span<const cageform::Vec<double, D>> vertices = {});
 
 /// "pin 3 (pins.csv:4) at (12, 5)", counted from 1.
 template <std::size_t D>
@@ -82,4 +82,4 @@ std::string describe_target(const Pin<D>& pin);
 template <std::size_t D>
 std::string contradiction(const std::vector<Pin<D>>& pins);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,16 +1,16 @@
 #include "cli/pose_choice.hpp"
 
 #include "cli/auto_cage.hpp"
-#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 void PoseChoice::add_options(CommandLine& line) {
     const auto add = [&](const char* name, PoseOperation operation, const char* help) {
@@ -35,7 +35,7 @@ void PoseChoice::add_options(CommandLine& line) {
 }
 
 template <std::size_t D>
-SvgResult<std::vector<cageform::Vec<double, D>>>
+Expected<std::vector<cageform::Vec<double, D>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
                   const std::optional<LatticeBox<D>>& lattice, const CageFile* curves,
                   const cageform::CageParts* parts) const {
@@ -53,8 +53,8 @@ PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
         else if constexpr (D == 2)
             why = curves != nullptr ? move_control_point(word, curves->handles, pose) : why;
         if (!why.empty()) {
-            return SvgError{"--" + std::string(names[std::size_t(operation)]) + " " + detail::quoted(word) +
-                            ": " + why};
+            return FileError{"--" + std::string(names[std::size_t(operation)]) + " " + detail::quoted(word) +
+                             ": " + why};
         }
     }
     for (const std::size_t i : *held) pose[i] = rest[i];
@@ -62,26 +62,26 @@ PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
 }
 
 template <std::size_t D>
-SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<D>>& lattice) const {
-    if (!lattice && freeze > 0) return SvgError{"--freeze is for lattices, such as --cage lattice:4x4"};
+Expected<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<D>>& lattice) const {
+    if (!lattice && freeze > 0) return FileError{"--freeze is for lattices, such as --cage lattice:4x4"};
     if (!lattice) return std::vector<std::size_t>{};
     const auto coordinates = lattice->template coordinates<double>();
     const auto frozen = coordinates.frozen_handles(freeze);
     if (frozen.size() == lattice->points())
-        return SvgError{"--freeze " + std::to_string(freeze) + " leaves no point of the lattice to move"};
+        return FileError{"--freeze " + std::to_string(freeze) + " leaves no point of the lattice to move"};
     std::vector<std::size_t> list(frozen.begin(), frozen.end());
     for (std::size_t i = lattice->points(); i < coordinates.handles().size(); ++i) list.push_back(i);
     return list;
 }
 
-template SvgResult<std::vector<cageform::Vec<double, 2>>>
+template Expected<std::vector<cageform::Vec<double, 2>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&, const std::optional<LatticeBox<2>>&,
                   const CageFile*, const cageform::CageParts*) const;
-template SvgResult<std::vector<cageform::Vec<double, 3>>>
+template Expected<std::vector<cageform::Vec<double, 3>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&, const std::optional<LatticeBox<3>>&,
                   const CageFile*, const cageform::CageParts*) const;
-template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
-template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
+template Expected<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
+template Expected<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
 
 void MotionChoice::add_options(CommandLine& line) {
     const CommandOption of_clip = line.add("--clip", clip, "a CSV file of poses, the motion of the cage");
@@ -118,7 +118,7 @@ void MotionChoice::order_poses() {
     for (const std::string& text : order_by_numbers(poses)) note("--pose: " + text);
 }
 
-SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
+Expected<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
     const auto held = operations.still(cage.lattice);
     if (!held) return held.error();
     if (operations.operations.empty()) {
@@ -136,14 +136,14 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
         return motion;
     }
     if (!clip.empty() || !poses.empty())
-        return SvgError{"give only one of --clip, --pose, and operations such as --turn"};
+        return FileError{"give only one of --clip, --pose, and operations such as --turn"};
     const auto parts = cage_parts(cage);
     auto posed = operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
     if (!posed) return posed.error();
     for (std::size_t i = 0; i < posed->size(); ++i) {
         for (const double x : (*posed)[i].v) {
             if (const std::string why = detail::single_precision_fault(x); !why.empty())
-                return SvgError{"the pose of v " + std::to_string(i + 1) + " of " + cage.name + ": " + why};
+                return FileError{"the pose of v " + std::to_string(i + 1) + " of " + cage.name + ": " + why};
         }
     }
     return PoseClip{"pose",
@@ -151,13 +151,13 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
                     {{0, PoseWay::smooth, cage.vertices}, {seconds, PoseWay::smooth, std::move(*posed)}}};
 }
 
-SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
-                              bool is_made) {
+Expected<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
+                             bool is_made) {
     const auto& operations = choice.operations;
     if (!path.empty() && !operations.empty())
-        return SvgError{"give --pose or operations such as --turn, but not both"};
+        return FileError{"give --pose or operations such as --turn, but not both"};
     if (path.empty() && operations.empty() && !is_made)
-        return SvgError{"--pose is required, or operations such as --turn"};
+        return FileError{"--pose is required, or operations such as --turn"};
     const auto rest = cage.places();
     if (!operations.empty()) {
         const auto moved = choice.posed(rest, cage.lattice, cage.curves ? &cage : nullptr);
@@ -173,4 +173,4 @@ SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice,
     return moved_cage(std::move(*pose), places);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

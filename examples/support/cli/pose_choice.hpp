@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The operations --move, --turn, --scale, --bend, --twist and --curve, in the order given.
 struct PoseChoice {
@@ -28,14 +28,14 @@ struct PoseChoice {
     ///   curves   the cage, if its edges are curves; else null
     ///   parts    of a cage in space, or null
     template <std::size_t D>
-    SvgResult<std::vector<cageform::Vec<double, D>>>
+    Expected<std::vector<cageform::Vec<double, D>>>
     posed(const std::vector<cageform::Vec<double, D>>& rest, const std::optional<LatticeBox<D>>& lattice,
           const CageFile* curves = nullptr, const cageform::CageParts* parts = nullptr) const;
 
     /// The vertices that no pose moves: frozen and still handles of a lattice. Fails where --freeze is given
     /// for a cage that is none, or leaves nothing to move.
     template <std::size_t D>
-    SvgResult<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;
+    Expected<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;
 };
 
 /// --clip, --pose, --seconds and the operations say how a cage in space moves: a clip, or from rest through
@@ -55,7 +55,7 @@ struct MotionChoice {
     /// The motion; without keys where none is given. Vertices that stay still are put back to rest. Fails
     /// where a file cannot be read or fits not, an operation cannot be done, numbers are beyond single
     /// precision, or more than one of the three is given.
-    SvgResult<PoseClip> motion(const ObjFile& cage) const;
+    Expected<PoseClip> motion(const ObjFile& cage) const;
 };
 
 /// A pose by a file or by operations; of a cage that the program made, where neither is given,
@@ -63,7 +63,7 @@ struct MotionChoice {
 ///
 ///   path    of the file; empty: none
 ///   fails   as load_pose() does, with the operation that cannot be done, and where both or none are given
-SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
-                              bool is_made);
+Expected<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
+                             bool is_made);
 
-} // namespace cageform_examples
+} // namespace cageform_support

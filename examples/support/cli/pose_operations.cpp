@@ -1,6 +1,6 @@
 #include "cli/pose_operations.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -291,12 +291,12 @@ std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> 
 } // namespace
 
 template <std::size_t D>
-SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
-                                                    std::span<const Vec<double, D>> rest,
-                                                    const cageform::CageParts* parts) {
+Expected<std::vector<std::size_t>> parse_selection(std::string_view word,
+                                                   std::span<const Vec<double, D>> rest,
+                                                   const cageform::CageParts* parts) {
     std::vector<std::size_t> selected, more;
     for (const std::string_view part : detail::parts_of(word, ',')) {
-        if (const std::string why = select(part, rest, parts, more); !why.empty()) return SvgError{why};
+        if (const std::string why = select(part, rest, parts, more); !why.empty()) return FileError{why};
         selected.insert(selected.end(), more.begin(), more.end());
     }
     std::sort(selected.begin(), selected.end());
@@ -387,10 +387,10 @@ std::string move_control_point(std::string_view word, std::span<const std::vecto
     return {};
 }
 
-template SvgResult<std::vector<std::size_t>>
-parse_selection(std::string_view, std::span<const Vec<double, 2>>, const cageform::CageParts*);
-template SvgResult<std::vector<std::size_t>>
-parse_selection(std::string_view, std::span<const Vec<double, 3>>, const cageform::CageParts*);
+template Expected<std::vector<std::size_t>> parse_selection(std::string_view, std::span<const Vec<double, 2>>,
+                                                            const cageform::CageParts*);
+template Expected<std::vector<std::size_t>> parse_selection(std::string_view, std::span<const Vec<double, 3>>,
+                                                            const cageform::CageParts*);
 template std::string parse_turn(std::string_view, double&, Vec<double, 2>&);
 template std::string parse_turn(std::string_view, double&, Vec<double, 3>&);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 2>>,
@@ -400,4 +400,4 @@ template std::string apply_operation(PoseOperation, std::string_view, std::span<
                                      std::span<Vec<double, 3>>, std::span<const std::vector<std::size_t>>,
                                      const cageform::CageParts*);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 enum class PoseOperation { move, turn, scale, bend, twist, curve };
 
@@ -55,9 +55,9 @@ inline constexpr const char* pose_operations_format =
 ///   parts   of the cage, or null
 ///   fails   where a part of the word is no selection, a number is too large, or conditions select nothing
 template <std::size_t D>
-SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
-                                                    std::span<const cageform::Vec<double, D>> rest,
-                                                    const cageform::CageParts* parts = nullptr);
+Expected<std::vector<std::size_t>> parse_selection(std::string_view word,
+                                                   std::span<const cageform::Vec<double, D>> rest,
+                                                   const cageform::CageParts* parts = nullptr);
 
 /// Reads a turn: DEGREES, in space DEGREES,AXIS, such as 30,y or 30,1,1,0.
 ///
@@ -88,9 +88,9 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
 std::string move_control_point(std::string_view word, std::span<const std::vector<std::size_t>> loops,
                                std::span<cageform::Vec<double, 2>> pose);
 
-extern template SvgResult<std::vector<std::size_t>>
+extern template Expected<std::vector<std::size_t>>
 parse_selection(std::string_view, std::span<const cageform::Vec<double, 2>>, const cageform::CageParts*);
-extern template SvgResult<std::vector<std::size_t>>
+extern template Expected<std::vector<std::size_t>>
 parse_selection(std::string_view, std::span<const cageform::Vec<double, 3>>, const cageform::CageParts*);
 extern template std::string parse_turn(std::string_view, double&, cageform::Vec<double, 2>&);
 extern template std::string parse_turn(std::string_view, double&, cageform::Vec<double, 3>&);
@@ -105,4 +105,4 @@ extern template std::string apply_operation(PoseOperation, std::string_view,
                                             std::span<const std::vector<std::size_t>>,
                                             const cageform::CageParts*);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,7 +2,7 @@
 
 // A progress bar on standard error, drawn only when that is a terminal.
 
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include <chrono>
 #include <cstdio>
@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A progress callback that draws "label [=====     ] 42 %" after the first half second; never cancels.
 class ProgressBar {
@@ -49,4 +49,4 @@ private:
     int drawn_ = -1;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string_view>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 std::optional<RowRange> RowRange::of(const std::string& text) {
     RowRange rows;
@@ -79,4 +79,4 @@ std::string RowPath::of(std::size_t row) const {
            after_;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

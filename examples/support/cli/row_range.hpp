@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Rows `first` … `end` − 1, counted from 0.
 struct RowRange {
@@ -40,4 +40,4 @@ private:
     bool has_place_ = false;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

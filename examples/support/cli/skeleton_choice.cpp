@@ -1,10 +1,10 @@
 #include "cli/skeleton_choice.hpp"
 
-#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
-#include "files/csv.hpp"
 #include "files/gltf_file.hpp"
 #include "files/gltf_skeleton.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/core/threads.hpp>
@@ -12,7 +12,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -164,8 +164,8 @@ cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::
     return result;
 }
 
-SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
-                                   const std::string& weights) {
+Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
+                                  const std::string& weights) {
     FittedMotion motion;
     const bool searches = choice.bones == "auto";
     const double asked =
@@ -184,7 +184,7 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
             cageform::fit_skeleton(frames.rest, frames.places, frames.triangles, options,
                                    {.parallel = cageform::ThreadedFor{}, .progress = bar.callback()});
         motion.report = fitted.report;
-        if (!fitted) return SvgError{why_not(frames, fitted.report)};
+        if (!fitted) return FileError{why_not(frames, fitted.report)};
         motion.skeleton = std::move(fitted.value);
     }
     if (options.bones > motion.report.bones) {
@@ -205,23 +205,23 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
                                                 {distance, choice.tangents}, {.progress = bar.callback()});
         motion.keys_report = made.report;
         if (!made && made.report.status == Status::value_not_finite && !choice.flat) {
-            return SvgError{frames.name + ": a bone that others hang on has no size in some frame (" +
-                            cageform::to_string(made.report.status) + "): use --flat"};
+            return FileError{frames.name + ": a bone that others hang on has no size in some frame (" +
+                             cageform::to_string(made.report.status) + "): use --flat"};
         }
-        if (!made) return SvgError{frames.name + ": " + cageform::to_string(made.report.status)};
+        if (!made) return FileError{frames.name + ": " + cageform::to_string(made.report.status)};
         motion.keys = std::move(made.value);
     }
     round_to_single(motion);
     measure(frames, motion);
     note_loss_of_four(frames, motion);
     if (asked > 0 && motion.loss.share() > asked) {
-        return SvgError{frames.name + ": " +
-                        (searches ? "no number of bones that its vertices allow keeps it within " +
-                                        percent(asked) + ": with " + count_bones(motion)
-                                  : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
-                                        " not keep it within " + percent(asked) + ":") +
-                        " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
-                        (searches ? "" : "--bones auto, ") + "more --influences or --kind similar"};
+        return FileError{frames.name + ": " +
+                         (searches ? "no number of bones that its vertices allow keeps it within " +
+                                         percent(asked) + ": with " + count_bones(motion)
+                                   : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
+                                         " not keep it within " + percent(asked) + ":") +
+                         " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
+                         (searches ? "" : "--bones auto, ") + "more --influences or --kind similar"};
     }
     return motion;
 }
@@ -252,4 +252,4 @@ std::string describe(const FittedMotion& motion) {
     return text.str();
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,8 +2,8 @@
 
 // The options and the steps by which programs find a skeleton in a motion.
 
-#include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
+#include "files/bind_report.hpp"
 #include "files/obj_file.hpp"
 #include "svg/path.hpp"
 
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A share as words give it: 0.002 or 0.2%.
 ///
@@ -70,8 +70,8 @@ cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::
 ///
 ///   weights   as which they are stored: float, unorm8 or unorm16
 ///   fails     where the motion cannot be fitted, or the distance is asked for and not kept
-SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
-                                   const std::string& weights = "float");
+Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
+                                  const std::string& weights = "float");
 
 /// Bones, keys, distances and times, a line each.
 std::string describe(const FittedMotion& motion);
@@ -82,4 +82,4 @@ std::string count_bones(const FittedMotion& motion);
 /// "off by at most …; faces turned by 4 degrees".
 std::string describe_loss(const FittedMotion& motion);
 
-} // namespace cageform_examples
+} // namespace cageform_support

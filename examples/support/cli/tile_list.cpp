@@ -1,7 +1,7 @@
 #include "cli/tile_list.hpp"
 
 #include "cli/row_range.hpp"
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 #include <filesystem>
 #include <map>
@@ -11,7 +11,7 @@
 #include <glob.h>
 #include <sys/stat.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 void TileChoice::add_options(CommandLine& line) {
     line.add(
@@ -29,7 +29,7 @@ void TileChoice::add_options(CommandLine& line) {
         .ends_with({".figure"});
 }
 
-SvgResult<std::vector<Tile>> TileChoice::tiles() const {
+Expected<std::vector<Tile>> TileChoice::tiles() const {
     std::set<std::string> files;
     for (const std::string& pattern : patterns) {
         std::error_code none;
@@ -41,13 +41,13 @@ SvgResult<std::vector<Tile>> TileChoice::tiles() const {
         const int code = glob(pattern.c_str(), 0, nullptr, &found);
         for (std::size_t n = 0; code == 0 && n < found.gl_pathc; ++n) files.insert(found.gl_pathv[n]);
         globfree(&found);
-        if (code != 0) return SvgError{"--points " + pattern + ": no such file"};
+        if (code != 0) return FileError{"--points " + pattern + ": no such file"};
     }
     const RowRange chosen = RowRange::of(rows.empty() ? ":" : rows).value_or(RowRange{});
     const std::size_t star = output.find('*');
     if (star == std::string::npos && files.size() > 1)
-        return SvgError{"--output " + output + ": there are " + std::to_string(files.size()) +
-                        " tiles: write a * in place of the name of the tile, such as out/*.figure"};
+        return FileError{"--output " + output + ": there are " + std::to_string(files.size()) +
+                         " tiles: write a * in place of the name of the tile, such as out/*.figure"};
     std::vector<Tile> all;
     std::size_t row = 0;
     for (const std::string& file : files) {
@@ -92,4 +92,4 @@ std::optional<std::string> fault_of_tiles(const std::vector<Tile>& tiles,
     return std::nullopt;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

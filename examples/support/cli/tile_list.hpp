@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A file of points and the figure that is made of it.
 struct Tile {
@@ -26,7 +26,7 @@ struct TileChoice {
     void add_options(CommandLine& line);
     /// The chosen tiles, sorted by name. Fails where a pattern has no files, the
     /// rows are none, or the output has no place for a tile's name and there are several.
-    SvgResult<std::vector<Tile>> tiles() const;
+    Expected<std::vector<Tile>> tiles() const;
 };
 
 /// Why the outputs of tiles cannot be written, before anything is computed: one would write over an input or
@@ -38,4 +38,4 @@ std::optional<std::string> fault_of_tiles(const std::vector<Tile>& tiles,
                                           const std::vector<std::string>& inputs,
                                           const std::vector<std::string>& outputs);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,10 +1,10 @@
 #include "cli/weight_choice.hpp"
 
-#include "cli/bind_report.hpp"
+#include "files/bind_report.hpp"
 
 #include <array>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 using cageform::WeightFormat;
 
@@ -50,8 +50,8 @@ std::string WeightChoice::fault(const CoordinatesChoice& choice, bool has_motion
     return {};
 }
 
-SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
-                                                const PoseClip& clip, const SampledPoses& poses) {
+Expected<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
+                                               const PoseClip& clip, const SampledPoses& poses) {
     std::vector<double> numbers;
     std::vector<std::string> warnings;
     for (std::size_t p = 0; p < poses.times.size(); ++p) {
@@ -68,4 +68,4 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
     return numbers;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The name of a format, as --format has it.
 const char* name_of(cageform::WeightFormat format);
@@ -36,7 +36,7 @@ struct WeightChoice {
 
 /// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without
 /// area.
-SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
-                                                const PoseClip& clip, const SampledPoses& poses);
+Expected<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
+                                               const PoseClip& clip, const SampledPoses& poses);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,13 +1,13 @@
 #include "files/cage_file.hpp"
 
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 #include "svg/document.hpp"
 
 #include <charconv>
 #include <numeric>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -83,7 +83,7 @@ std::string path_data_of(const std::vector<Subpath>& outline) {
 
 } // namespace
 
-SvgResult<CageFile> load_cage(const std::string& path, CageEdges edges) {
+Expected<CageFile> load_cage(const std::string& path, CageEdges edges) {
     if (is_lattice_path(path)) {
         auto lattice = load_lattice<2>(path);
         if (!lattice) return lattice.error();
@@ -103,7 +103,7 @@ SvgResult<CageFile> load_cage(const std::string& path, CageEdges edges) {
         if (outline && edges != CageEdges::lines) return make_curved_cage(path, *outline);
         if (edges != CageEdges::lines) return outline.error();
         if (outline && has_curves(*outline))
-            return SvgError{loops.error().message + "; --coordinates curved takes curves"};
+            return FileError{loops.error().message + "; --coordinates curved takes curves"};
         return loops.error();
     }
     std::vector<CageBlock> blocks;
@@ -111,7 +111,7 @@ SvgResult<CageFile> load_cage(const std::string& path, CageEdges edges) {
     return make_cage(path, std::move(blocks));
 }
 
-SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
+Expected<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
     std::string path = cage.curves ? path_data_of(cage.outline()) : "", lines;
     for (const CageBlock& block : cage.curves ? std::vector<CageBlock>() : cage.blocks) {
         if (cage.lattice) {
@@ -121,9 +121,9 @@ SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
             continue;
         }
         if (block.points.front() == block.points.back())
-            return SvgError{cage.name + ": two vertices lie at the same position, " +
-                            name_points(block.points, {0}) +
-                            ", which an SVG file cannot store; a CSV file can"};
+            return FileError{cage.name + ": two vertices lie at the same position, " +
+                             name_points(block.points, {0}) +
+                             ", which an SVG file cannot store; a CSV file can"};
         for (const Point2& p : block.points)
             path += (path.empty() || path.back() == 'Z' ? "M" : " ") + digits_of(p);
         path += 'Z';
@@ -151,15 +151,15 @@ std::string to_csv(const CageFile& cage) {
     return text;
 }
 
-SvgResult<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view) {
+Expected<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view) {
     const bool is_csv = ending_of(path) == ".csv";
     if (!is_csv && pose.has_cells() && !pose.lattice)
-        return SvgError{path + ": " + pose.name + " has chains or points, which need a .csv file"};
+        return FileError{path + ": " + pose.name + " has chains or points, which need a .csv file"};
     if (is_csv && pose.curves)
-        return SvgError{path + ": " + pose.name + " has curves, which need an .svg file"};
+        return FileError{path + ": " + pose.name + " has curves, which need an .svg file"};
     if (is_csv) return to_csv(pose);
     const auto text = to_svg(pose, view);
-    return text ? text : SvgError{path + ": " + to_string(text.error())};
+    return text ? text : FileError{path + ": " + to_string(text.error())};
 }
 
 namespace {
@@ -275,11 +275,11 @@ std::string describe(const CageBlock& block) {
     return text.str();
 }
 
-SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage) {
+Expected<CageFile> make_pose(CageFile pose, const CageFile& cage) {
     if (cage.curves) return make_curved_pose(std::move(pose), cage);
     const auto differ = [&](const std::string& where, const std::string& has, const std::string& expected) {
-        return SvgError{pose.name + ": " + where + "the pose has " + has + ", the cage " + cage.name + " " +
-                        expected};
+        return FileError{pose.name + ": " + where + "the pose has " + has + ", the cage " + cage.name + " " +
+                         expected};
     };
     const std::size_t count = cage.blocks.size();
     for (std::size_t b = 0; b < std::min(pose.blocks.size(), count); ++b) {
@@ -302,7 +302,7 @@ SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage) {
                 text << pose.name << ": vertex " << i << " of the cage " << cage.name << " is at ("
                      << pose.vertices[i].x << ", " << pose.vertices[i].y << ") and, in block " << b + 1
                      << ", at (" << p.x << ", " << p.y << ')';
-                return SvgError{text.str()};
+                return FileError{text.str()};
             }
             pose.vertices[i] = p;
             known[i] = true;
@@ -311,16 +311,16 @@ SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage) {
     return pose;
 }
 
-SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
-                                      const CageFile& cage) {
+Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
+                                     const CageFile& cage) {
     const auto& axes = cage.lattice->axes;
     const auto counted = [](std::size_t n, const char* what) {
         return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
     };
     if (lines.size() != cage.blocks.size())
-        return SvgError{name + ": holds " + counted(lines.size(), "line") + ", and the lattice " + cage.name +
-                        " has " + counted(axes[1].points, "row") + " and " +
-                        counted(axes[0].points, "column")};
+        return FileError{name + ": holds " + counted(lines.size(), "line") + ", and the lattice " +
+                         cage.name + " has " + counted(axes[1].points, "row") + " and " +
+                         counted(axes[0].points, "column")};
     CageFile pose = cage;
     pose.name = name;
     const auto rest = cage.places();
@@ -334,9 +334,9 @@ SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector
         const std::string line =
             is_row ? "row " + std::to_string(b) : "column " + std::to_string(b - axes[1].points);
         if (lines[b].size() != cage.blocks[b].points.size())
-            return SvgError{name + ": line " + std::to_string(b + 1) + ", " + line + " of the lattice, has " +
-                            counted(lines[b].size(), "point") + " in place of " +
-                            std::to_string(cage.blocks[b].points.size())};
+            return FileError{name + ": line " + std::to_string(b + 1) + ", " + line +
+                             " of the lattice, has " + counted(lines[b].size(), "point") + " in place of " +
+                             std::to_string(cage.blocks[b].points.size())};
         for (std::size_t k = 0; k < lines[b].size(); ++k) {
             const std::size_t i = cage.handles[b][k];
             const Point2& p = lines[b][k];
@@ -345,9 +345,9 @@ SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector
                 pose.vertices[i] = p;
                 moved[i] = has_moved ? 1 : 0;
             } else if (has_moved && differ(p, pose.vertices[i])) {
-                return SvgError{name + ": point " + std::to_string(i) + " of the lattice " + cage.name +
-                                " is at " + name_points(pose.vertices, {i}) + " in its row and at " +
-                                name_points(lines[b], {k}) + " in " + line + "; move it in both, or in one"};
+                return FileError{name + ": point " + std::to_string(i) + " of the lattice " + cage.name +
+                                 " is at " + name_points(pose.vertices, {i}) + " in its row and at " +
+                                 name_points(lines[b], {k}) + " in " + line + "; move it in both, or in one"};
             }
         }
     }
@@ -356,7 +356,7 @@ SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector
 
 namespace {
 
-SvgResult<CageFile> load_lattice_pose(const std::string& path, const CageFile& cage) {
+Expected<CageFile> load_lattice_pose(const std::string& path, const CageFile& cage) {
     if (!path.ends_with(".csv")) {
         const auto document = load_svg(path);
         if (!document) return document.error();
@@ -370,10 +370,10 @@ SvgResult<CageFile> load_lattice_pose(const std::string& path, const CageFile& c
     for (std::vector<std::array<double, 2>> next; reader.read(next, 1); ++count) {
         if (count < cage.lattice->points()) places[count] = {next.front()[0], next.front()[1]};
     }
-    if (!reader.error().empty()) return SvgError{reader.error()};
+    if (!reader.error().empty()) return FileError{reader.error()};
     if (count != cage.lattice->points())
-        return SvgError{path + ": holds " + std::to_string(count) + " points, and the lattice " + cage.name +
-                        " has " + std::to_string(cage.lattice->points())};
+        return FileError{path + ": holds " + std::to_string(count) + " points, and the lattice " + cage.name +
+                         " has " + std::to_string(cage.lattice->points())};
     CageFile pose = moved_cage(cage, places);
     pose.name = path;
     return pose;
@@ -381,10 +381,10 @@ SvgResult<CageFile> load_lattice_pose(const std::string& path, const CageFile& c
 
 } // namespace
 
-SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage) {
+Expected<CageFile> load_pose(const std::string& path, const CageFile& cage) {
     if (cage.lattice) return load_lattice_pose(path, cage);
     auto pose = load_cage(path, cage.curves ? CageEdges::curves : CageEdges::lines);
     return pose ? make_pose(std::move(*pose), cage) : pose;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

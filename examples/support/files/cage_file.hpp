@@ -2,8 +2,8 @@
 
 // Cages in the plane and poses of them, as files.
 
-#include "files/csv.hpp"
 #include "files/lattice_file.hpp"
+#include "io/csv.hpp"
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/curved/curved_polygon.hpp>
@@ -17,15 +17,15 @@
 #include <vector>
 
 template <>
-struct cageform::PointTraits<cageform_examples::Point2> {
-    using P = cageform_examples::Point2;
+struct cageform::PointTraits<cageform_support::Point2> {
+    using P = cageform_support::Point2;
     using scalar = double;
     static constexpr std::size_t dimension = 2;
     static constexpr double get(const P& p, std::size_t axis) noexcept { return axis == 0 ? p.x : p.y; }
     static constexpr void set(P& p, std::size_t axis, double x) noexcept { (axis == 0 ? p.x : p.y) = x; }
 };
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct SvgDocument;
 struct ViewBox;
@@ -171,7 +171,7 @@ CageFile make_cage(std::string name, LatticeBox<2> lattice);
 
 /// Reads a cage: the first closed polygon or outline of an SVG file, a CSV file of loops, chains and points,
 /// or a lattice.
-SvgResult<CageFile> load_cage(const std::string& path, CageEdges edges = CageEdges::lines);
+Expected<CageFile> load_cage(const std::string& path, CageEdges edges = CageEdges::lines);
 
 /// A cage of curves.
 ///
@@ -180,7 +180,7 @@ CageFile make_curved_cage(std::string name, const std::vector<Subpath>& loops);
 
 /// Makes the edges of loops curves. A cage of curves and a lattice stay as they are; fails where there are
 /// chains or points.
-SvgResult<CageFile> with_curves(CageFile cage);
+Expected<CageFile> with_curves(CageFile cage);
 
 /// A cage as the file that load_cage() reads back to the bit: an SVG document, or CSV. A lattice is written
 /// as load_pose() reads it: its rows and columns, or in CSV its control points.
@@ -188,14 +188,14 @@ SvgResult<CageFile> with_curves(CageFile cage);
 ///   view    the document's viewBox
 ///   cage    of loops, in SVG; in CSV not of curves
 ///   fails   in SVG, where the first and the last vertex of a loop lie at one place: there they would be one
-SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view);
+Expected<std::string> to_svg(const CageFile& cage, const ViewBox& view);
 std::string to_csv(const CageFile& cage);
 
 /// A pose of a cage as the text of a file, .svg or .csv by the ending of its path.
 ///
 ///   fails   as to_svg() does, and where the cage has what the format cannot hold: chains or points in SVG,
 ///           curves in CSV
-SvgResult<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view);
+Expected<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view);
 
 /// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as
 /// circles. Ends of curves are squares, and their control points circles on thin lines to them; an edge that
@@ -215,21 +215,21 @@ std::string describe(const CageBlock& block);
 
 /// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of
 /// the cage, and what is one vertex there has to be at one place.
-SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage);
+Expected<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
 /// A pose of a lattice, from lines of points: its rows along x, then its columns. Where a row and a column
 /// differ, the one that has moved counts.
 ///
 ///   fails   where the lines are not those of the lattice, or both have moved a point, to different places
-SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
-                                      const CageFile& cage);
+Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
+                                     const CageFile& cage);
 
 /// Works as make_pose(), of a cage of curves. The loops of the pose have to have as many edges as the cage's,
 /// none of a lower degree; the message names the first edge that differs.
-SvgResult<CageFile> make_curved_pose(CageFile pose, const CageFile& cage);
+Expected<CageFile> make_curved_pose(CageFile pose, const CageFile& cage);
 
 /// Works as make_pose(), from a file; fails also as load_cage() does. A pose of a lattice is an SVG file of
 /// its rows and columns, or a CSV file of its control points.
-SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage);
+Expected<CageFile> load_pose(const std::string& path, const CageFile& cage);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
 #include "files/clip_file.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,14 @@
 #include <numbers>
 #include <sstream>
 
-namespace cageform_examples {
+namespace cageform_support {
 
-SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count) {
+Expected<ClipFile> load_clip(const std::string& path, std::size_t vertex_count) {
     const auto text = read_text(path);
     return text ? parse_clip(*text, path, vertex_count) : text.error();
 }
 
-SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
+Expected<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
     const auto text = read_text(path);
     return text ? parse_pose_clip(*text, path, vertex_count) : text.error();
 }
@@ -109,7 +109,7 @@ std::string fault_of_rows(const ClipControl& control, double length) {
 
 } // namespace
 
-SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
+Expected<ClipFile> parse_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
     ClipFile clip;
     clip.name = path;
     std::size_t number = 0;
@@ -150,10 +150,10 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         }
         if (!why.empty()) return detail::row_fault(path, number, line, why);
     }
-    if (clip.length == 0) return SvgError{path + ": the line \"length,SECONDS\" is missing"};
+    if (clip.length == 0) return FileError{path + ": the line \"length,SECONDS\" is missing"};
     for (const ClipControl& control : clip.controls) {
         const std::string why = fault_of_rows(control, clip.length);
-        if (!why.empty()) return SvgError{path + ": " + detail::quoted(control.name) + ": " + why};
+        if (!why.empty()) return FileError{path + ": " + detail::quoted(control.name) + ": " + why};
     }
     return clip;
 }
@@ -193,8 +193,7 @@ std::string clip_text(const ClipFile& clip, const std::string& heading) {
     return text;
 }
 
-SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& path,
-                                    std::size_t vertex_count) {
+Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
     PoseClip clip;
     clip.name = path;
     std::size_t number = 0;
@@ -248,12 +247,12 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
         }
         if (!why.empty()) return detail::row_fault(path, number, line, why);
     }
-    if (clip.length == 0) return SvgError{path + ": the line \"length,SECONDS\" is missing"};
-    if (clip.keys.size() < 2) return SvgError{path + ": holds fewer than two poses"};
+    if (clip.length == 0) return FileError{path + ": the line \"length,SECONDS\" is missing"};
+    if (clip.keys.size() < 2) return FileError{path + ": holds fewer than two poses"};
     const std::string why = count_fault();
-    if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+    if (!why.empty()) return FileError{path + ":" + std::to_string(number) + ": " + why};
     if (!(float(clip.keys.back().time) < float(clip.length)))
-        return SvgError{path + ": the last pose is not before the end, where the first pose returns"};
+        return FileError{path + ": the last pose is not before the end, where the first pose returns"};
     return clip;
 }
 
@@ -322,4 +321,4 @@ std::string name_of_pose(const PoseClip& clip, double time) {
     return text.str();
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

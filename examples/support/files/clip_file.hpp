@@ -37,7 +37,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help: the format at the head of this file.
 inline constexpr const char* clip_format =
@@ -127,16 +127,16 @@ struct ClipFile {
 ///           `vertex_count`, or
 ///           the times of a control do not ascend or are no part of the length, or there are controls
 ///           beside pins
-SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
+Expected<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
 /// Works as parse_clip(), from a file; fails also where it cannot be read.
-SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
+Expected<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
 
 /// A clip as the text of a file that parse_clip() reads back, all but turns to the bit.
 std::string clip_text(const ClipFile& clip, const std::string& heading);
 
 /// The motion of a cage with these vertices. It begins again at its end.
-SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
+Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
 
 /// The interpolation into and out of a pose.
 enum class PoseWay { smooth, linear, ease };
@@ -160,10 +160,10 @@ struct PoseClip {
 ///   name    stands before every message
 ///   fails   where a line is no number, time or way, a number is beyond single precision, a pose has not
 ///           `vertex_count` lines, or times do not ascend from 0 to less than the length, in single precision
-SvgResult<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
+Expected<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
 /// Works as parse_pose_clip(), from a file; fails also where it cannot be read.
-SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
+Expected<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
 
 /// The text of a clip in space, numbers to a millionth.
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
@@ -202,4 +202,4 @@ SampledPoses sample_poses(const PoseClip& clip, double rate = 0);
 /// "walk.csv after 0.5 s": stands before messages about one of its poses.
 std::string name_of_pose(const PoseClip& clip, double time);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -104,21 +104,21 @@ CageFile make_curved_cage(std::string name, const std::vector<Subpath>& loops) {
     return cage;
 }
 
-SvgResult<CageFile> with_curves(CageFile cage) {
+Expected<CageFile> with_curves(CageFile cage) {
     if (cage.curves || cage.lattice) return cage;
     if (cage.has_cells())
-        return SvgError{cage.name + ": " +
-                        cageform::to_string(cageform::Status::interior_cells_not_supported) +
-                        ": --coordinates curved takes loops alone, --coordinates harmonic chains and points"};
+        return FileError{
+            cage.name + ": " + cageform::to_string(cageform::Status::interior_cells_not_supported) +
+            ": --coordinates curved takes loops alone, --coordinates harmonic chains and points"};
     return make_curved_cage(cage.name, outline_of(cage));
 }
 
-SvgResult<CageFile> make_curved_pose(CageFile pose, const CageFile& cage) {
-    if (!pose.curves) return SvgError{pose.name + ": is no outline, as the cage " + cage.name + " is"};
+Expected<CageFile> make_curved_pose(CageFile pose, const CageFile& cage) {
+    if (!pose.curves) return FileError{pose.name + ": is no outline, as the cage " + cage.name + " is"};
     const auto &posed = pose.curves->degrees, &rest = cage.curves->degrees;
     if (posed.size() != rest.size())
-        return SvgError{pose.name + ": the pose has " + counted(posed.size(), "loop") + ", the cage " +
-                        cage.name + " " + counted(rest.size(), "loop")};
+        return FileError{pose.name + ": the pose has " + counted(posed.size(), "loop") + ", the cage " +
+                         cage.name + " " + counted(rest.size(), "loop")};
     for (std::size_t b = 0; b < rest.size(); ++b) {
         const std::size_t is = posed[b].size(), was = rest[b].size(), both = std::min(is, was);
         std::size_t e = 0;
@@ -132,12 +132,12 @@ SvgResult<CageFile> make_curved_pose(CageFile pose, const CageFile& cage) {
             text += "the pose has " + counted(is, "edge") + ", the cage " + cage.name + " " +
                     std::to_string(was) + ": ";
         if (e < both)
-            return SvgError{text + edge(posed[b][e]) + ", is " + name_of_degree(rest[b][e]) + " in the cage" +
-                            (is == was ? ' ' + cage.name : "")};
-        return SvgError{
+            return FileError{text + edge(posed[b][e]) + ", is " + name_of_degree(rest[b][e]) +
+                             " in the cage" + (is == was ? ' ' + cage.name : "")};
+        return FileError{
             text + (is < was ? edge(rest[b][e]) + ", is missing" : edge(posed[b][e]) + ", is one too many")};
     }
     return pose;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct ClipHeader {
     std::uint32_t curves = 0;
@@ -109,4 +109,4 @@ inline std::vector<std::byte> clip_part(std::span<const cageform::PiecewiseCubic
     return bytes;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

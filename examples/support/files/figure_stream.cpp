@@ -1,6 +1,6 @@
 #include "files/figure_stream.hpp"
 
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 
 #include <cageform/binding/figure.hpp>
 
@@ -12,7 +12,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 using cageform::BlobHeader;
 using cageform::FigureHeader;
@@ -246,4 +246,4 @@ std::optional<TileRecord> read_tile_record(const std::filesystem::path& path) {
     return record;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

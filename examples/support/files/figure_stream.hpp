@@ -5,7 +5,7 @@
 //
 //     TILE  TileRecord
 
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 #include <cageform/binding/types/blob.hpp>
 
@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Tells what a figure was made of, and how well. It holds no times: equal input gives equal bytes.
 struct TileRecord {
@@ -85,4 +85,4 @@ private:
 /// is no figure of a tile. It reads the file once, in blocks.
 std::optional<TileRecord> read_tile_record(const std::filesystem::path& path);
 
-} // namespace cageform_examples
+} // namespace cageform_support

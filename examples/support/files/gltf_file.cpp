@@ -3,13 +3,13 @@
 #include "files/moved_normals.hpp"
 #include "svg/css_colour.hpp"
 
-namespace cageform_examples {
+namespace cageform_support {
 
-SvgResult<ObjTexture> read_texture(const ObjFile& file) {
+Expected<ObjTexture> read_texture(const ObjFile& file) {
     ObjTexture texture;
     std::vector<std::string_view> words;
     std::size_t line = 1, total = 0;
-    const auto refuse = [&](const std::string& why) { return SvgError{file.name + ": " + why, line}; };
+    const auto refuse = [&](const std::string& why) { return FileError{file.name + ": " + why, line}; };
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) total += words[0] == "vt" ? 1 : 0;
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
         if (words[0] == "vt") {
@@ -36,8 +36,8 @@ SvgResult<ObjTexture> read_texture(const ObjFile& file) {
     return texture;
 }
 
-SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
-    if (file.triangles.empty()) return SvgError{file.name + ": holds no faces"};
+Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
+    if (file.triangles.empty()) return FileError{file.name + ": holds no faces"};
     const auto texture = read_texture(file);
     if (!texture) return texture.error();
     std::vector<GltfMesh> meshes;
@@ -374,4 +374,4 @@ gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t com
     return cageform::to_gltf_cubicspline(curves, components);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

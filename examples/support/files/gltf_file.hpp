@@ -6,11 +6,11 @@
 // A file is a JSON object and a buffer of bytes; both end in one file, .gltf (the bytes as text in the
 // JSON) or .glb (the bytes as they are). References are to the sections of the glTF 2.0 specification.
 
-#include "files/base64.hpp"
 #include "files/clip_file.hpp"
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
 #include "files/obj_parts.hpp"
+#include "io/base64.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/exchange/gltf.hpp>
@@ -21,7 +21,7 @@
 #include <cstring>
 #include <map>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 using GltfJson = nlohmann::ordered_json;
 
@@ -153,11 +153,11 @@ struct ObjTexture {
 };
 
 /// Fails where one is no numbers or is not there.
-SvgResult<ObjTexture> read_texture(const ObjFile& file);
+Expected<ObjTexture> read_texture(const ObjFile& file);
 
 /// The meshes of a file, one an object: splits vertices as glTF needs it. Fails where the file has no
 /// faces, or as read_texture() does.
-SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts);
+Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts);
 
 /// The mesh's positions where the file's vertices are at `places`.
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places);
@@ -257,4 +257,4 @@ void add_skin_attributes(GltfDocument& document, GltfJson& attributes, const Glt
     }
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
 #include "files/gltf_skeleton.hpp"
 
-namespace cageform_examples {
+namespace cageform_support {
 
 void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const ObjFile& figure,
                         const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
@@ -123,9 +123,9 @@ std::string describe_gltf(const std::string& path, std::span<const GltfMesh> mes
            " triangles, " + moved + ", " + std::to_string(bytes) + " bytes";
 }
 
-SvgResult<std::string> gltf_bytes(const GltfDocument& document, const std::string& path) {
-    if (document.bytes() > 0x7fffffff) return SvgError{path + ": would be larger than the format allows"};
+Expected<std::string> gltf_bytes(const GltfDocument& document, const std::string& path) {
+    if (document.bytes() > 0x7fffffff) return FileError{path + ": would be larger than the format allows"};
     return document.text(std::filesystem::path(path).extension() != ".gltf");
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,12 +2,12 @@
 
 // glTF 2.0: meshes with a skin, a skeleton that turns, its animation, and the file's end.
 
-#include "files/atomic_file.hpp"
 #include "files/gltf_file.hpp"
+#include "io/atomic_file.hpp"
 
 #include <cageform/skeleton/fit_skeleton.hpp>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Appends meshes with the attributes of a skin.
 ///
@@ -95,6 +95,6 @@ std::string describe_gltf(const std::string& path, std::span<const GltfMesh> mes
                           const ObjFile& figure, const std::string& moved, std::size_t bytes);
 
 /// The bytes of a file, by its name .gltf or .glb; fails where they are more than the format allows.
-SvgResult<std::string> gltf_bytes(const GltfDocument& document, const std::string& path);
+Expected<std::string> gltf_bytes(const GltfDocument& document, const std::string& path);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,15 +1,15 @@
 #include "files/lattice_file.hpp"
 
-#include "cli/bind_report.hpp"
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
+#include "files/bind_report.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <numbers>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -33,10 +33,10 @@ std::string read_number_behind(char mark, std::string_view& word, std::string_vi
 
 /// Returns the lattice, unless the library refuses it.
 template <std::size_t D>
-SvgResult<LatticeBox<D>> accepted(LatticeBox<D> lattice, const std::string& name) {
+Expected<LatticeBox<D>> accepted(LatticeBox<D> lattice, const std::string& name) {
     const auto coordinates = lattice.template coordinates<double>();
     const auto& report = coordinates.cage_report();
-    if (report.status != cageform::Status::ok) return SvgError{describe_faults(name, report)};
+    if (report.status != cageform::Status::ok) return FileError{describe_faults(name, report)};
     return lattice;
 }
 
@@ -71,22 +71,22 @@ bool read_axis(const Json& json, cageform::LatticeAxis& axis) {
     return true;
 }
 
-SvgResult<Json> parse_json(std::string_view text, const std::string& name) {
+Expected<Json> parse_json(std::string_view text, const std::string& name) {
     Json json = Json::parse(text, nullptr, false);
-    if (json.is_discarded()) return SvgError{name + ": is no JSON"};
+    if (json.is_discarded()) return FileError{name + ": is no JSON"};
     const auto axes = json.find("axes");
     if (!json.is_object() || json.value("format", Json()) != "lattice/1" || axes == json.end() ||
         !axes->is_array() || (axes->size() != 2 && axes->size() != 3))
-        return SvgError{name +
-                        R"(: is no lattice: "format": "lattice/1" and two or three "axes" are expected)"};
+        return FileError{name +
+                         R"(: is no lattice: "format": "lattice/1" and two or three "axes" are expected)"};
     return json;
 }
 
 } // namespace
 
-SvgResult<LatticeWord> parse_lattice_word(std::string_view word) {
+Expected<LatticeWord> parse_lattice_word(std::string_view word) {
     const auto refuse = [word](const std::string& why) {
-        return SvgError{"lattice:" + std::string(word.substr(0, 60)) + ": " + why};
+        return FileError{"lattice:" + std::string(word.substr(0, 60)) + ": " + why};
     };
     LatticeWord read;
     std::string_view left = word;
@@ -131,7 +131,7 @@ bool is_lattice_path(std::string_view path) {
     return path.ends_with(".lattice.json");
 }
 
-SvgResult<std::size_t> lattice_dimension(const std::string& path) {
+Expected<std::size_t> lattice_dimension(const std::string& path) {
     const auto text = read_text(path);
     if (!text) return text.error();
     const auto json = parse_json(*text, path);
@@ -140,18 +140,18 @@ SvgResult<std::size_t> lattice_dimension(const std::string& path) {
 }
 
 template <std::size_t D>
-SvgResult<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name) {
+Expected<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name) {
     const auto read = parse_json(text, name);
     if (!read) return read.error();
     const Json& json = *read;
     if (json["axes"].size() != D)
-        return SvgError{name + (D == 2 ? ": this lattice has three axes, and a drawing two"
-                                       : ": this lattice has two axes, and a mesh three")};
+        return FileError{name + (D == 2 ? ": this lattice has three axes, and a drawing two"
+                                        : ": this lattice has two axes, and a mesh three")};
     LatticeBox<D> lattice;
     for (std::size_t k = 0; k < D; ++k) {
         if (!read_axis(json["axes"][k], lattice.axes[k]))
-            return SvgError{name + ": axis " + std::to_string(k) +
-                            R"( is no object of "points", "degree" and, if need be, "knots")"};
+            return FileError{name + ": axis " + std::to_string(k) +
+                             R"( is no object of "points", "degree" and, if need be, "knots")"};
     }
     const auto columns = json.find("frame_columns"), origin = json.find("origin");
     bool is_sound = columns != json.end() && columns->is_array() && columns->size() == D &&
@@ -159,15 +159,16 @@ SvgResult<LatticeBox<D>> parse_lattice(std::string_view text, const std::string&
     for (std::size_t k = 0; k < D && is_sound; ++k)
         is_sound = read_vector<D>((*columns)[k], lattice.frame.columns[k]);
     if (!is_sound)
-        return SvgError{name + R"(: "frame_columns" and "origin" do not hold vectors of the dimension)"};
+        return FileError{name + R"(: "frame_columns" and "origin" do not hold vectors of the dimension)"};
     const auto falloff = json.find("falloff");
-    if (falloff != json.end() && !falloff->is_number()) return SvgError{name + R"(: "falloff" is no number)"};
+    if (falloff != json.end() && !falloff->is_number())
+        return FileError{name + R"(: "falloff" is no number)"};
     if (falloff != json.end()) lattice.falloff = falloff->template get<double>();
     return accepted(std::move(lattice), name);
 }
 
 template <std::size_t D>
-SvgResult<LatticeBox<D>> load_lattice(const std::string& path) {
+Expected<LatticeBox<D>> load_lattice(const std::string& path) {
     const auto text = read_text(path);
     if (!text) return text.error();
     return parse_lattice<D>(*text, path);
@@ -188,12 +189,12 @@ std::string to_json(const LatticeBox<D>& lattice) {
 }
 
 template <std::size_t D>
-SvgResult<LatticeBox<D>> lattice_about(const LatticeWord& word,
-                                       const std::vector<cageform::Vec<double, D>>& points, double margin,
-                                       const std::string& figure) {
+Expected<LatticeBox<D>> lattice_about(const LatticeWord& word,
+                                      const std::vector<cageform::Vec<double, D>>& points, double margin,
+                                      const std::string& figure) {
     if (word.points.size() != D)
-        return SvgError{figure + (D == 2 ? ": a lattice about a drawing has two axes: lattice:4x4"
-                                         : ": a lattice about a mesh has three axes: lattice:4x4x4")};
+        return FileError{figure + (D == 2 ? ": a lattice about a drawing has two axes: lattice:4x4"
+                                          : ": a lattice about a mesh has three axes: lattice:4x4x4")};
     LatticeBox<D> lattice;
     for (std::size_t k = 0; k < D; ++k) {
         const std::size_t most = word.points[k] - 1;
@@ -212,7 +213,7 @@ SvgResult<LatticeBox<D>> lattice_about(const LatticeWord& word,
         for (auto& p : places) p = turned(p, -s);
     }
     const auto box = cageform::box_around(places, margin);
-    if (!box) return SvgError{figure + ": no lattice about it: " + cageform::to_string(box.status())};
+    if (!box) return FileError{figure + ": no lattice about it: " + cageform::to_string(box.status())};
     lattice.frame = box.value;
     double square = 0;
     for (const auto& column : lattice.frame.columns) square += dot(column, column);
@@ -237,17 +238,17 @@ std::string describe(const LatticeBox<D>& lattice) {
     return text;
 }
 
-template SvgResult<LatticeBox<2>> parse_lattice(std::string_view, const std::string&);
-template SvgResult<LatticeBox<3>> parse_lattice(std::string_view, const std::string&);
-template SvgResult<LatticeBox<2>> load_lattice(const std::string&);
-template SvgResult<LatticeBox<3>> load_lattice(const std::string&);
+template Expected<LatticeBox<2>> parse_lattice(std::string_view, const std::string&);
+template Expected<LatticeBox<3>> parse_lattice(std::string_view, const std::string&);
+template Expected<LatticeBox<2>> load_lattice(const std::string&);
+template Expected<LatticeBox<3>> load_lattice(const std::string&);
 template std::string to_json(const LatticeBox<2>&);
 template std::string to_json(const LatticeBox<3>&);
-template SvgResult<LatticeBox<2>>
+template Expected<LatticeBox<2>>
 lattice_about(const LatticeWord&, const std::vector<cageform::Vec<double, 2>>&, double, const std::string&);
-template SvgResult<LatticeBox<3>>
+template Expected<LatticeBox<3>>
 lattice_about(const LatticeWord&, const std::vector<cageform::Vec<double, 3>>&, double, const std::string&);
 template std::string describe(const LatticeBox<2>&);
 template std::string describe(const LatticeBox<3>&);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A lattice that LatticeCoordinates have accepted.
 template <std::size_t D>
@@ -58,21 +58,21 @@ inline constexpr const char* lattice_format =
     "file of its points; in space it is an OBJ file with the points moved.\n";
 
 /// Reads a word; fails with a sentence that quotes it.
-SvgResult<LatticeWord> parse_lattice_word(std::string_view word);
+Expected<LatticeWord> parse_lattice_word(std::string_view word);
 
 /// Whether a path names a lattice's file.
 bool is_lattice_path(std::string_view path);
 
 /// 2 or 3: the number of axes of a lattice's file.
-SvgResult<std::size_t> lattice_dimension(const std::string& path);
+Expected<std::size_t> lattice_dimension(const std::string& path);
 
 /// A lattice from the text of a file; fails also where the library refuses it.
 template <std::size_t D>
-SvgResult<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name);
+Expected<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name);
 
 /// Works as parse_lattice(), from a file; fails also where it cannot be read.
 template <std::size_t D>
-SvgResult<LatticeBox<D>> load_lattice(const std::string& path);
+Expected<LatticeBox<D>> load_lattice(const std::string& path);
 
 /// The text of a file that parse_lattice() reads back to the bit.
 template <std::size_t D>
@@ -84,12 +84,12 @@ std::string to_json(const LatticeBox<D>& lattice);
 ///   figure   its name, for messages
 ///   fails    where the word is for another dimension, or there is no box
 template <std::size_t D>
-SvgResult<LatticeBox<D>> lattice_about(const LatticeWord& word,
-                                       const std::vector<cageform::Vec<double, D>>& points, double margin,
-                                       const std::string& figure);
+Expected<LatticeBox<D>> lattice_about(const LatticeWord& word,
+                                      const std::vector<cageform::Vec<double, D>>& points, double margin,
+                                      const std::string& figure);
 
 /// "4 x 4 control points of degree 3": for people.
 template <std::size_t D>
 std::string describe(const LatticeBox<D>& lattice);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,7 +2,7 @@
 
 // The animated numbers of a Lottie file, interval by interval.
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <cageform/exchange/lottie.hpp>
 
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The curve from a keyframe to the next, for one component of a property.
 struct LottieCurve {
@@ -116,4 +116,4 @@ inline std::string describe(const LottieCurve& one) {
     return text + (one.layer.empty() ? "" : "  (" + one.layer + ")");
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,11 +1,11 @@
 #include "files/marker_file.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -149,7 +149,7 @@ private:
 
 } // namespace
 
-SvgResult<ClipFile> parse_markers(std::string_view text, const std::string& name) {
+Expected<ClipFile> parse_markers(std::string_view text, const std::string& name) {
     std::size_t number = 0, columns = 1;
     std::string_view all = text;
     for (std::string_view line; take_line(all, line);) {
@@ -164,11 +164,11 @@ SvgResult<ClipFile> parse_markers(std::string_view text, const std::string& name
         if (const std::string why = reader.take(line); !why.empty())
             return detail::row_fault(name, number, line, why);
     }
-    if (const std::string why = reader.end(); !why.empty()) return SvgError{name + ": " + why};
+    if (const std::string why = reader.end(); !why.empty()) return FileError{name + ": " + why};
     return std::move(reader.clip());
 }
 
-SvgResult<ClipFile> load_markers(const std::string& path) {
+Expected<ClipFile> load_markers(const std::string& path) {
     const auto text = read_text(path);
     return text ? parse_markers(*text, path) : text.error();
 }
@@ -194,4 +194,4 @@ std::string markers_text(const Tracks& tracks, const ClipFile& of, const std::st
     return text + '\n';
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

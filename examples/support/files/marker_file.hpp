@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* markers_format =
@@ -30,10 +30,10 @@ inline constexpr const char* markers_format =
 ///   name    stands before every message
 ///   fails   where a row has not as many columns as the first, a number is wrong, times do not ascend, a
 ///           marker has no place at rest or is never seen, or there are fewer than two times
-SvgResult<ClipFile> parse_markers(std::string_view text, const std::string& name);
+Expected<ClipFile> parse_markers(std::string_view text, const std::string& name);
 
 /// Works as parse_markers(), from a file; fails also where it cannot be read.
-SvgResult<ClipFile> load_markers(const std::string& path);
+Expected<ClipFile> load_markers(const std::string& path);
 
 /// Where points of a figure are through a motion.
 struct Tracks {
@@ -47,4 +47,4 @@ struct Tracks {
 ///   of   the motion, whose late elements and ground are written too
 std::string markers_text(const Tracks& tracks, const ClipFile& of, const std::string& heading);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,12 +1,12 @@
 #include "files/mdd_file.hpp"
 
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 
 #include <bit>
 
-namespace cageform_examples {
+namespace cageform_support {
 
-SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices) {
+Expected<MddFile> load_mdd(const std::string& path, std::size_t vertices) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     const auto word = [&](std::size_t at) {
@@ -16,17 +16,17 @@ SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices) {
         return result;
     };
     if (bytes->size() < 8)
-        return SvgError{path + ": is no MDD file: it has " + std::to_string(bytes->size()) + " bytes"};
+        return FileError{path + ": is no MDD file: it has " + std::to_string(bytes->size()) + " bytes"};
     const std::uint64_t frames = word(0), points = word(4);
     if (points != vertices) {
-        return SvgError{path + " has " + std::to_string(points) + " vertices, the figure " +
-                        std::to_string(vertices) + ": give an MDD file of that figure"};
+        return FileError{path + " has " + std::to_string(points) + " vertices, the figure " +
+                         std::to_string(vertices) + ": give an MDD file of that figure"};
     }
     const std::uint64_t begin = 8 + 4 * frames, needed = begin + 12 * frames * points;
     if (bytes->size() != needed) {
-        return SvgError{path + ": has " + std::to_string(bytes->size()) + " bytes, but " +
-                        std::to_string(frames) + " frames of " + std::to_string(points) + " vertices take " +
-                        std::to_string(needed)};
+        return FileError{path + ": has " + std::to_string(bytes->size()) + " bytes, but " +
+                         std::to_string(frames) + " frames of " + std::to_string(points) + " vertices take " +
+                         std::to_string(needed)};
     }
     MddFile file{std::vector<std::vector<Point3>>(frames, std::vector<Point3>(vertices)), {}};
     std::size_t at = begin;
@@ -40,4 +40,4 @@ SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices) {
     return file;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

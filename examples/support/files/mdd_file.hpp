@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct MddFile {
     std::vector<std::vector<Point3>> frames; ///< #frames · #vertices
@@ -20,6 +20,6 @@ struct MddFile {
 ///
 ///   vertices   of the figure
 ///   fails      where it cannot be read, has another number of vertices, or is shorter or longer than it says
-SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices);
+Expected<MddFile> load_mdd(const std::string& path, std::size_t vertices);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,14 +1,14 @@
 #include "files/medit_file.hpp"
 
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -22,7 +22,7 @@ public:
         , strays_(strays) {}
 
     /// Returns why it cannot be read, mostly with a line; else a message that is empty.
-    SvgError read() {
+    FileError read() {
         read_all();
         return {fault_, fault_.empty() ? 0 : line_};
     }
@@ -192,17 +192,17 @@ private:
 
 } // namespace
 
-SvgResult<ObjFile> parse_medit(std::string text, std::string name, StrayVertices strays) {
+Expected<ObjFile> parse_medit(std::string text, std::string name, StrayVertices strays) {
     ObjFile file;
     file.name = std::move(name);
-    if (text.empty()) return SvgError{file.name + ": is empty"};
-    const SvgError fault = MeditReader(text, file, strays).read();
-    if (!fault.message.empty()) return SvgError{file.name + ": " + fault.message, fault.line};
+    if (text.empty()) return FileError{file.name + ": is empty"};
+    const FileError fault = MeditReader(text, file, strays).read();
+    if (!fault.message.empty()) return FileError{file.name + ": " + fault.message, fault.line};
     file.text = std::move(text);
     return file;
 }
 
-SvgResult<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays) {
+Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays) {
     if (ending_of(path) != ".mesh") return load_obj(path, strays);
     auto text = read_text(path.string());
     return text ? parse_medit(std::move(*text), path.string(), strays) : text.error();
@@ -255,4 +255,4 @@ std::string medit_text(std::span<const Point3> vertices,
     return text + "End\n";
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

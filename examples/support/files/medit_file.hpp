@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* medit_format =
@@ -29,11 +29,11 @@ inline constexpr const char* medit_format =
 ///             files have them
 ///   fails     where a section is missing, ends too soon or is there twice, where a coordinate is no finite
 ///             number or an index there is not, and in two dimensions; with the line
-SvgResult<ObjFile> parse_medit(std::string text, std::string name,
-                               StrayVertices strays = StrayVertices::refuse);
+Expected<ObjFile> parse_medit(std::string text, std::string name,
+                              StrayVertices strays = StrayVertices::refuse);
 
 /// Reads a figure from a .mesh file or, by any other name, from an OBJ file.
-SvgResult<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays);
+Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays);
 
 /// Returns the faces that one cell alone has, counter-clockwise seen from outside.
 detail::Triangles surface_of(std::span<const Point3> vertices,
@@ -43,4 +43,4 @@ detail::Triangles surface_of(std::span<const Point3> vertices,
 std::string medit_text(std::span<const Point3> vertices,
                        std::span<const std::array<std::uint32_t, 4>> tetrahedra);
 
-} // namespace cageform_examples
+} // namespace cageform_support

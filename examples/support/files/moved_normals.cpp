@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -111,4 +111,4 @@ std::vector<std::vector<std::uint32_t>> MovedNormals::split() const {
     return vertices;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

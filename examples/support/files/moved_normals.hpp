@@ -4,7 +4,7 @@
 
 #include "files/obj_file.hpp"
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// J⁻ᵀ n, as long as `n`. Returns nothing where the Jacobian has no inverse.
 std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
@@ -34,4 +34,4 @@ private:
     std::vector<Point3> normals_;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,8 +1,8 @@
 #include "files/obj_file.hpp"
 
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
 #include "files/moved_normals.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 #include <tiny_obj_loader.h>
 
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <map>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -225,11 +225,11 @@ std::string triangulate(ObjFile& file) {
 
 } // namespace detail
 
-SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays) {
+Expected<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays) {
     ObjFile file;
     file.name = std::move(name);
     file.text = std::move(text);
-    if (file.text.empty()) return SvgError{file.name + ": is empty"};
+    if (file.text.empty()) return FileError{file.name + ": is empty"};
 
     std::vector<std::string_view> words;
     std::vector<std::size_t> lines_left_out; // as ObjFile::left_out
@@ -237,8 +237,8 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
     const auto refuse = [&](const std::string& why) {
         const std::string_view format = detail::other_format(file.text);
         if (!format.empty())
-            return SvgError{file.name + ": looks like a file of the format " + std::string(format)};
-        return SvgError{file.name + ": " + why, line};
+            return FileError{file.name + ": looks like a file of the format " + std::string(format)};
+        return FileError{file.name + ": " + why, line};
     };
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
         if (words[0] != "v" && words[0] != "vn") continue;
@@ -264,7 +264,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
     }
     if (file.vertices.empty()) {
         const std::string_view format = detail::other_format(file.text);
-        return SvgError{
+        return FileError{
             file.name + ": holds no vertices (lines \"v x y z\")" +
             (format.empty() ? "" : ": it looks like a file of the format " + std::string(format))};
     }
@@ -304,16 +304,16 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
         file.face_parts.clear();
     std::string why = detail::place_left_out(file, used, strays);
     if (why.empty()) why = detail::triangulate(file);
-    if (!why.empty()) return SvgError{file.name + ": " + why};
+    if (!why.empty()) return FileError{file.name + ": " + why};
     return file;
 }
 
-SvgResult<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays) {
+Expected<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays) {
     auto text = read_text(path.string());
     return text ? parse_obj(std::move(*text), path.string(), strays) : text.error();
 }
 
-std::optional<SvgError> single_precision_fault(const ObjFile& file) {
+std::optional<FileError> single_precision_fault(const ObjFile& file) {
     std::vector<std::string_view> words;
     std::size_t line = 1, vertex = 0;
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
@@ -321,7 +321,8 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file) {
         const Point3& p = file.vertices[vertex++];
         for (std::size_t k = 0; k < 3; ++k) {
             const std::string why = detail::single_precision_fault(p[k]);
-            if (!why.empty()) return SvgError{file.name + ": v " + std::to_string(vertex) + ": " + why, line};
+            if (!why.empty())
+                return FileError{file.name + ": v " + std::to_string(vertex) + ": " + why, line};
         }
     }
     return std::nullopt;
@@ -485,4 +486,4 @@ std::string to_text(const ObjFile& file, const MovedVertices& moved) {
     return split.empty() ? text : with_normals_split(text, file, split);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 using Point3 = cageform::Vec<double, 3>;
 
@@ -191,14 +191,13 @@ inline std::string part_group(int number) {
 ///   name    stands before every message
 ///   fails   where there is no vertex, a coordinate is no finite number (a normal need only be numbers), or a
 ///           face has less than three corners or an index that there is not
-SvgResult<ObjFile> parse_obj(std::string text, std::string name,
-                             StrayVertices strays = StrayVertices::refuse);
+Expected<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays = StrayVertices::refuse);
 
 /// Works as parse_obj(), from a file; fails also where it cannot be read.
-SvgResult<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
+Expected<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
 
 /// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
-std::optional<SvgError> single_precision_fault(const ObjFile& file);
+std::optional<FileError> single_precision_fault(const ObjFile& file);
 
 /// Returns the sign of the determinant of the affine map that is nearest to the motion of the vertices: -1 if
 /// a pose mirrors a figure, 0 if the figure or the pose is flat, else 1.
@@ -251,4 +250,4 @@ std::string describe_others(const ObjFile& file, std::initializer_list<std::stri
 /// The file with the corners of each face in the opposite order, in its text too.
 ObjFile with_faces_turned_over(ObjFile file);
 
-} // namespace cageform_examples
+} // namespace cageform_support

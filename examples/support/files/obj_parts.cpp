@@ -1,7 +1,7 @@
 #include "files/obj_parts.hpp"
 
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 
 #include <tiny_obj_loader.h>
 
@@ -13,7 +13,7 @@
 #include <sstream>
 #include <system_error>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -400,4 +400,4 @@ std::vector<std::string> material_files(const ObjFile& file) {
     return names;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A material, its numbers within 0 to 1 but for `emission`, which is 0 or more.
 struct ObjMaterial {
@@ -48,4 +48,4 @@ ObjParts read_parts(const ObjFile& file);
 /// The names of the MTL files that a file names, as it names them.
 std::vector<std::string> material_files(const ObjFile& file);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
 #include "files/ply_file.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -423,4 +423,4 @@ std::optional<std::string> little_endian_bytes(PlyReader& reader, const std::vec
     return bytes;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,7 +2,7 @@
 
 // Reading PLY files of any size in blocks of records: ASCII, binary of either byte order.
 
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* ply_format =
@@ -119,4 +119,4 @@ private:
 ///   elements   those of the header, with the types that the numbers get
 std::optional<std::string> little_endian_bytes(PlyReader& reader, const std::vector<PlyElement>& elements);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,14 +1,14 @@
 #include "files/point_file.hpp"
 
-#include "files/atomic_file.hpp"
-#include "files/csv.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 PointFile::PointFile(const std::string& path)
     : path_(path) {
@@ -140,4 +140,4 @@ std::optional<std::uint64_t> PointFile::hash_to_end() {
     return hash;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,8 +2,8 @@
 
 // Points in space from files of any size, in blocks: the vertices of PLY and OBJ files, arrays of numpy.
 
-#include "files/input_file.hpp"
 #include "files/ply_file.hpp"
+#include "io/input_file.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* point_file_format =
@@ -51,4 +51,4 @@ private:
     std::size_t number_bytes_ = 0;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -14,19 +14,19 @@ constexpr std::size_t longest_row(std::size_t numbers) {
 }
 
 /// The motion of a clip in space or in the plane.
-SvgResult<cageform::CageClip<double, 3>> motion_of_clip(std::string_view text, const std::string& name,
-                                                        std::span<const cageform::Vec<double, 3>> rest) {
+Expected<cageform::CageClip<double, 3>> motion_of_clip(std::string_view text, const std::string& name,
+                                                       std::span<const cageform::Vec<double, 3>> rest) {
     const auto clip = parse_pose_clip(text, name, rest.size());
     if (!clip) return clip.error();
     return make_clip<double>(*clip);
 }
-SvgResult<cageform::CageClip<double, 2>> motion_of_clip(std::string_view text, const std::string& name,
-                                                        std::span<const cageform::Vec<double, 2>> rest) {
+Expected<cageform::CageClip<double, 2>> motion_of_clip(std::string_view text, const std::string& name,
+                                                       std::span<const cageform::Vec<double, 2>> rest) {
     const auto clip = parse_clip(text, name, rest.size());
     if (!clip) return clip.error();
     if (clip->has_pins())
-        return SvgError{name +
-                        ": pins move points of the figure: animate_svg --save-clip makes keys of them"};
+        return FileError{name +
+                         ": pins move points of the figure: animate_svg --save-clip makes keys of them"};
     std::vector<Point2> vertices;
     for (const auto& p : rest) vertices.push_back({p[0], p[1]});
     return make_clip(*clip, vertices);
@@ -112,7 +112,7 @@ bool PoseRows<D>::next(PoseRow& row) {
 }
 
 template <std::size_t D>
-SvgResult<typename PoseRows<D>::Pose> PoseRows<D>::pose_of(const PoseRow& row) const {
+Expected<typename PoseRows<D>::Pose> PoseRows<D>::pose_of(const PoseRow& row) const {
     Pose pose(rest_.size());
     if (clip_) {
         auto cursor = clip_->make_cursor();
@@ -144,4 +144,4 @@ std::string PoseRows<D>::name_of(const PoseRow& row) const {
 template class PoseRows<2>;
 template class PoseRows<3>;
 
-} // namespace cageform_examples
+} // namespace cageform_support

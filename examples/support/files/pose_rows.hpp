@@ -4,8 +4,8 @@
 // row at a time, so it may have any length.
 
 #include "files/clip_file.hpp"
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 #include "svg/path.hpp"
 
 #include <cageform/animate/clip.hpp>
@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* pose_table_format =
@@ -56,7 +56,7 @@ public:
     /// The pose of a row. Threads may call it together.
     ///
     ///   fails   where a line has not D numbers for every vertex, or one of them is not finite
-    SvgResult<Pose> pose_of(const PoseRow& row) const;
+    Expected<Pose> pose_of(const PoseRow& row) const;
 
     /// The row as messages name it: "poses.csv:12" or "walk.csv after 0.4 s".
     std::string name_of(const PoseRow& row) const;
@@ -83,4 +83,4 @@ private:
     std::string error_;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,13 +1,13 @@
 #include "files/posed_file.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -155,4 +155,4 @@ template std::string PosedFile::contents(std::span<const cageform::Vec<double, 2
 template std::string PosedFile::contents(std::span<const cageform::Vec<double, 3>>,
                                          std::span<const Jacobian3>) const;
 
-} // namespace cageform_examples
+} // namespace cageform_support

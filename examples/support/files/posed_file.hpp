@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 enum class PosedFormat { obj, ply, ply_text, npy };
 
@@ -60,4 +60,4 @@ private:
     bool many_corners_ = false; // a face with more than 255
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,29 +1,29 @@
 #include "files/site_file.hpp"
 
-#include "cli/bind_report.hpp"
+#include "files/bind_report.hpp"
 #include "svg/document.hpp"
 
 #include <cageform/cage/control_points.hpp>
 
 #include <bit>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
 template <std::size_t D>
-SvgResult<SiteFile<D>> read_site_csv(const std::string& path) {
+Expected<SiteFile<D>> read_site_csv(const std::string& path) {
     SiteFile<D> sites{path, {}, {}};
     PointReader<D> reader(path);
     for (std::vector<std::array<double, D>> next; reader.read(next, 1);) {
         sites.points.push_back(std::bit_cast<typename SiteFile<D>::Point>(next.front()));
         sites.places.push_back("line " + std::to_string(reader.line()));
     }
-    if (!reader.error().empty()) return SvgError{reader.error()};
+    if (!reader.error().empty()) return FileError{reader.error()};
     return sites;
 }
 
-SvgResult<SiteFile<2>> read_site_circles(const std::string& path) {
+Expected<SiteFile<2>> read_site_circles(const std::string& path) {
     const auto document = load_svg(path);
     if (!document) return document.error();
     auto all = shapes(*document);
@@ -32,17 +32,17 @@ SvgResult<SiteFile<2>> read_site_circles(const std::string& path) {
     for (SvgShape& shape : *all) {
         if (!shape.is_circle) continue;
         if (shape.path.empty())
-            return SvgError{path + ": " + shape.label + ": has no radius above 0, so it marks no point"};
+            return FileError{path + ": " + shape.label + ": has no radius above 0, so it marks no point"};
         const Subpath& outline = shape.path.front(); // of four arcs, or fewer where they are too small
         const Point2 &a = outline.start, &b = outline.segments.size() == 4 ? outline.segments[1].p3 : a;
         sites.points.push_back({a.x + (b.x - a.x) / 2, a.y + (b.y - a.y) / 2});
         sites.places.push_back(std::move(shape.label));
     }
-    if (sites.points.empty()) return SvgError{path + ": holds no circles; their centres are the points"};
+    if (sites.points.empty()) return FileError{path + ": holds no circles; their centres are the points"};
     return sites;
 }
 
-SvgResult<SiteFile<3>> read_site_vertices(const std::string& path) {
+Expected<SiteFile<3>> read_site_vertices(const std::string& path) {
     auto file = load_obj(path);
     if (!file) return file.error();
     SiteFile<3> sites{path, std::move(file->vertices), {}};
@@ -56,7 +56,7 @@ SvgResult<SiteFile<3>> read_site_vertices(const std::string& path) {
 
 } // namespace detail
 
-SvgResult<std::size_t> site_dimension(const std::string& path) {
+Expected<std::size_t> site_dimension(const std::string& path) {
     if (!path.ends_with(".csv")) return std::size_t(path.ends_with(".obj") ? 3 : 2);
     const auto file = read_text(path);
     if (!file) return file.error();
@@ -65,11 +65,11 @@ SvgResult<std::size_t> site_dimension(const std::string& path) {
     while (take_line(text, line)) {
         if (rows.take(line)) return std::size_t(detail::cells_of(line).size() == 3 ? 3 : 2);
     }
-    return SvgError{path + ": holds no points"};
+    return FileError{path + ": holds no points"};
 }
 
 template <std::size_t D>
-SvgResult<SiteFile<D>> load_sites(const std::string& path) {
+Expected<SiteFile<D>> load_sites(const std::string& path) {
     const auto read = [&] {
         if (path.ends_with(".csv")) return detail::read_site_csv<D>(path);
         if constexpr (D == 2)
@@ -78,26 +78,26 @@ SvgResult<SiteFile<D>> load_sites(const std::string& path) {
             return detail::read_site_vertices(path);
     };
     auto sites = read();
-    if (sites && sites->points.empty()) return SvgError{path + ": holds no points"};
+    if (sites && sites->points.empty()) return FileError{path + ": holds no points"};
     return sites;
 }
 
 template <std::size_t D>
-SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites) {
+Expected<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites) {
     auto pose = load_sites<D>(path);
     if (!pose) return pose;
     if (pose->points.size() != sites.points.size()) {
-        return SvgError{path + ": the pose has " + std::to_string(pose->points.size()) + " points, " +
-                        sites.name + " " + std::to_string(sites.points.size())};
+        return FileError{path + ": the pose has " + std::to_string(pose->points.size()) + " points, " +
+                         sites.name + " " + std::to_string(sites.points.size())};
     }
     for (std::size_t i = 0; i < pose->points.size(); ++i) {
         if (!cageform::is_finite(cageform::to_vec<double>(pose->points[i])))
-            return SvgError{path + ": " + pose->places[i] + ": a number is not finite"};
+            return FileError{path + ": " + pose->places[i] + ": a number is not finite"};
     }
     return pose;
 }
 
-SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count) {
+Expected<std::vector<double>> load_site_weights(const std::string& path, std::size_t count) {
     const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<double> weights;
@@ -114,8 +114,8 @@ SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::s
         weights.push_back(weight);
     }
     if (weights.size() == count) return weights;
-    return SvgError{path + ": holds " + std::to_string(weights.size()) + " weights where there are " +
-                    std::to_string(count) + " points"};
+    return FileError{path + ": holds " + std::to_string(weights.size()) + " weights where there are " +
+                     std::to_string(count) + " points"};
 }
 
 template <std::size_t D>
@@ -172,10 +172,10 @@ std::string describe_site_faults(const SiteFile<D>& sites, const cageform::BindR
     return text;
 }
 
-template SvgResult<SiteFile<2>> load_sites(const std::string&);
-template SvgResult<SiteFile<3>> load_sites(const std::string&);
-template SvgResult<SiteFile<2>> load_site_pose(const std::string&, const SiteFile<2>&);
-template SvgResult<SiteFile<3>> load_site_pose(const std::string&, const SiteFile<3>&);
+template Expected<SiteFile<2>> load_sites(const std::string&);
+template Expected<SiteFile<3>> load_sites(const std::string&);
+template Expected<SiteFile<2>> load_site_pose(const std::string&, const SiteFile<2>&);
+template Expected<SiteFile<3>> load_site_pose(const std::string&, const SiteFile<3>&);
 template std::string surround_sites<2>(double, const std::vector<Point2>&, SiteFile<2>&, SiteFile<2>&);
 template std::string surround_sites<3>(double, const std::vector<Point3>&, SiteFile<3>&, SiteFile<3>&);
 template std::string single_precision_fault(const SiteFile<2>&);
@@ -183,4 +183,4 @@ template std::string single_precision_fault(const SiteFile<3>&);
 template std::string describe_site_faults(const SiteFile<2>&, const cageform::BindReport&);
 template std::string describe_site_faults(const SiteFile<3>&, const cageform::BindReport&);
 
-} // namespace cageform_examples
+} // namespace cageform_support

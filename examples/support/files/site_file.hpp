@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Sites in the plane (D = 2) or in space (D = 3), as read.
 template <std::size_t D>
@@ -35,17 +35,17 @@ inline constexpr const char* site_formats =
 
 /// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells
 /// by its first point; load_sites() refuses what is not a point.
-SvgResult<std::size_t> site_dimension(const std::string& path);
+Expected<std::size_t> site_dimension(const std::string& path);
 
 /// Reads sites, of a CSV file, an SVG (D = 2) or an OBJ (D = 3).
 ///
 ///   fails   where the file cannot be read or holds none; whether they can serve is for the library to say
 template <std::size_t D>
-SvgResult<SiteFile<D>> load_sites(const std::string& path);
+Expected<SiteFile<D>> load_sites(const std::string& path);
 
 /// Reads a pose of sites; fails also where it has not as many points, or one that is not finite.
 template <std::size_t D>
-SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites);
+Expected<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites);
 
 /// The text for --help on weights of sites.
 inline constexpr const char* site_weights_format =
@@ -54,7 +54,7 @@ inline constexpr const char* site_weights_format =
     "heavier point attracts the figure, even when no point has moved.\n";
 
 /// Reads weights of sites; fails also where there are not `count`, or one is not finite and above 0.
-SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count);
+Expected<std::vector<double>> load_site_weights(const std::string& path, std::size_t count);
 
 /// Adds the corners of a box around the sites and a figure, which stand still in the pose. See
 /// surround() of cageform/cage/control_points.hpp.
@@ -73,4 +73,4 @@ std::string single_precision_fault(const SiteFile<D>& sites);
 template <std::size_t D>
 std::string describe_site_faults(const SiteFile<D>& sites, const cageform::BindReport& report);
 
-} // namespace cageform_examples
+} // namespace cageform_support

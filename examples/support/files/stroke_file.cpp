@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -55,7 +55,7 @@ std::vector<std::string> words_of(const std::string& text) {
 
 } // namespace detail
 
-SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes) {
+Expected<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes) {
     auto loaded = load_svg(path);
     if (!loaded) return loaded.error();
     const auto document = std::make_shared<SvgDocument>(std::move(*loaded));
@@ -85,21 +85,21 @@ SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<co
                 for (std::size_t k = 0; k < 2; ++k) {
                     const double rounding = 1e-9 * (std::fabs(low[k]) + size[k]);
                     if (!(p[k] >= low[k] - rounding && p[k] <= low[k] + size[k] + rounding))
-                        return SvgError{document->name + ": " + line.label +
-                                        " reaches beyond the picture (its viewBox)"};
+                        return FileError{document->name + ": " + line.label +
+                                         " reaches beyond the picture (its viewBox)"};
                     p[k] = std::clamp(p[k], low[k], low[k] + size[k]);
                 }
             }
             if (line.part.back() > 0) file.lines.push_back(std::move(line));
         }
     }
-    if (file.lines.empty()) return SvgError{document->name + ": holds no stroke"};
+    if (file.lines.empty()) return FileError{document->name + ": holds no stroke"};
     return file;
 }
 
-SvgResult<std::vector<double>>
+Expected<std::vector<double>>
 values_along(const DrawnLine& line, const std::string& text, std::size_t count,
-             const std::function<SvgResult<std::vector<double>>(const std::string&)>& read) {
+             const std::function<Expected<std::vector<double>>(const std::string&)>& read) {
     std::vector<std::vector<double>> given;
     for (const std::string& word : detail::words_of(text)) {
         const auto values = read(word);
@@ -108,9 +108,9 @@ values_along(const DrawnLine& line, const std::string& text, std::size_t count,
     }
     const bool of_vertices = given.size() == line.vertices, of_ends = given.size() == 2 && !line.closed;
     if (given.size() != 1 && !of_vertices && !of_ends)
-        return SvgError{std::to_string(given.size()) + " values for " + std::to_string(line.vertices) +
-                        " vertices: give one, " + (line.closed ? "" : "two for the ends, ") +
-                        "or one for each"};
+        return FileError{std::to_string(given.size()) + " values for " + std::to_string(line.vertices) +
+                         " vertices: give one, " + (line.closed ? "" : "two for the ends, ") +
+                         "or one for each"};
     std::vector<double> values;
     for (std::size_t i = 0; i < line.points.size(); ++i) {
         const double at = given.size() == 1 ? 0 : of_vertices ? line.along[i] : line.part[i];
@@ -123,4 +123,4 @@ values_along(const DrawnLine& line, const std::string& text, std::size_t count,
     return values;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A subpath of a drawn shape, its curves as lines.
 struct DrawnLine {
@@ -37,7 +37,7 @@ struct StrokeFile {
 ///   fails   where the file cannot be read or is malformed, where nothing is such a stroke, and where one
 ///           reaches beyond
 ///           the viewBox: the message names it
-SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes);
+Expected<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes);
 
 /// The values of an attribute at the points of a line: one for all of it, two for its ends and linear in
 /// its length between, or one for each of its vertices and linear between these.
@@ -45,8 +45,8 @@ SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<co
 ///   read    one value of `count` numbers from a word; an error where it is none
 ///   text    words parted by white space, outside brackets
 ///   fails   with another number of words
-SvgResult<std::vector<double>>
+Expected<std::vector<double>>
 values_along(const DrawnLine& line, const std::string& text, std::size_t count,
-             const std::function<SvgResult<std::vector<double>>(const std::string&)>& read);
+             const std::function<Expected<std::vector<double>>(const std::string&)>& read);
 
-} // namespace cageform_examples
+} // namespace cageform_support

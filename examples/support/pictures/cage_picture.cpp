@@ -1,6 +1,6 @@
 #include "pictures/cage_picture.hpp"
 
-#include "files/base64.hpp"
+#include "io/base64.hpp"
 #include "pictures/field_plot.hpp"
 #include "svg/document.hpp"
 
@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
     auto group = document.xml.document_element().append_child("g");
@@ -96,15 +96,15 @@ void draw_figure(SvgDocument& document, const SvgDocument& figure, const ViewBox
 
 } // namespace
 
-SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
-                                 const std::string& name) {
+Expected<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
+                                const std::string& name) {
     PlaneBox box;
     for (const auto* vertices : {&cage.vertices, &pose.vertices}) {
         for (const Point2& p : *vertices) box.add(p);
     }
     const double diagonal = std::hypot(box.width(), box.height()), letter = diagonal / 45;
     if (!(letter > 0) || !std::isfinite(diagonal))
-        return SvgError{cage.name + ": cannot be drawn: its size is not finite, or zero"};
+        return FileError{cage.name + ": cannot be drawn: its size is not finite, or zero"};
     auto picture = parse_svg("<svg xmlns=\"http://www.w3.org/2000/svg\"/>", name);
     if (!picture) return picture;
     const ViewBox seen{box.low.x - 2 * letter, box.low.y - 2 * letter, box.width() + 4 * letter,
@@ -179,4 +179,4 @@ Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose) {
     return picture;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

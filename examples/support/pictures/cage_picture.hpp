@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The figure below, the cage at rest in grey where the pose is another, the pose over it with its
 /// vertices' numbers.
@@ -18,8 +18,8 @@ namespace cageform_examples {
 ///   figure   may be null
 ///   name     of the file, for messages
 ///   fails    where the cage has no size
-SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
-                                 const std::string& name);
+Expected<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
+                                const std::string& name);
 
 /// Draws into a document, in root user space, a dot and a number at every vertex of a cage, the number
 /// outside its loop. The vertices of curves are control points, and those that draw_cage() marks get no dot.
@@ -34,4 +34,4 @@ void draw_pins(SvgDocument& document, const std::vector<Pin<2>>& pins, double di
 /// the vertices of faces turned here.
 Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform_examples::detail {
+namespace cageform_support::detail {
 
 inline Point3 unit(const Point3& v) {
     const double length = std::hypot(v[0], v[1], v[2]);
@@ -109,4 +109,4 @@ private:
     Point2 offset_{};
 };
 
-} // namespace cageform_examples::detail
+} // namespace cageform_support::detail

@@ -1,6 +1,6 @@
 #include "pictures/field_plot.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <cmath>
 #include <iterator>
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 Colour sign_root(double value) {
     const float s = std::sqrt(float(std::min(std::fabs(value), 1.0)));
@@ -417,4 +417,4 @@ Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const
     return with_colour_bar(sheet, box.least, box.largest, style);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

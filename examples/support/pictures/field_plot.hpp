@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Black at 0; the root of the distance from it is how bright positive values are in yellow, negative ones
 /// in green.
@@ -157,4 +157,4 @@ inline void SurfaceView::add_options(CommandLine& line, const std::string& name)
         .show_default();
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -97,9 +97,9 @@ std::vector<Membrane::Values> outline_differences(const Pixels& source, const Pi
     return differences;
 }
 
-SvgResult<std::vector<Membrane::Values>> poisson_function(const PixelRegion& region,
-                                                          std::span<const Membrane::Values> outline,
-                                                          const cageform::Running& running) {
+Expected<std::vector<Membrane::Values>> poisson_function(const PixelRegion& region,
+                                                         std::span<const Membrane::Values> outline,
+                                                         const cageform::Running& running) {
     const std::size_t size = region.kinds.size();
     std::vector<cageform::Cell> cells(size);
     for (std::size_t i = 0; i < size; ++i) {
@@ -116,7 +116,7 @@ SvgResult<std::vector<Membrane::Values>> poisson_function(const PixelRegion& reg
         cageform::CellBox<2>{{region.width, region.height}}, std::span<const cageform::Cell>(cells), fields,
         {.tolerance = 1e-4, .max_cycles = 500}, running);
     if (status != cageform::Status::ok)
-        return SvgError{std::string("the Poisson equation is not solved: ") + cageform::to_string(status)};
+        return FileError{std::string("the Poisson equation is not solved: ") + cageform::to_string(status)};
     std::vector<Membrane::Values> values(size);
     for (std::size_t i = 0; i < size; ++i) values[i] = {fields[i], fields[size + i], fields[2 * size + i]};
     return values;
@@ -152,4 +152,4 @@ ColourDifference colour_difference(const Pixels& a, const Pixels& b, const Pixel
     return difference;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

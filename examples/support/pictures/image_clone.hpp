@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Where the upper left corner of a region's box goes in a target.
 struct PixelPlace {
@@ -35,9 +35,9 @@ std::vector<Membrane::Values> outline_differences(const Pixels& source, const Pi
 ///
 ///   returns   of each pixel of the region's box; 0 outside the region
 ///   fails     as cageform::solve_dirichlet does
-SvgResult<std::vector<Membrane::Values>> poisson_function(const PixelRegion& region,
-                                                          std::span<const Membrane::Values> outline,
-                                                          const cageform::Running& running = {});
+Expected<std::vector<Membrane::Values>> poisson_function(const PixelRegion& region,
+                                                         std::span<const Membrane::Values> outline,
+                                                         const cageform::Running& running = {});
 
 /// Puts a region into a picture: the colours of the source inside, plus `added`. Pixels of the outline stay
 /// as they are, and so does alpha. Where the source is translucent, what is there shines through.
@@ -57,4 +57,4 @@ struct ColourDifference {
 ColourDifference colour_difference(const Pixels& a, const Pixels& b, const PixelRegion& region,
                                    const PixelPlace& at);
 
-} // namespace cageform_examples
+} // namespace cageform_support

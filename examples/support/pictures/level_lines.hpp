@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The lines on which a field has a value: linear along the sides of the squares between neighbouring
 /// values; of a square with four crossings the mean of its corners decides which belong together. Closed
@@ -75,4 +75,4 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
     return lines;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

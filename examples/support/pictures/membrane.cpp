@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 class MembraneBuilder {
 public:
@@ -24,7 +24,7 @@ public:
         made_.width_ = width_;
     }
 
-    SvgResult<Membrane> run() {
+    Expected<Membrane> run() {
         label_parts();
         trace();
         sort_loops();
@@ -34,7 +34,7 @@ public:
             for (std::size_t n = begin; n < end; ++n) faults[n] = bind_group(made_.groups_[n]);
         });
         for (const std::string& fault : faults) {
-            if (!fault.empty()) return SvgError{"the region cannot be bound: " + fault};
+            if (!fault.empty()) return FileError{"the region cannot be bound: " + fault};
         }
         report();
         return std::move(made_);
@@ -498,9 +498,9 @@ private:
     std::vector<std::uint32_t> part_at_; // of points
 };
 
-SvgResult<Membrane> Membrane::bind(const PixelRegion& region, const MembraneOptions& options,
-                                   const cageform::ParallelFor& parallel) {
-    if (region.inside == 0) return SvgError{"the region has no inside: all its pixels are on its outline"};
+Expected<Membrane> Membrane::bind(const PixelRegion& region, const MembraneOptions& options,
+                                  const cageform::ParallelFor& parallel) {
+    if (region.inside == 0) return FileError{"the region has no inside: all its pixels are on its outline"};
     return MembraneBuilder(region, options, parallel).run();
 }
 
@@ -529,4 +529,4 @@ void Membrane::find_corners(std::span<const Values> outline) {
     for (const auto& [point, one, other] : hanging_) values_[point] = 0.5f * (values_[one] + values_[other]);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct MembraneOptions {
     /// A stretch of the outline counts as one vertex, at its mean, where its box is at most this part of its
@@ -53,8 +53,8 @@ public:
     /// The cost is about O(#outline · log #outline) weights, and O(#pixels).
     ///
     ///   fails   where the region has no pixel inside
-    static SvgResult<Membrane> bind(const PixelRegion& region, const MembraneOptions& options = {},
-                                    const cageform::ParallelFor& parallel = cageform::SerialFor{});
+    static Expected<Membrane> bind(const PixelRegion& region, const MembraneOptions& options = {},
+                                   const cageform::ParallelFor& parallel = cageform::SerialFor{});
 
     /// Calls sink(first, count, start, step) for every run of pixels of a row inside: pixel first + i of the
     /// region's box has start + i · step. Calls come in any order, and on several threads.
@@ -121,4 +121,4 @@ private:
     MembraneReport report_;
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

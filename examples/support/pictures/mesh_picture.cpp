@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -320,4 +320,4 @@ Picture draw_plot(const SpacePlot& plot, const ViewDirections& view, std::size_t
     return picture;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct MeshView {
     std::span<const Point3> vertices;
@@ -88,4 +88,4 @@ struct SpacePlot {
 /// Draws a plot as parallel rays show it.
 Picture draw_plot(const SpacePlot& plot, const ViewDirections& view, std::size_t width, std::size_t height);
 
-} // namespace cageform_examples
+} // namespace cageform_support

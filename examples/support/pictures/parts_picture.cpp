@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -66,4 +66,4 @@ Picture draw_cage_parts(const ObjFile& figure, const ObjFile& cage, std::size_t 
     return draw_meshes(std::array{caged, parts}, width, height, sight);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -19,7 +19,7 @@
 #define STB_IMAGE_WRITE_STATIC
 #include <stb/stb_image_write.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A colour of a ramp through equidistant stops; t is clamped to [0, 1].
 static Colour ramp(std::span<const Colour> stops, double t) {
@@ -190,4 +190,4 @@ void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint
     file.write("\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", data) + chunk("IEND", ""));
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

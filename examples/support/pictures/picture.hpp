@@ -2,9 +2,9 @@
 
 // A picture in memory: colour maps, lines, and PNG files (stb_image_write).
 
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 #include "pictures/plot.hpp"
-#include "svg/path.hpp"
+#include "svg/css_colour.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,11 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
-
-struct Colour {
-    float r = 0, g = 0, b = 0; // in [0, 1], as displayed
-};
+namespace cageform_support {
 
 inline Colour mix(const Colour& a, const Colour& b, float t) {
     return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
@@ -86,4 +82,4 @@ void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint
 void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisMark>& marks, double left,
                      double width, double size, const std::function<Colour(double)>& colour = heat);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
 #include "pictures/pixels.hpp"
 
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,20 +19,20 @@
 #pragma GCC diagnostic pop
 #endif
 
-namespace cageform_examples {
+namespace cageform_support {
 
 std::string Pixels::png() const {
     return encoded_png(width, height, 4, {bytes.begin(), bytes.end()});
 }
 
 void Pixels::write_png(AtomicFile& file) const {
-    cageform_examples::write_png(file, width, height, 4, {bytes.begin(), bytes.end()});
+    cageform_support::write_png(file, width, height, 4, {bytes.begin(), bytes.end()});
 }
 
-SvgResult<Pixels> read_png(const std::string& path) {
+Expected<Pixels> read_png(const std::string& path) {
     const auto text = read_file(path);
     if (!text) return text.error();
-    const auto refuse = [&](const std::string& why) { return SvgError{path + ": " + why}; };
+    const auto refuse = [&](const std::string& why) { return FileError{path + ": " + why}; };
     if (text->empty()) return refuse("the file is empty");
     if (!text->starts_with("\x89PNG\r\n\x1a\n"))
         return refuse("is not a PNG file; convert it to one, or name another");
@@ -178,4 +178,4 @@ std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops,
     return mask;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A picture of bytes: red, green, blue and alpha of each pixel, the first row first.
 struct Pixels {
@@ -27,7 +27,7 @@ struct Pixels {
 ///
 ///   fails   where the file cannot be read, is no PNG file, is damaged, or holds more than 100 million
 ///           pixels, which are not decoded
-SvgResult<Pixels> read_png(const std::string& path);
+Expected<Pixels> read_png(const std::string& path);
 
 /// The picture with its longer side at most `most` pixels, at least 1: each pixel is the mean of a block of
 /// pixels, by alpha.
@@ -67,4 +67,4 @@ std::vector<std::uint8_t> mask_of(const Pixels& picture);
 std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops, std::size_t width,
                                   std::size_t height);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A number in a format of printf().
 inline std::string text_of(const char* format, double x) {
@@ -60,4 +60,4 @@ inline std::vector<AxisMark> marks_of(const Axis& axis, int most, double least_s
     return marks;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
 #include "pictures/render.hpp"
 
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "svg/xml.hpp"
 
@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Starts a program that is found on the PATH, of a Debian package; -1 for an output that stays ours. The
 /// fault, or nothing.
@@ -151,4 +151,4 @@ void Film::finish() {
     ffmpeg_ = 0;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,7 +2,7 @@
 
 // SVG to PNG through librsvg's own program, and PNGs to films through ffmpeg; both started without a shell.
 
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 #include "pictures/picture.hpp"
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 #include <sys/types.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The name of an SVG with the ending .png.
 std::filesystem::path png_of(const std::filesystem::path& svg);
@@ -58,4 +58,4 @@ private:
     bool is_first_ = true; ///< the frame that comes next
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -82,4 +82,4 @@ Picture draw_skeleton(const FigureFrames& frames, const FittedMotion& motion, co
     return with_colour_bar(sheet, 0, most, style);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -152,4 +152,4 @@ Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t wi
     return picture;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

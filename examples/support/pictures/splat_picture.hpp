@@ -2,14 +2,14 @@
 
 // Pictures of splats, drawn without any graphics library.
 
-#include "files/splat_file.hpp"
 #include "pictures/mesh_picture.hpp"
+#include "splats/splat_file.hpp"
 
 #include <cageform/core/running.hpp>
 
 #include <cstddef>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Draws a scene beside the mesh that it was made from, if there is one, seen from the same place.
 ///
@@ -23,4 +23,4 @@ namespace cageform_examples {
 Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t width, std::size_t height,
                     const MeshSight& sight, const cageform::Running& running = {});
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 using Point3 = cageform::Vec<double, 3>;
 
@@ -143,4 +143,4 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
     return mesh;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -87,4 +87,4 @@ void TurnedHarmonics::turn(std::span<double> coefficients) const {
     if (coefficients.size() >= harmonics_of(3)) turn_degree<3>(turned_, coefficients);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

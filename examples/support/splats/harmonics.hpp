@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <span>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 inline constexpr std::size_t most_harmonics = 15; // of degrees 1 to 3
 
@@ -42,4 +42,4 @@ private:
     std::array<std::array<double, most_harmonics>, 7> turned_; // the harmonics at Qᵀ · each direction
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -73,4 +73,4 @@ void write_posed(SplatFile& scene, const SplatPart& part, const Point3& place, c
     turn_normal(scene, row, jacobian);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -3,13 +3,13 @@
 // Splats of a scene as a pose has them: with their covariance, colours, normals, and in parts where they
 // are stretched.
 
-#include "files/splat_file.hpp"
 #include "splats/splat.hpp"
+#include "splats/splat_file.hpp"
 
 #include <array>
 #include <cstddef>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A splat at rest, or a part of one that has been split.
 struct SplatPart {
@@ -40,4 +40,4 @@ std::array<SplatPart, 2> halves_of(const SplatPart& part, const SingularValues& 
 void write_posed(SplatFile& scene, const SplatPart& part, const Point3& place, const Matrix3& jacobian,
                  const SingularValues& posed);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -146,4 +146,4 @@ HalfSplat half_of(const Matrix3& factor, const SingularValues& posed) {
     return half;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

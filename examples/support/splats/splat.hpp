@@ -8,7 +8,7 @@
 #include <array>
 #include <cstddef>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A matrix by its columns: column k is the image of axis k, as clone_jacobians() writes it.
 using Matrix3 = std::array<Point3, 3>;
@@ -80,4 +80,4 @@ struct HalfSplat {
 ///   posed    singular values of J · factor, where the pose has the Jacobian J
 HalfSplat half_of(const Matrix3& factor, const SingularValues& posed);
 
-} // namespace cageform_examples
+} // namespace cageform_support

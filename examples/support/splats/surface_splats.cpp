@@ -9,7 +9,7 @@
 #include <random>
 #include <span>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -99,4 +99,4 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
     return scene;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -3,12 +3,12 @@
 // A scene of splats made from a mesh.
 
 #include "files/obj_file.hpp"
-#include "files/splat_file.hpp"
+#include "splats/splat_file.hpp"
 
 #include <cstddef>
 #include <cstdint>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct SurfaceSplatOptions {
     std::size_t count = 50000;
@@ -27,4 +27,4 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options);
 /// The area of all faces.
 double area_of(const ObjFile& mesh);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -121,4 +121,4 @@ std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& c
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

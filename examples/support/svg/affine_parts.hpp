@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -29,4 +29,4 @@ std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& c
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

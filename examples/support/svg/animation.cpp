@@ -12,7 +12,7 @@
 #include <optional>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -415,4 +415,4 @@ std::size_t AnimatedSvg::play(double seconds, double tolerance) {
     return player.keys;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -13,7 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -26,7 +26,7 @@ public:
         , ids_(ids)
         , options_(options) {}
 
-    std::optional<SvgError> collect();
+    std::optional<FileError> collect();
 
     Drawing drawing;
     std::vector<std::string> warnings;
@@ -55,7 +55,7 @@ private:
 
     bool fail(pugi::xml_node node, const std::string& why);
     /// Warns of what is left out, or fails where the walk is strict.
-    bool leave_out(const SvgError& fault);
+    bool leave_out(const FileError& fault);
     void warn(pugi::xml_node node, const std::string& why);
     static void inherit(const Values& values, Place& place);
     static void inherit_outline(const Values& values, DrawnShape& style);
@@ -153,9 +153,9 @@ private:
     std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
     std::unordered_map<std::size_t, bool> paints_; // whether gradients are visible, by the hash of the node
     std::unordered_set<std::string> left_out_;     // the warnings of leave_out()
-    std::optional<SvgError> error_;
+    std::optional<FileError> error_;
 };
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

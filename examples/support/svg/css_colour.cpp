@@ -11,7 +11,7 @@
 #include <string>
 #include <unordered_map>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -121,4 +121,4 @@ double to_displayed(double linear) {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

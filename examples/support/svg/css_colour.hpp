@@ -2,12 +2,14 @@
 
 // Colours as SVG and CSS write them.
 
-#include "pictures/picture.hpp"
-
 #include <optional>
 #include <string_view>
 
-namespace cageform_examples {
+namespace cageform_support {
+
+struct Colour {
+    float r = 0, g = 0, b = 0; // in [0, 1], as displayed
+};
 
 struct PaintColour {
     Colour colour; // as displayed
@@ -25,4 +27,4 @@ double alpha_of(std::string_view text);
 double to_linear(double displayed);
 double to_displayed(double linear);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -427,7 +427,7 @@ private:
         Box box;
         if (++looked_at_ > 1'000'000) return box; // uses of uses are too many
         if (is_shape(kind)) {
-            std::vector<SvgError> told_by_the_walk;
+            std::vector<FileError> told_by_the_walk;
             return bounds(shape_path(document_, node, view, told_by_the_walk));
         }
         if (kind == "image") {
@@ -689,4 +689,4 @@ std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fi
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -43,4 +43,4 @@ std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fi
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

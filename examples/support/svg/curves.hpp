@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -476,4 +476,4 @@ private:
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <set>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -200,7 +200,7 @@ public:
 
     /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as
     /// it was.
-    std::optional<SvgError> run() {
+    std::optional<FileError> run() {
         view_ = view_box(work_);
         diagonal_ = std::hypot(view_.width, view_.height);
         const bool given = options_.tolerance > 0 && std::isfinite(options_.tolerance);
@@ -218,7 +218,7 @@ public:
         for (const DrawnShape& shape : rest_.shapes) paths.push_back(shape.path);
         CurveDeformer curves(deformer_, frames_, tolerance_, diagonal_, options_.max_halvings,
                              result_.report);
-        if (!curves.run(paths, std::move(*roles))) return SvgError{work_.name + ": " + curves.failure()};
+        if (!curves.run(paths, std::move(*roles))) return FileError{work_.name + ": " + curves.failure()};
         result_.report.shapes = paths.size();
         moves_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -248,7 +248,7 @@ private:
     };
 
     /// The role of every shape's points; fails where a layer has no shape.
-    SvgResult<std::vector<PathRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
+    Expected<std::vector<PathRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
         std::vector<PathRole> roles;
         for (const Box& box : seen_before_) roles.push_back({0, box.grown(1e-9 * diagonal_)}); // by roundings
         for (std::size_t n = 0; n < options_.layers.size(); ++n) {
@@ -261,13 +261,13 @@ private:
                 }
             }
             if (!found) {
-                return SvgError{work_.name + ": the figure has no shape in \"" + options_.layers[n] + '"'};
+                return FileError{work_.name + ": the figure has no shape in \"" + options_.layers[n] + '"'};
             }
         }
         return roles;
     }
 
-    std::optional<SvgError> look_at_frames(const CurveDeformer& curves) {
+    std::optional<FileError> look_at_frames(const CurveDeformer& curves) {
         std::vector<DrawnShape>& shapes = rest_.shapes;
         moved_.resize(shapes.size());
         regions_.resize(rest_.references.size());
@@ -409,7 +409,7 @@ private:
         return by == none ? map : compose(*inverse(filter_maps_[by][frame]), map);
     }
 
-    std::optional<SvgError> write(const CurveDeformer& curves) {
+    std::optional<FileError> write(const CurveDeformer& curves) {
         std::vector<bool> carried(rest_.shapes.size());
         if (frames_ > 1) {
             for (AffinePart& part : affine_parts(rest_, curves, frames_, tolerance_)) {
@@ -573,8 +573,8 @@ private:
 
 } // namespace detail
 
-SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
-                               const DeformOptions& options) {
+Expected<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
+                              const DeformOptions& options) {
     AnimatedSvg result;
     result.document = detail::copy_of(document);
     detail::DocumentMover mover(result.document, deformer, frames, options, result);
@@ -583,8 +583,7 @@ SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer&
     return result;
 }
 
-SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
-                               const DeformOptions& options) {
+Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer, const DeformOptions& options) {
     const FrameDeformer one_frame = [&](std::span<const Point2> in, std::span<const PointRole>,
                                         std::span<Point2> out) { return deformer(in, out); };
     auto deformed = animate(document, one_frame, 1, options);
@@ -593,4 +592,4 @@ SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
     return std::move(deformed->report);
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

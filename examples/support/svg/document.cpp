@@ -1,6 +1,6 @@
 #include "svg/document.hpp"
 
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 #include "svg/shapes.hpp"
 #include "svg/walk.hpp"
 #include "svg/xml.hpp"
@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -200,10 +200,10 @@ void unify_prefixes(pugi::xml_node root) {
 
 } // namespace detail
 
-SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
+Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
     SvgDocument document;
     document.name = std::move(name);
-    const auto refuse = [&](const std::string& why) { return SvgError{document.name + ": " + why}; };
+    const auto refuse = [&](const std::string& why) { return FileError{document.name + ": " + why}; };
     if (detail::is_blank(text)) return refuse("the file is empty");
 
     // no parse_escapes, parse_eol or parse_wconv_attribute: text stays as it is, entities of a doctype too
@@ -219,7 +219,7 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
     if (!parsed) {
         const auto at = static_cast<std::size_t>(std::max<std::ptrdiff_t>(parsed.offset, 0));
         return utf8 ? error_in_text(broken + parsed.description(), text, std::min(at, text.size()))
-                    : SvgError{broken + parsed.description()};
+                    : FileError{broken + parsed.description()};
     }
 
     const pugi::xml_node root = detail::root_element(document.xml);
@@ -277,10 +277,10 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
 namespace {
 
 /// Unpacks a gzip file, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
-SvgResult<std::string> unpacked(std::string_view packed, const std::string& name) {
+Expected<std::string> unpacked(std::string_view packed, const std::string& name) {
     constexpr std::size_t most = std::size_t{1} << 28; // bytes, which 256 kB of packed zeros become
     z_stream stream{};
-    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return SvgError{name + ": out of memory"};
+    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return FileError{name + ": out of memory"};
     std::vector<Bytef> in(packed.begin(), packed.end()), out(std::size_t{1} << 16);
     stream.next_in = in.data();
     stream.avail_in = static_cast<uInt>(in.size());
@@ -293,14 +293,14 @@ SvgResult<std::string> unpacked(std::string_view packed, const std::string& name
         text.append(out.begin(), out.end() - static_cast<std::ptrdiff_t>(stream.avail_out));
     }
     inflateEnd(&stream);
-    if (text.size() > most) return SvgError{name + ": unpacked it is larger than 256 MiB"};
-    if (state != Z_STREAM_END) return SvgError{name + ": a damaged gzip file"};
+    if (text.size() > most) return FileError{name + ": unpacked it is larger than 256 MiB"};
+    if (state != Z_STREAM_END) return FileError{name + ": a damaged gzip file"};
     return text;
 }
 
 } // namespace
 
-SvgResult<SvgDocument> load_svg(const std::filesystem::path& path) {
+Expected<SvgDocument> load_svg(const std::filesystem::path& path) {
     const auto text = read_file(path.string());
     if (!text) return text.error();
     const std::string name = path.filename().string();
@@ -335,7 +335,7 @@ ViewBox view_box(const SvgDocument& document) {
 namespace detail {
 
 /// The shapes of a document that stays as it is.
-SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool as_cage = false) {
+Expected<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool as_cage = false) {
     SvgDocument work = copy_of(document);
     std::vector<std::string> ignored;
     StyleSheets styles(work);
@@ -401,11 +401,11 @@ std::vector<bool> close_loops(std::vector<Subpath>& path) {
 
 } // namespace detail
 
-SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document) {
+Expected<std::vector<SvgShape>> shapes(const SvgDocument& document) {
     return detail::read_shapes(document);
 }
 
-SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document) {
+Expected<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document) {
     const auto all = shapes(document);
     if (!all) return all.error();
     std::string first;
@@ -417,10 +417,10 @@ SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& doc
         if (first.empty()) first = "the first shape is " + found + ": " + shape.label;
     }
     if (first.empty()) first = "there is no shape";
-    return SvgError{document.name + ": no closed polygon: " + first};
+    return FileError{document.name + ": no closed polygon: " + first};
 }
 
-SvgResult<std::vector<Subpath>> first_outline(const SvgDocument& document) {
+Expected<std::vector<Subpath>> first_outline(const SvgDocument& document) {
     auto all = detail::read_shapes(document, true);
     if (!all) return all.error();
     std::string first = "there is no shape";
@@ -440,10 +440,10 @@ SvgResult<std::vector<Subpath>> first_outline(const SvgDocument& document) {
         }
         if (std::find(closed.begin(), closed.end(), true) != closed.end()) break;
     }
-    return SvgError{document.name + ": no closed outline: " + first};
+    return FileError{document.name + ": no closed outline: " + first};
 }
 
-SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document) {
+Expected<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document) {
     const auto all = shapes(document);
     if (!all) return all.error();
     std::vector<std::vector<Point2>> lines;
@@ -454,7 +454,7 @@ SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& do
             line.push_back(subpath.start);
             for (const Segment& s : subpath.segments) {
                 if (!s.is_line())
-                    return SvgError{document.name + ": a line of points has curves: " + shape.label};
+                    return FileError{document.name + ": a line of points has curves: " + shape.label};
                 line.push_back(s.p3);
             }
         }
@@ -462,7 +462,7 @@ SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& do
     return lines;
 }
 
-SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document) {
+Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document) {
     const auto all = shapes(document);
     if (!all) return all.error();
     std::vector<Point2> vertices;
@@ -477,4 +477,4 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document) {
     return vertices;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -46,7 +46,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The parsed file. Text and attribute values are kept escaped, exactly as in the file.
 struct SvgDocument {
@@ -129,11 +129,11 @@ SvgDocument copy_of(const SvgDocument& document);
 ///   name     stands before every message
 ///   fails    where the text is empty, is not XML, has no <svg> as its only root, or nests too deeply
 ///   encodings other than UTF-8 are read too, with lines unknown; writing is always UTF-8
-SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name);
+Expected<SvgDocument> parse_svg(std::string_view text, std::string name);
 
 /// Works as parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or
 /// unpacked.
-SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
+Expected<SvgDocument> load_svg(const std::filesystem::path& path);
 
 /// The document's text in UTF-8; untouched parts are as they were read, but for the space inside tags, the
 /// kind of quotes, and <a></a> for <a/>.
@@ -177,7 +177,7 @@ struct DrawnShape {
 /// Returns the drawn shapes in document order. The document is changed without changing its appearance:
 /// every `use` becomes a group with a copy, and clip paths and masks needed under several transforms are
 /// copied.
-SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
+Expected<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
 
 /// Makes the element a <path> of this data; `d` takes the place of the first attribute it replaces.
 void write_shape(pugi::xml_node node, const std::string& data);
@@ -186,7 +186,7 @@ void write_shape(pugi::xml_node node, const std::string& data);
 
 /// All drawn shapes in document order, uses expanded, without what is in clip paths and masks. Fails where an
 /// attribute cannot be read: of a cage or a pose every corner counts.
-SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document);
+Expected<std::vector<SvgShape>> shapes(const SvgDocument& document);
 
 /// A cage: the loops of the first shape that is made of closed polygons only, in root user space.
 ///
@@ -194,7 +194,7 @@ SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document);
 ///             end: a pose has to match its cage corner by corner, so nothing is merged or sorted
 ///   counts    a polygon, a closed path of lines, a rect without round corners, a polyline that returns
 ///   fails     where no shape is one; the message says what the first shape is instead
-SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document);
+Expected<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document);
 
 /// A cage of curves: the subpaths of the first shape that has a closed one, in root user space.
 ///
@@ -204,14 +204,14 @@ SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& doc
 ///             shape's control points
 ///   fails     where there is no such shape, or another subpath of it is open; the message has its number,
 ///             counted from 0
-SvgResult<std::vector<Subpath>> first_outline(const SvgDocument& document);
+Expected<std::vector<Subpath>> first_outline(const SvgDocument& document);
 
 /// The points of every subpath, in root user space, in the order drawn; fails where one has curves.
-SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document);
+Expected<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document);
 
 /// A figure's vertices: the end points of all segments in root user space, in document order. The point
 /// where a subpath returns to its start is not repeated: a polygon of 30 corners gives 30.
-SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
+Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 
 /// Deforms every shape of the document, see the head of this file.
 ///
@@ -223,8 +223,8 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///   left       a shape out of range stays as it is, with a warning; so does a shape for which the deformer
 ///              gives a point that is not finite
 ///   fails      where copies are too many or nested too deeply, or when the deformer returns false
-SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
-                               const DeformOptions& options = {});
+Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
+                              const DeformOptions& options = {});
 
 /// When an animation has which value: attributes, empty where an animation goes steadily.
 struct AnimationTiming {
@@ -276,7 +276,7 @@ private:
 /// frames.
 ///
 ///   frames   at least one
-SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
-                               const DeformOptions& options = {});
+Expected<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
+                              const DeformOptions& options = {});
 
-} // namespace cageform_examples
+} // namespace cageform_support

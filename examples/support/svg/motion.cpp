@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -93,4 +93,4 @@ std::optional<Affine2> Motion::best_map() const {
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -38,4 +38,4 @@ private:
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -459,4 +459,4 @@ void follow_regions(SvgDocument& document, const Drawing& rest, const std::vecto
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

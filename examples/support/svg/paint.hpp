@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -109,4 +109,4 @@ void follow_regions(SvgDocument& document, const Drawing& rest, const std::vecto
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -4,21 +4,7 @@
 #include <array>
 #include <charconv>
 
-namespace cageform_examples {
-
-std::string to_string(const SvgError& error) {
-    if (error.line == 0) return error.message;
-    std::string where = " (line " + std::to_string(error.line);
-    if (error.column != 0) where += ", column " + std::to_string(error.column);
-    return error.message + where + ")";
-}
-
-SvgError error_in_text(std::string why, std::string_view text, std::size_t position) {
-    const std::string_view before = text.substr(0, position);
-    const std::size_t line_start = before.rfind('\n') + 1; // npos + 1 is zero
-    const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
-    return {std::move(why), line, before.size() - line_start + 1};
-}
+namespace cageform_support {
 
 Segment part_of(const Point2& from, const Segment& s, double first, double last) {
     const auto blossom = [&](double a, double b, double c) { // de Casteljau, with a parameter a step
@@ -142,7 +128,7 @@ public:
         return false;
     }
 
-    const SvgError& error() const { return error_; }
+    const FileError& error() const { return error_; }
 
 private:
     static bool below_one(std::string_view digits) {
@@ -153,7 +139,7 @@ private:
 
     std::string_view text_;
     std::size_t at_ = 0;
-    SvgError error_;
+    FileError error_;
     bool failed_ = false;
 };
 
@@ -315,7 +301,7 @@ ReadPath read_path_data(std::string_view text, double most_turn) {
     return detail::PathReader(text, most_turn).read();
 }
 
-SvgResult<Path> parse_path_data(std::string_view text, double most_turn) {
+Expected<Path> parse_path_data(std::string_view text, double most_turn) {
     ReadPath read = read_path_data(text, most_turn);
     if (read.fault) return std::move(*read.fault);
     return std::move(read.path);
@@ -327,7 +313,7 @@ std::optional<Quantity> read_quantity(std::string_view text) {
     return scan.number(value) ? std::optional(Quantity{value, scan.rest()}) : std::nullopt;
 }
 
-SvgResult<std::vector<double>> parse_numbers(std::string_view text) {
+Expected<std::vector<double>> parse_numbers(std::string_view text) {
     detail::Scanner scan(text);
     std::vector<double> numbers;
     for (scan.skip_space(); !scan.at_end(); scan.skip_space()) {
@@ -339,7 +325,7 @@ SvgResult<std::vector<double>> parse_numbers(std::string_view text) {
     return numbers;
 }
 
-SvgResult<Affine2> parse_transform(std::string_view text) {
+Expected<Affine2> parse_transform(std::string_view text) {
     detail::Scanner scan(text);
     Affine2 result;
     bool comma = false;
@@ -388,7 +374,7 @@ SvgResult<Affine2> parse_transform(std::string_view text) {
         if (comma) scan.advance();
     }
     const bool in_range = std::isfinite(result.a + result.b + result.c + result.d + result.e + result.f);
-    if (!in_range) return SvgError{"transform out of range", 1, 1};
+    if (!in_range) return FileError{"transform out of range", 1, 1};
     return result;
 }
 
@@ -415,7 +401,7 @@ public:
                   {"rch", root_em / 2},
                   {"%", whole / 100}}} {}
 
-    SvgResult<double> read() {
+    Expected<double> read() {
         double value = 0;
         if (!factor(value, 0)) return scan_.error();
         const std::size_t end = scan_.position();
@@ -502,7 +488,7 @@ private:
 
 } // namespace detail
 
-SvgResult<double> parse_length(std::string_view text, double whole, double em, double root_em) {
+Expected<double> parse_length(std::string_view text, double whole, double em, double root_em) {
     return detail::LengthReader(text, whole, em, root_em).read();
 }
 
@@ -596,4 +582,4 @@ std::string write_short_path_data(const Path& path, int decimals) {
     return text;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

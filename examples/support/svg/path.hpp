@@ -4,6 +4,9 @@
 // Everything is read into plain values; nothing here knows XML. After SVG 2: "Paths" (grammar, and the
 // implementation notes on elliptical arcs) and "Coordinate systems, transformations and units".
 
+#include "io/expected.hpp"
+#include "io/point2.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,48 +18,7 @@
 #include <variant>
 #include <vector>
 
-namespace cageform_examples {
-
-struct Point2 {
-    double x = 0;
-    double y = 0;
-    friend bool operator==(const Point2&, const Point2&) = default;
-};
-
-/// An error and its position. Line and column count from one, in bytes; zero means unknown.
-struct SvgError {
-    std::string message;
-    std::size_t line = 0;
-    std::size_t column = 0;
-};
-
-/// "message", "message (line 3)" or "message (line 3, column 7)".
-std::string to_string(const SvgError& error);
-
-/// An error at a position in a text.
-SvgError error_in_text(std::string why, std::string_view text, std::size_t position);
-
-/// A value or the reason why there is none; `*` and `->` only where it tests true.
-template <class T>
-class [[nodiscard]] SvgResult {
-public:
-    SvgResult(T value)
-        : content_(std::move(value)) {}
-    SvgResult(SvgError error)
-        : content_(std::move(error)) {}
-
-    explicit operator bool() const noexcept { return content_.index() == 0; }
-    T& operator*() { return std::get<0>(content_); }
-    const T& operator*() const { return std::get<0>(content_); }
-    T* operator->() { return &std::get<0>(content_); }
-    const T* operator->() const { return &std::get<0>(content_); }
-    const SvgError& error() const { return std::get<1>(content_); }
-    T value_or(T otherwise) const { return *this ? **this : std::move(otherwise); }
-    std::optional<T> if_any() const { return *this ? std::optional<T>(**this) : std::nullopt; }
-
-private:
-    std::variant<T, SvgError> content_;
-};
+namespace cageform_support {
 
 /// One curve from the end of the one before, as a cubic. A line has its control points at its thirds, a
 /// quadratic those of the cubic that it equals.
@@ -276,13 +238,13 @@ std::string lowered(std::string_view text);
 ///   fails       at the first place that is not SVG's grammar, with a number beyond double's range, or where
 ///               a sum of relative steps leaves it; nothing of a malformed path is returned
 ///   most_turn   of an arc for one cubic
-SvgResult<Path> parse_path_data(std::string_view text, double most_turn = arc_of_figure);
+Expected<Path> parse_path_data(std::string_view text, double most_turn = arc_of_figure);
 
 /// Works as parse_path_data(), and returns the path up to a fault, which is what browsers draw; of a path
 /// that leaves the range of numbers nothing.
 struct ReadPath {
     Path path;
-    std::optional<SvgError> fault;
+    std::optional<FileError> fault;
 };
 ReadPath read_path_data(std::string_view text, double most_turn = arc_of_figure);
 
@@ -294,16 +256,16 @@ struct Quantity {
 std::optional<Quantity> read_quantity(std::string_view text);
 
 /// Numbers parted by white space with at most one comma, as in `points` and `viewBox`.
-SvgResult<std::vector<double>> parse_numbers(std::string_view text);
+Expected<std::vector<double>> parse_numbers(std::string_view text);
 
 /// A `transform` attribute as one map; the functions are those of SVG 1.1, angles in degrees.
-SvgResult<Affine2> parse_transform(std::string_view text);
+Expected<Affine2> parse_transform(std::string_view text);
 
 /// A length in user units, or calc(), min(), max() or clamp() of some: 96 to the inch; a percentage is of
 /// `whole`; ex and ch are half of an em.
 ///
 ///   em, root_em   the size of the font of the element and of the root
-SvgResult<double> parse_length(std::string_view text, double whole, double em = 16, double root_em = 16);
+Expected<double> parse_length(std::string_view text, double whole, double em = 16, double root_em = 16);
 
 /// The shortest text that reads back as `value` rounded to `decimals` digits after the point (0 to 17).
 std::string format_number(double value, int decimals);
@@ -317,4 +279,4 @@ std::string write_path_data(const Path& path, int decimals);
 ///   decimals   0 to 15
 std::string write_short_path_data(const Path& path, int decimals);
 
-} // namespace cageform_examples
+} // namespace cageform_support

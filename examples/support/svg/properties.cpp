@@ -9,7 +9,7 @@
 #include <set>
 #include <unordered_map>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -342,4 +342,4 @@ std::vector<std::string> UnappliedReport::lines() const {
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -63,4 +63,4 @@ private:
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

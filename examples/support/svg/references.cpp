@@ -8,7 +8,7 @@
 #include <array>
 #include <tuple>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -377,4 +377,4 @@ bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

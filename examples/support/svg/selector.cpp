@@ -6,7 +6,7 @@
 #include <array>
 #include <charconv>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -400,4 +400,4 @@ std::vector<Selector> parse_selectors(std::string_view text, bool& complete) {
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -66,4 +66,4 @@ std::vector<Selector> parse_selectors(std::string_view text, bool& complete);
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -138,8 +138,8 @@ std::string write_transform(const Affine2& map, int digits) {
     return text + format_number(map.e, of_shift) + ' ' + format_number(map.f, of_shift) + ')';
 }
 
-SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name,
-                            const Viewport& viewport, double whole, double otherwise) {
+Expected<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name,
+                           const Viewport& viewport, double whole, double otherwise) {
     const std::string text = attribute_text(node, name);
     if (is_blank(text) || trimmed(text) == "auto") return otherwise;
     auto value = parse_length(text, whole, viewport.em, viewport.root_em);
@@ -159,7 +159,7 @@ void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double r
 class ShapeReader {
 public:
     ShapeReader(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
-                std::vector<SvgError>& faults, double most_turn)
+                std::vector<FileError>& faults, double most_turn)
         : document_(document)
         , node_(node)
         , viewport_(viewport)
@@ -261,12 +261,12 @@ private:
     const SvgDocument& document_;
     pugi::xml_node node_;
     Viewport viewport_;
-    std::vector<SvgError>& faults_;
+    std::vector<FileError>& faults_;
     double most_turn_;
 };
 
 Path shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
-                std::vector<SvgError>& faults, double most_turn) {
+                std::vector<FileError>& faults, double most_turn) {
     return ShapeReader(document, node, viewport, faults, most_turn).read();
 }
 
@@ -297,4 +297,4 @@ void write_shape(pugi::xml_node node, const std::string& data) {
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -32,8 +32,8 @@ struct Viewport {
 };
 
 /// An attribute as a length in user units, `otherwise` where there is none.
-SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name,
-                            const Viewport& viewport, double whole, double otherwise);
+Expected<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name,
+                           const Viewport& viewport, double whole, double otherwise);
 
 /// Empty where x0 > x1.
 struct Box {
@@ -78,7 +78,7 @@ void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double r
 ///   faults      gets those of its attributes: what cannot be read is left out, as browsers do
 ///   most_turn   of an arc for one cubic
 Path shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
-                std::vector<SvgError>& faults, double most_turn = arc_of_figure);
+                std::vector<FileError>& faults, double most_turn = arc_of_figure);
 
 /// The decimals of a path in a shape's own user space that make rounding a twentieth of a tolerance in root
 /// user space.
@@ -86,4 +86,4 @@ int decimals_for(const Affine2& to_root, double tolerance);
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -303,7 +303,7 @@ std::string StyleSheets::place_of(std::size_t sheet, std::string_view part) cons
     lines -= std::count(std::min(from, part.data()), from, '\n');
     counted = static_cast<std::size_t>(part.data() - text.data());
     const std::size_t line = line_of(document_, node);
-    return to_string(SvgError{"style", line == 0 ? 0 : line + static_cast<std::size_t>(lines), 0});
+    return to_string(FileError{"style", line == 0 ? 0 : line + static_cast<std::size_t>(lines), 0});
 }
 
 void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, const RulePlace& in) {
@@ -675,4 +675,4 @@ bool StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& 
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
-std::optional<SvgError> ShapeCollector::collect() {
+std::optional<FileError> ShapeCollector::collect() {
     const pugi::xml_node root = root_element(document_.xml);
     if (!drop_bad_view_box(root)) return error_;
     const auto view = view_box(document_);
@@ -32,7 +32,7 @@ bool ShapeCollector::fail(pugi::xml_node node, const std::string& why) {
     return false;
 }
 
-bool ShapeCollector::leave_out(const SvgError& fault) {
+bool ShapeCollector::leave_out(const FileError& fault) {
     if (options_.is_strict) {
         if (!error_) error_ = fault;
         return false;
@@ -163,7 +163,7 @@ bool ShapeCollector::visit_choices(pugi::xml_node node, Place place) {
 std::optional<Affine2> ShapeCollector::own_transform(pugi::xml_node node) {
     const auto map = parse_transform(attribute_text(node, "transform"));
     if (map) return *map;
-    const SvgError fault = error_in(document_, node, "transform", map.error());
+    const FileError fault = error_in(document_, node, "transform", map.error());
     node.remove_attribute("transform");
     return leave_out(fault) ? std::optional(Affine2()) : std::nullopt;
 }
@@ -274,10 +274,10 @@ double ShapeCollector::length(pugi::xml_node node, const char* name, const Viewp
 }
 
 std::optional<Path> ShapeCollector::path_of(pugi::xml_node node, const Place& place) {
-    std::vector<SvgError> faults;
+    std::vector<FileError> faults;
     Path path =
         shape_path(document_, node, place.viewport, faults, options_.as_cage ? arc_of_cage : arc_of_figure);
-    for (const SvgError& fault : faults) {
+    for (const FileError& fault : faults) {
         if (!leave_out(fault)) return std::nullopt;
     }
     return path;
@@ -569,16 +569,16 @@ Box ShapeCollector::text_box(pugi::xml_node text, const Place& place) {
     return box;
 }
 
-SvgResult<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options,
-                        std::vector<std::string>& warnings) {
+Expected<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options,
+                       std::vector<std::string>& warnings) {
     place_by_attributes(document, styles);
     ShapeCollector collector(document, styles, ids, options);
-    if (std::optional<SvgError> error = collector.collect()) return *error;
+    if (std::optional<FileError> error = collector.collect()) return *error;
     warnings.insert(warnings.end(), collector.warnings.begin(), collector.warnings.end());
     return std::move(collector.drawing);
 }
 
-SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings) {
+Expected<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings) {
     StyleSheets styles(document);
     IdTable ids(root_element(document.xml));
     auto drawing = walk(document, styles, ids, {}, warnings);
@@ -649,4 +649,4 @@ Box painted_box(const DrawnShape& shape, const Affine2& map) {
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -54,8 +54,8 @@ struct WalkOptions {
 /// Walks a document, which is changed on the way, without changing what it shows: every `use` becomes a
 /// group with a copy, geometry and transforms that CSS gives become attributes. Where references are
 /// followed, clip paths and masks needed under several transforms, or in units of several boxes, are copied.
-SvgResult<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options,
-                        std::vector<std::string>& warnings);
+Expected<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options,
+                       std::vector<std::string>& warnings);
 
 /// The box of shapes [first, end) that are of this level, after a map.
 Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
@@ -78,4 +78,4 @@ Box painted_box(const DrawnShape& shape, const Affine2& map);
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

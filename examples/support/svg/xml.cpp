@@ -5,7 +5,7 @@
 #include <charconv>
 #include <map>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -181,15 +181,15 @@ std::string name_and_id(pugi::xml_node node) {
 }
 
 std::string label(const SvgDocument& document, pugi::xml_node node) {
-    return to_string(SvgError{name_and_id(node), line_of(document, node), 0});
+    return to_string(FileError{name_and_id(node), line_of(document, node), 0});
 }
 
-SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why) {
+FileError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why) {
     return {document.name + ": " + name_and_id(node) + ": " + why, line_of(document, node), 0};
 }
 
-SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
-                  const SvgError& error) {
+FileError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
+                   const FileError& error) {
     const std::string place = std::to_string(error.line) + ':' + std::to_string(error.column);
     return error_at(document, node, attribute + " at " + place + ": " + error.message);
 }
@@ -250,4 +250,4 @@ SvgDocument copy_of(const SvgDocument& document) {
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

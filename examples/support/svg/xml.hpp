@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -68,11 +68,11 @@ std::size_t line_of(const SvgDocument& document, pugi::xml_node node);
 /// Returns a label such as: rect "wall" (line 12).
 std::string label(const SvgDocument& document, pugi::xml_node node);
 
-SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why);
+FileError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why);
 
 /// An error inside an attribute: its line and column are counted in the attribute.
-SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
-                  const SvgError& error);
+FileError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
+                   const FileError& error);
 
 /// Whether a node is an element or stands in it.
 bool is_in(pugi::xml_node node, pugi::xml_node element);
@@ -103,4 +103,4 @@ private:
 
 } // namespace detail
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -2,7 +2,7 @@
 
 // Reading files. A read that fails midway is an error, never the end of the file.
 
-#include "svg/path.hpp"
+#include "io/expected.hpp"
 
 #include <cageform/core/detail/packed_memory.hpp>
 
@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A file, or a pipe, read from its beginning in pieces. Several threads may open files.
 class InputFile {
@@ -104,12 +104,12 @@ bool failure_may_pass(int code);
 std::string input_at(const std::filesystem::path& path);
 
 /// All bytes of a file, or of a pipe; fails as InputFile does.
-SvgResult<std::string> read_file(const std::string& path);
+Expected<std::string> read_file(const std::string& path);
 
 /// Works as read_file(), for texts: fails also where the file is UTF-16.
-SvgResult<std::string> read_text(const std::string& path);
+Expected<std::string> read_text(const std::string& path);
 
 /// Takes the first line off a text, without its \n; false where the text is empty.
 bool take_line(std::string_view& text, std::string_view& line);
 
-} // namespace cageform_examples
+} // namespace cageform_support

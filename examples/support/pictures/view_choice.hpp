@@ -5,7 +5,7 @@
 #include "cli/command_line.hpp"
 #include "pictures/mesh_picture.hpp"
 
-namespace cageform_examples {
+namespace cageform_support {
 
 struct ViewChoice {
     MeshSight sight;
@@ -13,4 +13,4 @@ struct ViewChoice {
     void add_options(CommandLine& line); ///< --view and --up
 };
 
-} // namespace cageform_examples
+} // namespace cageform_support

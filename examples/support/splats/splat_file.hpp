@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// The text for --help.
 inline constexpr const char* splat_format =
@@ -79,10 +79,10 @@ struct SplatFile {
 ///   strict   whether a splat that splat_format leaves out is an error.
 ///   fails    if the bytes are not as splat_format says, if the file is cut off, or if no splat is left.
 ///            The message names the property, or the number of the splat, counted from 0.
-SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool strict = false);
+Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool strict = false);
 
 /// Works as parse_splats(), from a file of any encoding; fails also where it cannot be read.
-SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict = false);
+Expected<SplatFile> load_splats(const std::filesystem::path& path, bool strict = false);
 
 /// An empty scene with all standard properties.
 ///
@@ -96,4 +96,4 @@ void append(SplatFile& scene, const Splat& splat);
 double opacity_of(double logit);
 double logit_of(double opacity);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -4,8 +4,8 @@
 // a file may have any length. Also reads cages, which are blocks of such lines, and labels of their
 // vertices.
 
-#include "files/input_file.hpp"
-#include "svg/path.hpp"
+#include "io/input_file.hpp"
+#include "io/point2.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -45,8 +45,8 @@ std::string single_precision_fault(double number);
 
 /// Returns the error "NAME:NUMBER: WHY" on a line of CSV. A hint follows if the line has semicolons, tabs,
 /// blanks or decimal commas: "; the line is separated by tabs, and commas are read".
-SvgError row_fault(const std::string& name, std::size_t number, std::string_view line,
-                   const std::string& why);
+FileError row_fault(const std::string& name, std::size_t number, std::string_view line,
+                    const std::string& why);
 
 /// Takes the first cell of a row of CSV, without blanks and quotes around it; false at the end.
 bool take_cell(std::string_view& row, std::string_view& cell);
@@ -152,8 +152,8 @@ struct TableSize {
 ///           nothing
 ///   fails   where the file cannot be read, holds no row, rows differ, or a cell is wrong: with line and
 ///           column
-SvgResult<TableSize> read_table(const std::string& path,
-                                const std::function<std::string(std::string_view)>& take);
+Expected<TableSize> read_table(const std::string& path,
+                               const std::function<std::string(std::string_view)>& take);
 
 /// Lines of a cage's file that belong together.
 struct CageBlock {
@@ -167,10 +167,10 @@ struct CageBlock {
 /// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains,
 /// headed by a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are
 /// skipped.
-SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
+Expected<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
 
 /// Works as parse_cage_csv(), from a file; fails also where it cannot be read.
-SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path);
+Expected<std::vector<CageBlock>> read_cage_csv(const std::string& path);
 
 /// The text for --help on the labels of a cage's vertices.
 inline constexpr const char* labels_format =
@@ -183,6 +183,6 @@ inline constexpr const char* labels_format =
 ///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice
 ///           or holds a
 ///           control character
-SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count);
+Expected<std::vector<std::string>> read_labels(const std::string& path, std::size_t count);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// RFC 4648, sec. 4.
 inline std::string base64(std::string_view bytes) {
@@ -24,4 +24,4 @@ inline std::string base64(std::string_view bytes) {
     return text;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 constexpr std::size_t most_listed = 10; // faults or warnings
 
@@ -64,4 +64,4 @@ std::string describe(const StoredLoss& loss);
 /// of them and how many more there are; of lines the first ten.
 void print_warnings(std::span<const std::string> warnings);
 
-} // namespace cageform_examples
+} // namespace cageform_support

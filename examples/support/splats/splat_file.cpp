@@ -1,8 +1,8 @@
-#include "files/splat_file.hpp"
+#include "splats/splat_file.hpp"
 
-#include "files/csv.hpp"
-#include "files/input_file.hpp"
 #include "files/ply_file.hpp"
+#include "io/csv.hpp"
+#include "io/input_file.hpp"
 #include "splats/harmonics.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 #include <tuple>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 static_assert(std::endian::native == std::endian::little, "rows are read as they stand in the file");
 
@@ -81,8 +81,8 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
 }
 
 /// Takes the header off the bytes.
-SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) {
-    const auto fails = [&](const std::string& why) { return SvgError{name + ": " + why}; };
+Expected<Header> read_header(std::string_view& bytes, const std::string& name) {
+    const auto fails = [&](const std::string& why) { return FileError{name + ": " + why}; };
     std::string_view line;
     const auto next = [&] {
         if (bytes.find('\n') == bytes.npos || !take_line(bytes, line)) return false;
@@ -362,11 +362,11 @@ std::string SplatFile::header_text(std::size_t splats) const {
     return text + "end_header\n";
 }
 
-SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool strict) {
+Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool strict) {
     std::string_view left(bytes);
     auto header = read_header(left, name);
     if (!header) return header.error();
-    const auto fails = [&](const std::string& why) { return SvgError{name + ": " + why}; };
+    const auto fails = [&](const std::string& why) { return FileError{name + ": " + why}; };
     if (const std::string why = find_numbers(*header); !why.empty()) return fails(why);
     SplatFile scene = header->scene;
     scene.others = others_of(*header);
@@ -409,7 +409,7 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
     return scene;
 }
 
-SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict) {
+Expected<SplatFile> load_splats(const std::filesystem::path& path, bool strict) {
     std::error_code none;
     if (std::filesystem::is_regular_file(path, none)) { // a pipe is read once, so it has to be plain
         PlyReader reader(path.string());
@@ -425,7 +425,7 @@ SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict)
         }
         if (reader.error().empty() && !is_plain) {
             auto converted = little_endian_bytes(reader, elements);
-            if (!converted) return SvgError{reader.error()};
+            if (!converted) return FileError{reader.error()};
             auto scene = parse_splats(std::move(*converted), path.string(), strict);
             if (!scene || !has_doubles) return scene;
             std::vector<Point3> places;
@@ -479,4 +479,4 @@ double logit_of(double opacity) {
     return std::log(opacity / (1 - opacity));
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,4 +1,4 @@
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -91,4 +91,4 @@ int guarded(const char* program, const std::function<int()>& run) {
     }
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// A file written piece by piece under a temporary name in the same folder; `commit` puts it in the place
 /// of `path`. Whatever fails, and without a commit, the old file stays and the temporary is removed, also
@@ -110,4 +110,4 @@ std::optional<std::string> fault_of_outputs(const std::vector<std::filesystem::p
 [[nodiscard]] std::optional<std::string> write_file_atomically(const std::filesystem::path& path,
                                                                std::string_view contents);
 
-} // namespace cageform_examples
+} // namespace cageform_support

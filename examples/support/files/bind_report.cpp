@@ -1,7 +1,7 @@
-#include "cli/bind_report.hpp"
+#include "files/bind_report.hpp"
 
-#include "cli/guard.hpp"
-#include "files/csv.hpp"
+#include "io/csv.hpp"
+#include "io/messages.hpp"
 
 #include <algorithm>
 #include <iomanip>
@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 int numbers_of(cageform::CageFaultKind kind) {
     using Kind = cageform::CageFaultKind;
@@ -278,4 +278,4 @@ void print_warnings(std::span<const std::string> warnings) {
         warn("and " + std::to_string(kinds.size() - most_kinds) + " more kinds of warnings");
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,4 +1,4 @@
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -203,11 +203,11 @@ std::string input_at(const std::filesystem::path& path) {
     return {};
 }
 
-SvgResult<std::string> read_file(const std::string& path) {
+Expected<std::string> read_file(const std::string& path) {
     InputFile file(path);
     std::string text;
     while (file.read(text)) continue;
-    if (!file.error().empty()) return SvgError{file.error()};
+    if (!file.error().empty()) return FileError{file.error()};
     return text;
 }
 
@@ -217,10 +217,10 @@ static std::string encoding_fault(std::string_view text) {
     return is_wide ? ": is UTF-16 text, and UTF-8 is read: save it as UTF-8" : "";
 }
 
-SvgResult<std::string> read_text(const std::string& path) {
+Expected<std::string> read_text(const std::string& path) {
     auto text = read_file(path);
     const std::string why = text ? encoding_fault(*text) : "";
-    if (!why.empty()) return SvgError{path + why};
+    if (!why.empty()) return FileError{path + why};
     return text;
 }
 
@@ -281,4 +281,4 @@ double LineReader::fraction() const {
     return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,10 +1,10 @@
-#include "cli/view_choice.hpp"
+#include "pictures/view_choice.hpp"
 
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <cmath>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace {
 
@@ -39,4 +39,4 @@ void ViewChoice::add_options(CommandLine& line) {
         .show_default("y");
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,4 +1,4 @@
-#include "pictures/drawn_figure.hpp"
+#include "svg/drawn_figure.hpp"
 
 #include "svg/walk.hpp"
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -124,7 +124,7 @@ Box page_of(const SvgDocument& document) {
 
 } // namespace detail
 
-SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
+Expected<DrawnFigure> drawn_figure(const SvgDocument& document) {
     SvgDocument work = detail::copy_of(document);
     std::vector<std::string> warnings;
     detail::StyleSheets styles(work);
@@ -149,10 +149,10 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
         if (counts(i)) detail::add_shape(all[i], tolerance, figure);
     }
     if (figure.segments.empty()) {
-        return SvgError{document.name + " paints nothing that a cage could enclose" +
-                        (warnings.empty() ? "" : "; " + warnings[0])};
+        return FileError{document.name + " paints nothing that a cage could enclose" +
+                         (warnings.empty() ? "" : "; " + warnings[0])};
     }
     return figure;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Text as it may be printed and written to a file: control characters, what is no character of Unicode, and
 /// bytes that are no UTF-8, become such as \x1b. A tab stays, and a line break before two spaces: our lists
@@ -25,4 +25,4 @@ void note(const std::string& text); ///< "program: note: text", printable
 /// was printed cannot be written. The program is named in all that it says.
 int guarded(const char* program, const std::function<int()>& run);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,4 +1,4 @@
-#include "files/csv.hpp"
+#include "io/csv.hpp"
 
 #include <cctype>
 #include <charconv>
@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -54,8 +54,8 @@ std::string separator_fault(std::string_view line) {
            " decimal commas; commas are read as separators, and points as decimal";
 }
 
-SvgError row_fault(const std::string& name, std::size_t number, std::string_view line,
-                   const std::string& why) {
+FileError row_fault(const std::string& name, std::size_t number, std::string_view line,
+                    const std::string& why) {
     return {name + ":" + std::to_string(number) + ": " + why + separator_fault(line)};
 }
 
@@ -195,8 +195,8 @@ std::string fault_of_count(const CageBlock& block) {
 
 } // namespace detail
 
-SvgResult<TableSize> read_table(const std::string& path,
-                                const std::function<std::string(std::string_view)>& take) {
+Expected<TableSize> read_table(const std::string& path,
+                               const std::function<std::string(std::string_view)>& take) {
     const auto file = read_text(path);
     if (!file) return file.error();
     TableSize size;
@@ -222,11 +222,11 @@ SvgResult<TableSize> read_table(const std::string& path,
         }
         size.columns = columns;
     }
-    if (size.rows == 0) return SvgError{path + ": holds no table"};
+    if (size.rows == 0) return FileError{path + ": holds no table"};
     return size;
 }
 
-SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const std::string& name) {
+Expected<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const std::string& name) {
     std::vector<CageBlock> blocks;
     bool open = false; // whether the next line belongs to the last block
     detail::RowFilter rows;
@@ -264,18 +264,18 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const st
     }
     const std::string why = end_block();
     if (!why.empty()) return refuse(head, why);
-    if (blocks.empty()) return SvgError{name + ": holds no points"};
+    if (blocks.empty()) return FileError{name + ": holds no points"};
     const auto is_loop = [](const CageBlock& block) { return block.kind == CageBlock::Kind::loop; };
-    if (std::none_of(blocks.begin(), blocks.end(), is_loop)) return SvgError{name + ": holds no loop"};
+    if (std::none_of(blocks.begin(), blocks.end(), is_loop)) return FileError{name + ": holds no loop"};
     return blocks;
 }
 
-SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path) {
+Expected<std::vector<CageBlock>> read_cage_csv(const std::string& path) {
     const auto text = read_text(path);
     return text ? parse_cage_csv(*text, path) : text.error();
 }
 
-SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count) {
+Expected<std::vector<std::string>> read_labels(const std::string& path, std::size_t count) {
     const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<std::string> labels;
@@ -289,19 +289,19 @@ SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::si
         labels.emplace_back(label);
         if (label.empty()) continue;
         const auto refuse = [&](const std::string& why) {
-            return SvgError{path + ":" + std::to_string(number) + ": the label " + detail::quoted(label) +
-                            why};
+            return FileError{path + ":" + std::to_string(number) + ": the label " + detail::quoted(label) +
+                             why};
         };
         if (std::any_of(label.begin(), label.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
             return refuse(" holds a control character");
         if (const auto [first, is_new] = lines.emplace(label, number); !is_new)
             return refuse(" occurs in line " + std::to_string(first->second) + " already");
     }
-    if (lines.empty()) return SvgError{path + ": holds no labels"};
+    if (lines.empty()) return FileError{path + ": holds no labels"};
     if (labels.size() != count)
-        return SvgError{path + ": has " + std::to_string(labels.size()) + " lines of labels, the cage " +
-                        std::to_string(count) + " vertices"};
+        return FileError{path + ": has " + std::to_string(labels.size()) + " lines of labels, the cage " +
+                         std::to_string(count) + " vertices"};
     return labels;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
-#include "svg/text.hpp"
+#include "pictures/text.hpp"
 
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 #include "pictures/render.hpp"
 #include "svg/css_geometry.hpp"
 #include "svg/walk.hpp"
@@ -14,7 +14,7 @@
 #include <memory>
 #include <utility>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 namespace detail {
 
@@ -38,7 +38,7 @@ bool is_drawn_in_place(pugi::xml_node text) {
 }
 
 /// Makes copies of used elements, as the deformation will, so that their texts stand where they are drawn.
-std::optional<SvgError> expand_used_texts(SvgDocument& document, std::vector<std::string>& warnings) {
+std::optional<FileError> expand_used_texts(SvgDocument& document, std::vector<std::string>& warnings) {
     const pugi::xml_node root = root_element(document.xml);
     const auto has = [&](const char* kind) {
         return static_cast<bool>(
@@ -236,21 +236,21 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
 }
 
 /// Returns rsvg-convert's version of a document: an SVG of outlines.
-SvgResult<std::string> outlines(const std::string& text) {
+Expected<std::string> outlines(const std::string& text) {
     struct Close {
         void operator()(std::FILE* file) const noexcept { std::fclose(file); }
     };
     using File = std::unique_ptr<std::FILE, Close>;
     const File in(std::tmpfile());
     const File out(std::tmpfile());
-    const SvgError failure{"texts cannot become paths: a temporary file cannot be written"};
+    const FileError failure{"texts cannot become paths: a temporary file cannot be written"};
     if (!in || !out) return failure;
     if (std::fwrite(text.data(), 1, text.size(), in.get()) != text.size()) return failure;
     if (std::fflush(in.get()) != 0) return failure;
     std::rewind(in.get());
     const std::string fault =
         run_rsvg({"--unlimited", "--format", "svg"}, fileno(in.get()), fileno(out.get()));
-    if (!fault.empty()) return SvgError{"texts cannot become paths: " + fault};
+    if (!fault.empty()) return FileError{"texts cannot become paths: " + fault};
     std::rewind(out.get());
     std::string result;
     std::array<char, 65536> buffer{};
@@ -335,7 +335,7 @@ struct DrawnTexts {
 
 /// Numbers the texts of a document, in an attribute that stays, and has them drawn. No texts where there
 /// are none.
-SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
+Expected<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     DrawnTexts drawn;
     for (const pugi::xml_node node : number_texts(document)) drawn.texts.push_back({node, {}, {}, 0});
     if (drawn.texts.empty()) return drawn;
@@ -359,14 +359,14 @@ SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     SvgDocument stripped = copy_of(document);
     strip_to_texts(stripped, view, drawn.texts);
     const auto written = outlines(to_text(stripped));
-    if (!written) return SvgError{document.name + ": " + written.error().message};
+    if (!written) return FileError{document.name + ": " + written.error().message};
     auto picture = parse_svg(*written, "rsvg-convert");
     if (!picture) return picture.error();
     const auto size = view_box(*picture);
     StyleSheets none(*picture);
     IdTable its_ids(root_element(picture->xml));
     const auto outline = walk(*picture, none, its_ids, {.follow_references = false}, ignored);
-    if (!outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
+    if (!outline) return FileError{document.name + ": rsvg-convert wrote no outlines"};
     const Affine2 to_root{
         3 * view.width / size.width, 0, 0, 3 * view.height / size.height, view.x - view.width,
         view.y - view.height};
@@ -385,7 +385,7 @@ SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
 
 } // namespace detail
 
-SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings) {
+Expected<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings) {
     using namespace detail;
     const auto view = view_box(document);
     SvgDocument work = copy_of(document);
@@ -427,7 +427,7 @@ void measure_texts(SvgDocument& document) {
     }
 }
 
-SvgResult<SvgDocument> load_figure(const std::string& path, bool text_as_paths) {
+Expected<SvgDocument> load_figure(const std::string& path, bool text_as_paths) {
     auto document = load_svg(path);
     if (!document) return document;
     if (!text_as_paths) {
@@ -441,4 +441,4 @@ SvgResult<SvgDocument> load_figure(const std::string& path, bool text_as_paths) 
     return document;
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support

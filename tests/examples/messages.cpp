@@ -1,4 +1,4 @@
-#include "cli/guard.hpp"
+#include "io/messages.hpp"
 
 #include "catch.hpp"
 
@@ -8,7 +8,7 @@
 
 namespace guard_tests {
 
-using namespace cageform_examples;
+using namespace cageform_support;
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Strokes as segments with half their width, tips of mitred corners and square caps included; outlines of
 /// what is filled. In root user space.
@@ -23,6 +23,6 @@ struct DrawnFigure {
 ///
 ///   curves   become lines no farther off than 5e-4 of the document's diagonal, and as thick as that
 ///   fails    as shapes() does, and where nothing shows
-SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document);
+Expected<DrawnFigure> drawn_figure(const SvgDocument& document);
 
-} // namespace cageform_examples
+} // namespace cageform_support

@@ -1,6 +1,6 @@
-#include "files/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
-#include "files/input_file.hpp"
+#include "io/input_file.hpp"
 
 #include <array>
 #include <atomic>
@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-namespace cageform_examples {
+namespace cageform_support {
 
 /// Names of temporary files for the signal handler, which may call little more than unlink(). If there
 /// are more files than slots, the last ones remain when a signal ends the program.
@@ -276,4 +276,4 @@ std::optional<std::string> write_file_atomically(const std::filesystem::path& pa
     return file.commit();
 }
 
-} // namespace cageform_examples
+} // namespace cageform_support
