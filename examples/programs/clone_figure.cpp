@@ -5,7 +5,7 @@
 //
 // The figure is a file that bind_mesh or bind_tiles writes, or any packed figure or binding, in the plane or
 // in space. Rows do not depend on each other: a farm runs this program with other rows in every task, and
-// the files are equal, bit for bit, whatever the rows of a task and the number of threads (examples/integrations/farms).
+// the files are equal, bit for bit, whatever the rows of a task and the number of threads (integrations/farms).
 //
 // Exit code 75 says that a disk is full, or another failure that may pass: run the same line again, with
 // --skip-existing to keep what is done. Files appear whole or not at all.

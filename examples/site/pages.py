@@ -234,6 +234,7 @@ def label_of(path):
         return page[1] if page[1] != "index" else "index"
     return {
         "README.md": "index", "CHANGELOG.md": "changes", "examples/README.md": "gallery", "examples": "gallery",
+        "examples/programs/README.md": "programs", "examples/sources/README.md": "sources",
         "bench/README.md": "speed", "bench": "speed", "examples/page/README.md": "play", "examples/lessons": "lessons",
     }.get(path)
 
@@ -375,7 +376,7 @@ def layout(lessons):
     menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
         [("coordinates", "Which one?")] + TYPES)
     menu += "<tab type=\"usergroup\" url=\"@ref lessons\" title=\"Lessons\">%s</tab>" % tabs(lessons)
-    menu += tabs([("gallery", "Gallery"), ("play", "Play"), ("speed", "Speed")])
+    menu += tabs([("gallery", "Gallery"), ("programs", "Programs"), ("sources", "Sources"), ("play", "Play"), ("speed", "Speed")])
     menu += "<tab type=\"usergroup\" url=\"@ref rooms\" title=\"Reference\">%s%s</tab>" % (
         tabs([("rooms", "Rooms")] + [("room_" + room, room) for room in ROOMS]),
         "<tab type=\"classlist\" title=\"Classes\"/><tab type=\"namespacemembers\" title=\"All names\"/>")
@@ -431,9 +432,8 @@ def main(out):
         rooms.append("| \\ref room_%s \"%s\" | %s |" % (room, room, words))
     write_page("rooms", ROOMS_PAGE % "\n".join(rooms))
 
-    text = relinked(read("examples/README.md"), "examples", headers)
-    write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
-    write_page("speed", relinked(read("bench/README.md"), "bench", headers))
+    for label, path in [("gallery", "examples"), ("programs", "examples/programs"), ("sources", "examples/sources"), ("speed", "bench")]:
+        write_page(label, relinked(read(path + "/README.md"), path, headers))
     for label, _, readme in LANGUAGES:
         text = relinked(read(readme), os.path.dirname(readme), headers)
         if label == "c":

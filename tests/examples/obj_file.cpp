@@ -193,7 +193,7 @@ TEST_CASE("vertices that are not finite are left out where no face has them", "[
 }
 
 TEST_CASE("the documented table of statements is that of the code", "[examples][obj]") {
-    const auto document = read_file(CAGEFORM_TEST_DATA "/../../examples/README.md");
+    const auto document = read_file(CAGEFORM_TEST_DATA "/../../examples/programs/README.md");
     REQUIRE(document);
     INFO(statement_table());
     CHECK(document->find("\n\n" + statement_table() + '\n') != std::string::npos);
