@@ -4,7 +4,7 @@
 //     clone_figure character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'
 //
 // The figure is a file that bind_mesh or bind_tiles writes, or any packed figure or binding, in the plane or
-// in space. Rows are independent: a farm runs this program with other rows in every task (integrations/farms).
+// in space. Rows are independent: each task of a farm runs this program with other rows (integrations/farms).
 // The files are equal, bit for bit, for any split of the rows and any number of threads.
 //
 // Exit code 75 says that a disk is full, or another failure that may pass: run the same line again, with
