@@ -1,5 +1,4 @@
-// make_cage, step 2: joins separate components of the figure by bridges, and closes slits that are too
-// narrow to deform.
+// make_cage, step 2: connects separate components by bridges and closes gaps too narrow to deform.
 #pragma once
 
 #include <cageform/core/detail/disjoint_sets.hpp>
@@ -12,10 +11,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The connected components of the nodes that the outside does not reach; diagonal neighbours are connected.
+/// Connected components of the nodes that are not outside; diagonal neighbours are connected.
 struct LatticeComponents {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::vector<std::uint32_t> of_node; ///< the component of a node; `none` outside
+    std::vector<std::uint32_t> of_node; ///< component of each node; `none` outside
     std::size_t count = 0;
 
     template <std::size_t D>
@@ -40,9 +39,9 @@ struct LatticeComponents {
     }
 };
 
-/// For each node, a nearly nearest node among those with is_source(node); lattice.size() if there
-/// is none. Sweeps over the lattice, in which each node adopts the best source of its neighbours
-/// (Danielsson, Euclidean distance mapping, 1980).
+/// Returns the (nearly) nearest node with is_source(node) for each node; lattice.size() if there is no
+/// source. Sweeps the lattice; each node takes the best source of its neighbours (Danielsson, Euclidean
+/// distance mapping, 1980).
 template <std::size_t D, class Test>
 std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, const Test& is_source) {
     const std::size_t none = lattice.size();
@@ -56,7 +55,7 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
         double least = found != none ? lattice.steps2(found, node) : std::numeric_limits<double>::infinity();
         lattice.for_each_around(node, [&](std::size_t other) {
             const std::size_t candidate = nearest[other];
-            if (candidate == none || candidate == found) return; // most often it is the same one
+            if (candidate == none || candidate == found) return; // most common case
             const double steps2 = lattice.steps2(candidate, node);
             if (!(steps2 < least)) return;
             least = steps2;
@@ -70,15 +69,14 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
     return nearest;
 }
 
-/// Two nodes of different components, and their squared distance in units of the spacing.
+/// Two nodes of different components and their squared distance in spacings.
 struct Bridge {
     double steps2;
     std::size_t from, to;
 };
 
-/// The bridges of a minimum spanning tree over the components. Divides the lattice into the regions
-/// nearest to each component; two components with adjacent regions get the shortest bridge found as
-/// an edge. Then Kruskal's algorithm picks the edges of the tree.
+/// Bridges of a minimum spanning tree over the components, by Kruskal's algorithm. The edges connect
+/// components whose nearest-component regions are adjacent, by the shortest bridge found.
 template <std::size_t D>
 std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeComponents& components) {
     const auto nearest = nearest_sources(
@@ -109,10 +107,10 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
     return bridges;
 }
 
-/// Adds bridges (capsules) to the figure until it has one component, in at most eight rounds; with
-/// `mirrored`, also their images. Returns the number of bridges, not counting images.
+/// Adds bridges (capsules) until the figure has one component, in at most eight rounds; with `mirrored`, also
+/// their images. Returns the number of bridges without images.
 ///
-///   components   those of the lattice as it is
+///   components  of the lattice before the call
 template <std::size_t D>
 std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents components, double margin,
                             bool mirrored) {
@@ -132,9 +130,9 @@ std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents compo
     return count;
 }
 
-/// Closes the figure morphologically by discs or balls (Serra, Image analysis and mathematical
-/// morphology, 1982): points that no disc of this radius reaches from outside become inside. With
-/// `holes`, a disc may also start in a hole.
+/// Morphological closing by discs or balls (Serra, Image analysis and mathematical morphology, 1982): points
+/// that no disc of this radius reaches from outside become inside. With `holes`, discs may also start in
+/// holes.
 template <std::size_t D>
 void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
     std::vector<std::uint8_t> outside = lattice.outside(static_cast<float>(radius));
@@ -142,7 +140,7 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
         for (std::size_t node = 0; node < lattice.size(); ++node)
             outside[node] = double(lattice[node]) > radius;
     }
-    // The squared distance from the positions that a disc's centre can reach.
+    // Squared distance from the positions that a disc's centre can reach.
     const double reach = radius + lattice.spacing();
     std::vector<float> free2(lattice.size(), static_cast<float>(reach * reach));
     const auto h = static_cast<float>(lattice.spacing());

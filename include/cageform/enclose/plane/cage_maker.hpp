@@ -1,4 +1,4 @@
-// Runs the steps of make_cage.hpp for a figure in the plane, and measures the exact clearance of the cage.
+// make_cage in 2D: runs the steps and measures the exact clearance of the cage.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -13,7 +13,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Runs steps 1 to 5 for one figure.
+/// Steps 1 to 5 for one figure.
 class PlaneCageMaker {
 public:
     using Point = Vec<double, 2>;
@@ -24,9 +24,9 @@ public:
         , areas_(areas)
         , options_(options) {}
 
-    /// Makes the loops, in local coordinates and outer ones counter-clockwise. They keep the distance
-    /// `level` from the figure, up to the lattice's resolution. Reports components, bridges and, the first
-    /// time, the tightest area.
+    /// Makes the loops in local coordinates, outer ones counter-clockwise. They keep the distance `level`
+    /// from the figure, up to the lattice resolution. Reports components, bridges and, on the first call, the
+    /// tightest area.
     Status make(double level, const Running& running, MakeCageReport& report, std::vector<Loop>& cage) {
         if (options_.shape == CageShape::box) {
             const auto box = bounds().widened(level);
@@ -57,7 +57,7 @@ public:
 private:
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
 
-    /// Reduces the contours to `vertices` in all, and completes the loops. Returns false if cancelled.
+    /// Reduces the contours to `vertices` in total and completes mirrored loops. Returns false if cancelled.
     bool reduce_all(std::size_t vertices, double level, const Running& running, std::vector<Loop>& cage) {
         const auto shares = share_vertices(vertices);
         for (std::size_t k = 0; k < contours_.size(); ++k) {
@@ -68,7 +68,7 @@ private:
         for (const auto& loop : contours_) add_whole(loop, cage);
         return true;
     }
-    /// Makes the fewest vertices that options.looseness allows.
+    /// Searches for the fewest vertices within options.looseness.
     Status make_fewest(double level, const Running& running, MakeCageReport& report,
                        std::vector<Loop>& cage) {
         constexpr std::size_t first = 12;
@@ -98,7 +98,7 @@ private:
         return Status::ok;
     }
 
-    /// The bounds of everything drawn; in a mirrored cage, of the figure and its mirror image.
+    /// Bounds of the figure, and of its mirror image if the cage is mirrored.
     Bounds<double, 2> bounds() const noexcept {
         Bounds<double, 2> all = bounds_of(std::span<const Point>());
         for (const auto& s : figure_) {
@@ -114,12 +114,12 @@ private:
         return all;
     }
 
-    /// Samples f near the figure, up to 4 margins or 12 nodes away. The longer side has 256 nodes or more,
-    /// a margin at least three. Around the figure lie 8 margins of free space for vertices.
+    /// Samples f up to 4 margins or 12 nodes from the figure. The longer side has at least 256 nodes, a
+    /// margin at least three. Leaves 8 margins of free space around the figure.
     Status fill_lattice(double level) {
         const auto box = bounds();
         const auto size = box.upper - box.lower;
-        // Single precision, so that node positions are exact and a column lies on the mirror axis.
+        // Single precision makes node positions exact and puts a column on the mirror axis.
         const double h = double(
             static_cast<float>((std::min)(((std::max)(size[0], size[1]) + 2 * level) / 256, level / 3)));
         Point low{};
@@ -127,7 +127,6 @@ private:
         double nodes = 1;
         for (std::size_t k = 0; k < 2; ++k) {
             const double from = box.lower[k] - 8 * level, to = box.upper[k] + 8 * level;
-            // A mirrored lattice is symmetric: a column of nodes lies on the axis.
             const bool centred = k == 0 && is_mirrored();
             const double side = centred ? 2 * std::ceil(to / h) : std::ceil((to - from) / h);
             low[k] = centred ? -h * std::ceil(to / h) : from;
@@ -147,7 +146,7 @@ private:
         if (is_mirrored()) lattice_.mirror();
         return Status::ok;
     }
-    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
+    /// Extent of the figure (and of its mirror image, if the cage is mirrored) along a direction.
     double reach(const Point& direction) const noexcept {
         double most = std::numeric_limits<double>::lowest();
         for (const auto& s : figure_) {
@@ -159,7 +158,7 @@ private:
         return most;
     }
 
-    /// Fills all that the outside does not reach (pockets, enclosed parts), except holes if wanted.
+    /// Fills everything that is not outside (pockets, enclosed regions), except holes if requested.
     void find_contours(double level) {
         auto outside = lattice_.outside(0);
         if (options_.holes) add_holes(outside, 16 * level * level);
@@ -193,9 +192,9 @@ private:
         }
     }
 
-    /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if it crosses the axis.
-    /// It crosses twice, at vertices: a symmetric region without holes covers one interval of the axis,
-    /// where nodes lie.
+    /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if the loop crosses the
+    /// axis. A crossing loop does so at two vertices, because a symmetric region without holes covers one
+    /// interval of the axis, on which nodes lie.
     static CageLoop right_half(const Loop& loop) {
         const std::size_t n = loop.size();
         for (std::size_t i = 0; i < n; ++i) {
@@ -210,11 +209,11 @@ private:
         return loop[0][0] > 0 ? CageLoop{loop, false} : CageLoop{};
     }
 
-    /// How many loops of the cage this one stands for: 2 if its mirror image is a separate loop.
+    /// Returns 2 if the mirror image of the loop is a separate loop, else 1.
     int copies_of(const CageLoop& loop) const noexcept { return is_mirrored() && !loop.half ? 2 : 1; }
 
-    /// Shares out the vertices among the loops in proportion to the square roots of their areas, at least
-    /// four each (three for a single loop). For a half, the result counts the points of its chain.
+    /// Distributes the vertices over the loops in proportion to the square roots of their areas, at least
+    /// four each (three for a single loop). The result for a half is the size of its chain.
     std::vector<std::size_t> share_vertices(std::size_t vertices) const {
         double sum = 0;
         const auto weight = [](const CageLoop& loop) {
@@ -229,7 +228,7 @@ private:
         const double wanted = double(vertices);
         const double least = contours_.size() == 1 ? 3 : 4;
         double given = 0, share = 0;
-        for (const std::size_t k : order) { // rounding errors carry over to the next larger loops
+        for (const std::size_t k : order) { // rounding errors carry over to larger loops
             const auto& loop = contours_[k];
             share += wanted * copies_of(loop) * weight(loop) / sum;
             const double whole = (std::max)(std::round((share - given) / copies_of(loop)), least);
@@ -250,12 +249,13 @@ private:
             if (other != k) obstacles.add(contours_[other]);
         }
         obstacles.add_inside(contours_[k]);
-        if (copies_of(contours_[k]) > 1) obstacles.add({0, -4}, {0, 4}); // the axis: the image lies beyond
+        if (copies_of(contours_[k]) > 1)
+            obstacles.add({0, -4}, {0, 4}); // the axis: the image is on the other side
         return obstacles;
     }
 
-    /// Reduces contour k to `vertices` = n points. It tries a reduction to n, 7n/8, 6n/8 and 5n/8 vertices,
-    /// inserts the missing ones during relaxation, and keeps the result of least energy.
+    /// Reduces contour k to n = `vertices` points. Tries reductions to n, 7n/8, 6n/8 and 5n/8, inserts the
+    /// missing vertices during relaxation, and keeps the result of least energy.
     CageLoop reduced(std::size_t k, std::size_t vertices, double level) const {
         const auto& contour = contours_[k];
         const LoopEnergy energy(contour, vertices, std::fmax(options_.regular, 0.0));
@@ -280,7 +280,7 @@ private:
         return best;
     }
 
-    /// Adds a loop: completes a half by its image; adds the image of another loop if that is separate.
+    /// Adds a loop, completed by its image; adds a separate image as another loop.
     void add_whole(const CageLoop& loop, std::vector<Loop>& cage) const {
         Loop whole = loop.points, image;
         for (auto p = loop.points.rbegin(); p != loop.points.rend(); ++p)
@@ -294,10 +294,10 @@ private:
     std::span<const PaintedArea> areas_;
     const MakeCageOptions& options_;
     DistanceLattice<2> lattice_;
-    std::vector<CageLoop> contours_; ///< replaced one by one by the reduced loops
+    std::vector<CageLoop> contours_; ///< replaced one by one by reduced loops
 };
 
-/// The least distance between the edges of a cage and the figure; negative if some segment is not inside.
+/// Minimum distance between the cage edges and the figure; negative if a segment is not inside.
 template <Scalar T>
 double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<double>> figure) {
     Buffer<Facet<2>> edges;
@@ -317,7 +317,7 @@ double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<doub
     return all_inside ? least : -std::fabs(least);
 }
 
-/// The smallest angle between neighbouring edges, in degrees.
+/// Smallest angle between adjacent edges, in degrees.
 template <Scalar T>
 double least_angle(const Polygon<T>& cage) {
     double least = std::numbers::pi;
@@ -333,7 +333,7 @@ double least_angle(const Polygon<T>& cage) {
     return least * 180 / std::numbers::pi;
 }
 
-/// Checks the figure, the areas and the options; `report.culprit` gets the index of the first bad item.
+/// Sets `report.culprit` to the index of the first invalid segment or area.
 template <Scalar T>
 Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                     const MakeCageOptions& options, MakeCageReport& report) {
@@ -356,12 +356,12 @@ Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const Pai
     return check_options<2>(options);
 }
 
-/// The frame of a figure, and the figure there.
+/// A figure in local coordinates.
 struct FramedFigure {
     CageFrame<2> frame;
     Bounds<double, 2> box; ///< in the figure's own coordinates
     std::vector<DrawnSegment<double>> segments;
-    double diagonal = 0; ///< of its bounds, in local units
+    double diagonal = 0; ///< of the bounds, in local units
 };
 
 template <Scalar T>
@@ -387,7 +387,7 @@ Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional
     return Status::ok;
 }
 
-/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
+/// Repeats the steps with a larger distance while the exact clearance is too small.
 template <class T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                       const MakeCageOptions& options, const Running& running,
@@ -411,7 +411,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         std::vector<Loop> loops;
-        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
+        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // a second try is rare
         const Running subtask = running.subtask(done[round], done[round + 1]);
         status = maker.make(level, subtask, report, loops);
         if (status != Status::ok) return status;

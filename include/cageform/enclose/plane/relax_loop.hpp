@@ -1,5 +1,5 @@
-// make_cage in the plane, step 5: moves, inserts and removes vertices while the loop's energy falls.
-// Step 4 can only enlarge the loop; this step tightens it again and evens out angles and lengths.
+// make_cage in 2D, step 5: moves, inserts and removes vertices while the energy falls. Tightens the loop,
+// which step 4 only enlarged, and evens out angles and lengths.
 #pragma once
 
 #include <cageform/enclose/plane/cage_loop.hpp>
@@ -16,8 +16,8 @@ public:
         : energy_(energy)
         , obstacles_(obstacles) {}
 
-    /// Moves each vertex in turn to the position of least energy among 16 directions and three step
-    /// lengths. The steps become shorter from sweep to sweep.
+    /// Moves each vertex in turn to the best position in 16 directions at three step lengths. Steps shrink
+    /// from sweep to sweep.
     void relax(CageLoop& loop, int sweeps) const {
         double step = 4 * obstacles_.margin;
         for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -26,9 +26,9 @@ public:
         }
     }
 
-    /// Splits the longest edge until the loop has this many vertices; its shape stays the same. If
-    /// a vertex lies across the inside nearby, the edge is split opposite to it, so that limbs get
-    /// their vertices in pairs; otherwise in the middle.
+    /// Splits the longest edge until the loop has `vertices` vertices; its shape does not change. If a vertex
+    /// lies across the inside nearby, the edge is split opposite to it, so that limbs get vertices in pairs;
+    /// otherwise in the middle.
     void insert(CageLoop& loop, std::size_t vertices) const {
         while (loop.size() < vertices) {
             std::size_t longest = 0;
@@ -44,8 +44,8 @@ public:
         }
     }
 
-    /// Removes the vertex whose loss costs least, inserts one elsewhere, and relaxes; up to three
-    /// times. This escapes local minima in which moving single vertices gets stuck.
+    /// Removes the vertex whose loss costs least, inserts one elsewhere and relaxes; up to three times. This
+    /// escapes local minima of single-vertex moves.
     void reinsert(CageLoop& loop) const {
         for (int round = 0; round < 3; ++round) {
             double least = energy_.of(loop) - 1e-4;
@@ -54,8 +54,8 @@ public:
                 if (loop.is_end(i) || loop.size() <= 3 || !may_go(loop, i)) continue;
                 CageLoop trial = loop;
                 trial.points.erase(trial.points.begin() + std::ptrdiff_t(i));
-                // In radians. A vertex this sharp may belong to a spike, which vanishes only if its
-                // other vertices move.
+                // In radians. A sharp vertex may belong to a spike, which disappears only if its neighbours
+                // move.
                 constexpr double sharp = 1.2;
                 if (angle_between(loop.before(i) - loop.points[i], loop.after(i) - loop.points[i]) < sharp)
                     relax_about(trial, i);
@@ -77,7 +77,7 @@ private:
         Point x;
     };
 
-    /// Moves the two vertices on each side of where vertex `i` was.
+    /// Moves two vertices on each side of a removed vertex `i`.
     void relax_about(CageLoop& loop, std::size_t i) const {
         const auto n = std::ptrdiff_t(loop.size());
         double step = 2 * obstacles_.margin;
@@ -131,7 +131,7 @@ private:
         return (first || edge_is_free(loop, i, x, p)) && (last || edge_is_free(loop, i, x, n));
     }
 
-    /// Whether the edge from vertex `i`, moved to `x`, to its neighbour `end` stays clear of all obstacles.
+    /// True if the edge from vertex `i`, moved to `x`, to its neighbour `end` is clear of all obstacles.
     bool edge_is_free(const CageLoop& loop, std::size_t i, const Point& x, std::size_t end) const {
         const Point& to = loop.points[end];
         const double gap = 0.25 * obstacles_.margin;
@@ -139,7 +139,7 @@ private:
             const std::size_t k = loop.next(j);
             if (j == i || k == i) continue;
             const Point &a = loop.points[j], &b = loop.points[k];
-            if (j == end || k == end) { // neighbours may not fold back onto each other
+            if (j == end || k == end) { // adjacent edges must not fold onto each other
                 const auto u = x - to, v = (j == end ? b : a) - to;
                 if (dot(u, v) > 0 && angle_between(u, v) < 0.05) return false;
             } else if (Obstacles::segments_near(x, to, a, b, gap)) {
@@ -151,7 +151,7 @@ private:
         return !obstacles_.comes_near(x, to, gap) && is_clear(*obstacles_.lattice, x, to);
     }
 
-    /// Whether vertex `i` may be removed, so that an edge joins its neighbours.
+    /// True if vertex `i` can be removed, so that an edge connects its neighbours.
     bool may_go(const CageLoop& loop, std::size_t i) const {
         const Point &a = loop.points[loop.previous(i)], &b = loop.points[loop.next(i)];
         if (obstacles_.any_within(a, loop.points[i], b)) return false;
@@ -177,8 +177,8 @@ private:
         }
         return position;
     }
-    /// Whether no edge lies between vertex `i` and `foot`, except those at `i` and the one that
-    /// contains `foot`.
+    /// True if no edge separates vertex `i` from `foot`; ignores edges at `i` and the edge that contains
+    /// `foot`.
     static bool sees(const CageLoop& loop, std::size_t i, const Point& foot, std::size_t edge) noexcept {
         for (std::size_t j = 0; j < loop.edge_count(); ++j) {
             const std::size_t k = loop.next(j);

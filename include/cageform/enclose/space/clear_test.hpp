@@ -1,4 +1,4 @@
-// make_cage in space: tests whether triangles keep off the figure.
+// make_cage in 3D: tests whether triangles are clear of the figure.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -6,14 +6,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Tests whether f >= 0 on triangles, up to a twentieth of the spacing at the places sampled. f has slope at
-/// most 1, so a triangle is free if it lies in the sphere of radius f around its middle. It also counts as
-/// free if it lies in a sphere of radius r, where r^2 = (0.8 spacings)^2 + 2 margin f: the border of f < 0 is
-/// at most as curved as a ball whose radius is the margin, so between samples r apart that lie f off, it does
-/// not rise by more than r^2 / (2 margin) - f, an eighth of the spacing. Larger triangles are halved.
+/// Tests whether f >= 0 on triangles, up to a twentieth of the spacing at the sampled points. The slope of f
+/// is at most 1, so a triangle is clear if it lies in the sphere of radius f around its centroid. A larger
+/// sphere also suffices: radius r with r^2 = (0.8 spacings)^2 + 2 margin f. The border of f < 0 has at most
+/// the curvature of a ball whose radius is the margin. Between samples a distance r apart it rises by at most
+/// r^2 / (2 margin) - f, an eighth of the spacing. Triangles outside both spheres are bisected.
 class ClearTest {
 public:
-    /// A place in a triangle: the weights of its corners.
     using Weights = Vec<double, 3>;
 
     ClearTest(const DistanceLattice<3>& lattice, double margin)
@@ -34,11 +33,10 @@ public:
                is_clear_between(corner, where);
     }
 
-    /// Whether some triangles, whose corners are clear, are clear. Many similar ones are tested one after
-    /// another, and most are refused at the places where those before were refused, so these are sampled
-    /// first.
+    /// Tests triangles whose corners are clear. Successive calls test similar triangles, which mostly fail at
+    /// the same points, so the points of previous failures are sampled first.
     ///
-    ///   triangle   triangle(k): the corners of triangle k, where k < count
+    ///   triangle  triangle(k): the corners of triangle k, k < count
     template <class Triangle>
     bool are_clear(std::size_t count, const Triangle& triangle) {
         for (const auto& [k, w] : refused_) {
@@ -57,7 +55,7 @@ public:
         }
         return true;
     }
-    /// Forgets where triangles were refused: the next ones are others.
+    /// Forgets previous failures; call it before testing unrelated triangles.
     void forget() noexcept { refused_.clear(); }
 
 private:
@@ -65,13 +63,13 @@ private:
         std::size_t triangle;
         Weights at;
     };
-    using Place = Vec<float, 3>; ///< in spacings from the lattice's lowest node
+    using Place = Vec<float, 3>; ///< in spacings from node 0
     static constexpr float least = -0.05F;
 
     Place to_spacings(const Vec<double, 3>& p) const noexcept {
         return vec_cast<float>(per_spacing_ * (p - low_));
     }
-    /// f at a place, in spacings.
+    /// f in spacings.
     float value(const Place& x) const noexcept {
         std::size_t node = 0;
         std::array<float, 3> t{};
@@ -95,11 +93,10 @@ private:
     Triangle places_of(const Corners<3>& corner) const noexcept {
         return {to_spacings(corner[0]), to_spacings(corner[1]), to_spacings(corner[2])};
     }
-    /// A sample in the middle of a triangle.
     struct Sample {
         Place middle;
         float f;
-        bool is_free; ///< whether it shows that the triangle is clear
+        bool is_free; ///< true if this sample proves that the triangle is clear
     };
     Sample sample(const Triangle& corner) const noexcept {
         const Place middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
@@ -109,10 +106,11 @@ private:
         return {middle, f, reach2 <= (std::max)(off * off, 0.64F + twice_margin_ * off)};
     }
 
-    /// Whether a triangle is clear, apart from its corners; if not, sets where it was refused.
+    /// Tests a triangle whose corners are clear; if it fails, sets `where` to the barycentric weights of the
+    /// point.
     CAGEFORM_DETAIL_FLATTEN bool is_clear_between(const Corners<3>& whole, Weights& where) const noexcept {
-        // One half waits for each halving above the current triangle. Some 30 halvings take a side of
-        // thousands of spacings down to one; a triangle that needs more than 64 does not count as clear.
+        // One half is pending per bisection. About 30 bisections reduce a side of thousands of spacings to
+        // one; triangles that need more than 64 are rejected.
         std::array<Triangle, 64> waiting;
         std::size_t count = 0;
         Triangle corner = places_of(whole);
@@ -128,7 +126,7 @@ private:
                 continue;
             }
             if (count == waiting.size()) return false;
-            std::array<float, 3> side2{}; // opposite to each corner
+            std::array<float, 3> side2{}; // side opposite to each corner
             for (std::size_t k = 0; k < 3; ++k) {
                 const Place side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
                 side2[k] = dot(side, side);
@@ -142,7 +140,6 @@ private:
             corner = {a, b, half};
         }
     }
-    /// Notes where a triangle was refused.
     bool refuse(std::size_t triangle, const Weights& at) {
         auto found = std::find_if(refused_.begin(), refused_.end(),
                                   [&](const Refusal& r) { return r.triangle == triangle; });
@@ -151,7 +148,7 @@ private:
         std::iter_swap(found, refused_.begin());
         return false;
     }
-    /// The weights of a place in a triangle; those of the middle if the triangle has no area.
+    /// Barycentric weights of a point; those of the centroid if the triangle has no area.
     static Weights weights_of(const Corners<3>& corner, const Vec<double, 3>& p) noexcept {
         const auto u = corner[1] - corner[0], v = corner[2] - corner[0], to = p - corner[0];
         const auto n = cross(u, v);
@@ -165,12 +162,12 @@ private:
     std::array<std::size_t, 3> stride_;
     Vec<double, 3> low_;
     double per_spacing_;
-    float scale_;        ///< the same in single precision
-    float twice_margin_; ///< in spacings, as the distances below
+    float scale_;        ///< 1 / spacing
+    float twice_margin_; ///< in spacings, like the distances below
     float farthest_;
-    std::array<float, 3> last_{};    ///< the number of the last node along each axis
-    std::vector<Refusal> refused_;   ///< the latest one comes first
-    std::vector<std::size_t> large_; ///< the triangles of `are_clear` that need more samples
+    std::array<float, 3> last_{};    ///< index of the last node along each axis
+    std::vector<Refusal> refused_;   ///< latest first
+    std::vector<std::size_t> large_; ///< triangles of `are_clear` that need more samples
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

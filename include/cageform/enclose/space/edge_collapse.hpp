@@ -1,6 +1,6 @@
-// make_cage in space: the collapse of an edge of the mesh, and the places that the merged vertex may take,
-// with their costs by quadric error metrics (Garland & Heckbert, Surface simplification using quadric error
-// metrics, SIGGRAPH 1997).
+// make_cage in 3D: the collapse of an edge, and candidate positions of the merged vertex with costs by
+// quadric error metrics (Garland & Heckbert, Surface simplification using quadric error metrics, SIGGRAPH
+// 1997).
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -10,14 +10,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A weighted sum of squared distances from planes, as a function of the point x: x'Ax + 2 b'x + c.
+/// Weighted sum of squared distances from planes at a point x: x'Ax + 2 b'x + c.
 struct Quadric {
     using Point = Vec<double, 3>;
     std::array<double, 6> a{}; ///< xx, xy, xz, yy, yz, zz
     Point b{};
     double c = 0;
 
-    /// Adds the plane through `p`. The normal may have any length; its square multiplies the weight.
+    /// Adds the plane through `p`. The squared length of the normal multiplies the weight.
     void add_plane(const Point& normal, const Point& p, double weight) noexcept {
         const double offset = -dot(normal, p);
         std::size_t n = 0;
@@ -38,12 +38,11 @@ struct Quadric {
                               2 * (a[1] * x[0] * x[1] + a[2] * x[0] * x[2] + a[4] * x[1] * x[2]);
         return (std::max)(square + 2 * dot(b, x) + c, 0.0);
     }
-    /// The product A x.
     Point times(const Point& x) const noexcept {
         return {a[0] * x[0] + a[1] * x[1] + a[2] * x[2], a[1] * x[0] + a[3] * x[1] + a[4] * x[2],
                 a[2] * x[0] + a[4] * x[1] + a[5] * x[2]};
     }
-    /// Finds the minimum. Returns false if it is a line or a plane, up to rounding.
+    /// Finds the minimum. Returns false if it is not unique (a line or a plane), up to rounding.
     bool least(Point& x) const noexcept {
         const Point r0{a[0], a[1], a[2]}, r1{a[1], a[3], a[4]}, r2{a[2], a[4], a[5]};
         const double det = dot(r0, cross(r1, r2)), trace = a[0] + a[3] + a[5];
@@ -53,11 +52,11 @@ struct Quadric {
     }
 };
 
-/// Considers the collapse of one edge at a time, tests it and makes it.
+/// Evaluates, tests and applies the collapse of one edge at a time.
 class EdgeCollapse {
 public:
     using Point = Vec<double, 3>;
-    /// A set of places for the merged vertex, a bit each.
+    /// Set of candidate positions, one bit each.
     using Places = std::uint32_t;
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     static constexpr double beyond = std::numeric_limits<double>::infinity();
@@ -85,11 +84,11 @@ public:
         }
     }
 
-    /// Makes `fits` test from now on whether faces cross. Called again, it uses cells of the size that faces
-    /// have now.
+    /// Makes `fits` test for crossing faces from now on. Further calls adapt the hash to the current face
+    /// size.
     void watch_crossings() { crossings_.emplace(shell_, gap_); }
 
-    /// A lower bound of the cost of a collapse, in units of area times squared distance.
+    /// Lower bound of the cost of a collapse, in area times squared distance.
     double least_cost(std::uint32_t u, std::uint32_t v) const noexcept {
         Quadric q = quadric_[u];
         q += quadric_[v];
@@ -97,9 +96,9 @@ public:
         return (q.least(x) ? q.at(x) : 0) + stretch(u, v);
     }
 
-    /// Turns to the edge u v: collects the faces that remain after its collapse, and the places: the minimum
-    /// of the quadric, the midpoint and both ends, each at several distances outwards along the normal.
-    /// Returns false if the faces have no normal.
+    /// Selects the edge u v: collects the faces that remain after its collapse and the candidates. These are
+    /// the minimum of the quadric, the midpoint and both ends, each at several offsets outwards along the
+    /// normal. Returns false if the faces have no normal.
     CAGEFORM_DETAIL_FLATTEN bool look_at(std::uint32_t u, std::uint32_t v) {
         u_ = u;
         v_ = v;
@@ -134,7 +133,8 @@ public:
         return true;
     }
 
-    /// Chooses the cheapest place that is not refused, and sets its cost. Returns `none` if no place is left.
+    /// Returns the cheapest candidate that is not rejected, and sets its cost. Returns `none` if no candidate
+    /// is left.
     std::uint32_t choose(Places refused, double& cost) {
         if (!is_weighed_) weigh();
         for (;;) {
@@ -151,8 +151,7 @@ public:
         }
     }
 
-    /// Whether the collapse to a place keeps the mesh's topology, and the new faces are clear of the figure
-    /// and cross no others.
+    /// True if the new faces are clear of the figure and cross no other faces.
     bool fits(std::uint32_t n) {
         const Point p = place(n);
         if (!clear_.are_clear(about_.size(), [&](std::size_t k) {
@@ -161,9 +160,9 @@ public:
             return false;
         return !crossings_ || !crosses(p, *crossings_);
     }
-    /// The link condition: the edge has two faces (one on the rim), and its ends have no other common
-    /// neighbours than the third vertices of these faces. The collapse then keeps the topology. In a half, it
-    /// must not join two rim vertices by an edge inside: the image would have the same edge.
+    /// The link condition: the edge has two faces (one on the rim), and its ends share no neighbours except
+    /// the third vertices of these faces. In a half, the collapse must not connect two rim vertices by an
+    /// interior edge, because the image would have the same edge.
     bool keeps_topology() {
         if (!keeps_rings()) return false;
         std::size_t at_edge = 0;
@@ -192,7 +191,7 @@ public:
         return common == at_edge;
     }
 
-    /// Makes the collapse: the first end moves to a place, the second one vanishes.
+    /// Applies the collapse: the first end moves to a candidate, the second is removed.
     void take(std::uint32_t n) {
         const Point p = place(n);
         if (crossings_) {
@@ -220,22 +219,21 @@ public:
         if (!crossings_) return;
         for (const auto f : shell_.star[u_]) crossings_->add(f);
     }
-    /// Whether both ends lie on the rim of a half.
     bool is_along_rim() const noexcept { return shell_.on_rim[u_] && shell_.on_rim[v_]; }
 
 private:
-    /// A face about the edge that the collapse would change: its first corner moves.
+    /// A face at the selected edge that the collapse changes: its first corner moves.
     struct About {
         std::uint32_t face;
-        Point a, b;       ///< the other corners
-        double across2;   ///< the squared distance of these
+        Point a, b;       ///< other corners
+        double across2;   ///< squared distance between a and b
         Point normal;     ///< before the collapse
-        double hundredth; ///< of its squared length
+        double hundredth; ///< 0.01 · its squared length
     };
     static constexpr std::size_t starts = 4;
     static constexpr std::array<double, 6> steps_out{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
 
-    /// A penalty that keeps edges short where the quadric is flat.
+    /// Penalty that keeps edges short where the quadric is flat.
     double stretch(std::uint32_t u, std::uint32_t v) const noexcept {
         const auto e = shell_.points[v] - shell_.points[u];
         return 1e-3 * dot(e, e) * dot(e, e);
@@ -246,13 +244,13 @@ private:
         return shell_.allowed(p, is_onto_rim(), ring(), spacing_);
     }
     bool is_onto_rim() const noexcept { return shell_.on_rim[u_] || shell_.on_rim[v_]; }
-    /// The ring that the merged vertex belongs to.
+    /// Ring of the merged vertex.
     std::uint32_t ring() const noexcept {
         const auto r = shell_.ring_of(u_);
         return r != none ? r : shell_.ring_of(v_);
     }
-    /// Whether each ring stays a closed path, of at least four vertices with those of its image, and no other
-    /// edge joins two of them.
+    /// True if each ring remains a closed path with at least four vertices (including its image), and no
+    /// other edge joins two of them.
     bool keeps_rings() const noexcept {
         const auto r = shell_.ring_of(u_), s = shell_.ring_of(v_);
         if (r == none && s == none) return true;
@@ -270,7 +268,7 @@ private:
         return true;
     }
 
-    /// Sets lower bounds of the costs of all places.
+    /// Sets lower bounds of the costs of all candidates.
     void weigh() noexcept {
         const Point slopes = q_.times(normal_);
         const double curved = dot(normal_, slopes), extra = stretch(u_, v_);
@@ -287,10 +285,10 @@ private:
         is_exact_ = 0;
         is_weighed_ = true;
     }
-    /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles. It is infinite where
-    /// a face would turn over, and at places too near to the figure.
+    /// Cost factor for poor faces: 1 for good ones, larger for needles; infinite if a face would flip or the
+    /// position is too close to the figure.
     CAGEFORM_DETAIL_FLATTEN double shape_factor(const Point& p) const noexcept {
-        double worst2 = 1; // the least square of twice the area over the squared longest side
+        double worst2 = 1; // minimum of (twice the area / squared longest side)^2
         for (const About& at : about_) {
             const Point to_a = at.a - p, to_b = at.b - p, is = cross(to_a, to_b);
             const double size2 = dot(is, is), along = dot(at.normal, is);
@@ -302,7 +300,7 @@ private:
         const double worst = triangle_quality(std::sqrt(worst2), 1);
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
-    /// Whether the new faces, those collected, cross other faces or each other.
+    /// True if the new faces cross other faces or each other.
     bool crosses(const Point& p, ShellCrossings& crossings) {
         const Point old = shell_.points[u_];
         shell_.points[u_] = p;
@@ -328,14 +326,14 @@ private:
     std::uint32_t last_mark_ = 0;
     std::vector<Shell::Face> fresh_; ///< scratch of `crosses`
 
-    std::uint32_t u_ = 0, v_ = 0; ///< the edge looked at
+    std::uint32_t u_ = 0, v_ = 0; ///< selected edge
     std::vector<About> about_;
     Point normal_{};
     Quadric q_;
     std::array<Point, starts> starts_{};
-    bool has_least_ = false; ///< whether the first start is the minimum of the quadric
+    bool has_least_ = false; ///< true if the first base position is the minimum of the quadric
     bool is_weighed_ = false;
-    std::array<double, starts * steps_out.size()> cost_{}; ///< of each place, or a lower bound
+    std::array<double, starts * steps_out.size()> cost_{}; ///< cost of each candidate, or a lower bound
     Places is_exact_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Maximum weight matching in any graph, by Edmonds' algorithm.
+// Maximum weight matching in general graphs (Edmonds' blossom algorithm).
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -14,26 +14,25 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// An edge of a graph, between two different vertices.
 struct WeightedEdge {
     std::uint32_t a = 0, b = 0;
-    std::int64_t weight = 0; ///< 1 … 2^60; smaller ones are never matched
+    std::int64_t weight = 0; ///< 1 … 2^60; edges with smaller weights are never matched
 };
 
-/// Finds edges of which no two share a vertex, with the greatest sum of weights. It is exact: all numbers
-/// are integers.
+/// Finds a set of edges without common vertices of maximum total weight. Exact, as all arithmetic is in
+/// integers.
 ///
-///   cost   O(n (m + n) log n) as a rule for n vertices and m edges; a search seldom sees the whole graph
+///   cost  typically O(n (m + n) log n) for n vertices and m edges; a search rarely visits the whole graph
 ///
-/// The primal-dual method of Edmonds (Maximum matching and a polyhedron with 0,1-vertices, J. Res. NBS 69B,
-/// 1965), as Galil describes it (Efficient algorithms for finding maximum matching in graphs, ACM Comput.
-/// Surv. 18, 1986). Here one alternating tree grows at a time, from a vertex without a mate. Each vertex has
-/// a dual y >= 0 and each blossom, an odd cycle shrunk to a node, a dual z >= 0. The slack of an edge
-/// is y_a + y_b - 2 weight, not below 0 outside blossoms. Edges that are matched, and those of the tree
-/// and of blossoms, have slack 0. While the tree grows, y falls at even nodes and rises at odd ones, at
-/// one rate. A queue holds the times at which something happens: an edge gets slack 0, z of an odd blossom
-/// reaches 0, or y of an even vertex does, which can then do without a mate. In the end y = 0 at all vertices
-/// without a mate, which proves the maximum.
+/// Primal-dual method of Edmonds (Maximum matching and a polyhedron with 0,1-vertices, J. Res. NBS 69B, 1965)
+/// as described by Galil (Efficient algorithms for finding maximum matching in graphs, ACM Comput. Surv. 18,
+/// 1986), growing one alternating tree at a time from an unmatched vertex. Each vertex has a dual y >= 0.
+/// Each blossom, an odd cycle shrunk to a node, has a dual z >= 0. The slack of an edge is y_a + y_b - 2
+/// weight; it is >= 0 outside blossoms, and 0 for edges that are matched, in the tree or in a blossom. While
+/// the tree grows, y decreases at even nodes and increases at odd ones, at the same rate. A queue holds the
+/// times of events: the slack of an edge reaches 0, z of an odd blossom reaches 0, or y of an even vertex
+/// reaches 0, which may then stay unmatched. At the end y = 0 at all unmatched vertices, which proves
+/// optimality.
 class Matching {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -62,26 +61,27 @@ public:
         }
     }
 
-    /// The edge that is matched at a vertex; `none` if it has no mate.
+    /// Matched edge of a vertex; `none` if it is unmatched.
     std::uint32_t edge_at(std::size_t v) const noexcept {
         return link_of_[v] == none ? none : link_of_[v] / 2;
     }
 
 private:
-    // A link is an edge with a direction: 2 e leads from a to b, 2 e + 1 back.
+    // A link is a directed edge: 2 e leads from a to b, 2 e + 1 from b to a.
     using Link = std::uint32_t;
-    using Node = std::uint32_t; ///< a vertex, or from size_ on a blossom
+    using Node = std::uint32_t; ///< a vertex, or a blossom if >= size_
     enum class Label : std::uint8_t { free, even, odd };
     enum class Happening : std::uint8_t { vertex_at_zero, blossom_at_zero, edge_at_zero };
 
     struct NodeData {
-        Node parent = none; ///< the blossom around it
-        Node base = none;   ///< its only vertex whose mate is outside, or that has none
+        Node parent = none; ///< enclosing blossom
+        Node base = none;   ///< its only vertex that is unmatched or matched to the outside
         std::int64_t dual = 0;
-        std::int64_t since = 0; ///< of an outermost node in the tree: when the duals in it were last right
+        std::int64_t since = 0; ///< of an outermost node in the tree: time of the last update of its duals
         Label label = Label::free;
-        Link entry = none; ///< of an odd node: the link from the tree into it
-        /// The odd cycle of a blossom, the one with the base first, and the links from each to the next.
+        Link entry = none; ///< of an odd node: link from the tree into it
+        /// Odd cycle of a blossom, starting with the child of the base, and the links from each child to the
+        /// next.
         std::vector<Node> children{};
         std::vector<Link> links{};
     };
@@ -106,7 +106,7 @@ private:
         for (const Node child : nodes_[node].children) for_each_vertex(child, f);
     }
 
-    /// How much the duals of vertices have grown since they were last written.
+    /// Change of the vertex duals since they were last stored.
     std::int64_t growth(Node outer) const noexcept {
         const NodeData& node = nodes_[outer];
         if (node.label == Label::free) return 0;
@@ -117,7 +117,7 @@ private:
     std::int64_t slack(Link link) const noexcept {
         return dual(from(link)) + dual(to(link)) - 2 * edges_[link / 2].weight;
     }
-    /// Writes the duals of a node and of all in it, and gives it a label.
+    /// Stores the duals of a node and of its descendants, then sets its label.
     void set_label(Node outer, Label label, Link entry = none) {
         const std::int64_t by = growth(outer);
         if (by != 0) for_each_vertex(outer, [&](std::uint32_t v) { nodes_[v].dual += by; });
@@ -134,7 +134,7 @@ private:
     void schedule(std::int64_t wait, Happening what, std::uint32_t index) {
         queue_.push({now_ + wait, what, index});
     }
-    /// Schedules what will happen at a vertex that has become even.
+    /// Schedules the events of a vertex that has become even.
     void watch_even(std::uint32_t v) {
         schedule(dual(v), Happening::vertex_at_zero, v);
         const Node inside = outermost(v);
@@ -160,7 +160,7 @@ private:
         for_each_vertex(outer, [&](std::uint32_t v) { watch_even(v); });
     }
 
-    /// Finds a mate for a vertex, or another vertex that can do without one in its place.
+    /// Matches a vertex, or leaves another one unmatched in its place.
     void search(std::uint32_t start) {
         now_ = 0;
         queue_ = {};
@@ -173,7 +173,7 @@ private:
         tree_.clear();
     }
 
-    /// Returns whether the search is at its end.
+    /// Processes an event. Returns true if the search has ended.
     bool take_next() {
         const Event event = queue_.top();
         queue_.pop();
@@ -209,7 +209,7 @@ private:
         return false;
     }
 
-    /// The way from an even node to the root of the tree: its nodes, and the links between them.
+    /// Path from an even node to the root of the tree: nodes and the links between them.
     struct Way {
         std::vector<Node> nodes;
         std::vector<Link> links;
@@ -227,10 +227,10 @@ private:
         return way;
     }
 
-    /// Makes a blossom of the cycle that an edge between two even nodes closes.
+    /// Shrinks the cycle closed by an edge between two even nodes to a blossom.
     void shrink(Link link, Node left, Node right) {
         Way here = way_to_root(left), there = way_to_root(right);
-        // They share their ends, from the node where they meet.
+        // Remove the common end of both paths, except for the node where they meet.
         while (here.nodes.size() > 1 && there.nodes.size() > 1 &&
                here.nodes[here.nodes.size() - 2] == there.nodes[there.nodes.size() - 2]) {
             for (Way* way : {&here, &there}) {
@@ -268,8 +268,8 @@ private:
         return node;
     }
 
-    /// Takes an odd blossom apart. The part of its cycle with an even number of links from where the tree
-    /// enters to the base stays in the tree.
+    /// Expands an odd blossom. The part of its cycle with an even number of links from the entry to the base
+    /// stays in the tree.
     void expand(Node blossom) {
         const Link entry = nodes_[blossom].entry;
         set_label(blossom, Label::free);
@@ -306,7 +306,7 @@ private:
         }
     }
 
-    /// The number of the child that holds a vertex.
+    /// Index of the child that contains a vertex.
     std::size_t place_of(const NodeData& cycle, std::uint32_t v) const noexcept {
         for (Node node = v;; node = nodes_[node].parent) {
             const auto found = std::find(cycle.children.begin(), cycle.children.end(), node);
@@ -314,8 +314,8 @@ private:
         }
     }
 
-    /// Matches an even vertex by a link, or by none, and exchanges matched and other edges from there to the
-    /// root, whose base gets a mate unless it is that vertex.
+    /// Augments: matches an even vertex by a link (or leaves it unmatched) and swaps matched and unmatched
+    /// edges along the path to the root.
     void rematch(std::uint32_t v, Link link) {
         for (;;) {
             const Node even = outermost(v);
@@ -332,7 +332,7 @@ private:
         }
     }
 
-    /// Matches the vertices in a node in pairs, all but one.
+    /// Makes `v` the base of a node: matches its other vertices in pairs.
     void set_base(Node node, std::uint32_t v) {
         if (node < size_ || nodes_[node].base == v) return;
         NodeData& blossom = nodes_[node];
@@ -356,10 +356,10 @@ private:
     std::uint32_t size_;
     std::vector<NodeData> nodes_;
     std::vector<Node> unused_;
-    std::vector<Link> link_of_; ///< of each vertex: the link to its mate
+    std::vector<Link> link_of_; ///< of each vertex: link to its mate
     std::vector<std::uint32_t> first_;
-    std::vector<Link> links_; ///< those from vertex v: from first_[v] to first_[v + 1]
-    std::vector<Node> tree_;  ///< all nodes that were labelled in this search
+    std::vector<Link> links_; ///< those of vertex v: first_[v] to first_[v + 1]
+    std::vector<Node> tree_;  ///< all nodes labelled in this search
     std::int64_t now_ = 0;
     std::priority_queue<Event, std::vector<Event>, std::greater<>> queue_;
 };

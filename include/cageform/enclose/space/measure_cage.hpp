@@ -1,4 +1,4 @@
-// Measures a cage in space that make_cage has made: its least angle; vertices of the figure to be inside it.
+// Measures of a 3D cage.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -7,8 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
-/// over the list.
+/// One vertex of each connected component of a figure; of 4,096 components if there are more.
 template <class F>
 std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
     DisjointSets components(vertices);
@@ -31,7 +30,7 @@ std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices)
     return some;
 }
 
-/// The smallest angle of a face, in degrees.
+/// Smallest angle of a face, in degrees.
 template <Scalar T>
 double least_angle(const TriangleMesh<T>& cage) {
     double least = std::numbers::pi;

@@ -1,20 +1,20 @@
-// Step 3 of find_parts: the cheapest edges between faces of a limb and faces of the rest.
+// find_parts, step 3: minimum cut between the faces of a limb and the rest.
 #pragma once
 
 #include <cageform/enclose/space/part_surface.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Edges of a closed mesh, each with the cost of a cut there: its length, less where the surface is hollow.
+/// Cost of cutting each edge of a closed mesh: its length, reduced where the surface is concave.
 class EdgeCosts {
 public:
     struct Edge {
-        std::uint32_t one, other; ///< the faces at it
+        std::uint32_t one, other; ///< adjacent faces
         double length;
-        std::int64_t cost; ///< in whole numbers, so that of all cheapest cuts one is the least
+        std::int64_t cost; ///< integer, so that a smallest minimum cut exists
     };
 
-    /// `images` by a mirror, or none: an edge and its image cost the same.
+    ///   images  of vertices by a mirror, or empty: an edge and its image cost the same
     EdgeCosts(std::span<const Vec<double, 3>> points, std::span<const std::array<std::uint32_t, 3>> faces,
               const MirrorImages& images) {
         std::vector<Vec<double, 3>> normals;
@@ -32,7 +32,7 @@ public:
             const auto turn = cross(one, other);
             const double bend = std::atan2(std::sqrt(dot(turn, turn)), dot(one, other));
             const bool is_hollow = dot(one, points[sides[2 * e + 1].third] - points[sides[2 * e].a]) > 0;
-            constexpr double units = 1 << 24; // of the longest edge
+            constexpr double units = 1 << 24; // per longest edge
             edges_[e].cost =
                 1 + std::int64_t(units * edges_[e].length / longest / (is_hollow ? 1 + 3 * bend : 1));
             if (images.empty()) continue;
@@ -47,11 +47,10 @@ private:
     std::vector<Edge> edges_;
 };
 
-/// The side of a face in a cut.
 enum class CutSide : std::uint8_t { limb, rest, open };
 
-/// Decides the open faces so that the edges between limb and rest cost least (Dinic's maximum flow); of
-/// several such cuts the one whose limb has the fewest faces, which is the part of all of them.
+/// Assigns the open faces to limb or rest by a minimum cut (Dinic's maximum flow). Of several minimum cuts,
+/// the limb with the fewest faces is chosen; it is the intersection of all limbs.
 class CheapestCut {
 public:
     CheapestCut(std::span<const EdgeCosts::Edge> edges, std::vector<CutSide> sides)
@@ -75,7 +74,6 @@ public:
         }
     }
 
-    /// Whether a face is of the limb.
     bool is_limb(std::size_t f) const noexcept { return level_[f] != unreached; }
 
 private:
@@ -113,9 +111,10 @@ private:
         return arrives;
     }
 
-    /// Pushes as much as one way from a face to the rest takes. Without recursion: ways may be long.
+    /// Augments the flow along one path from a face to the rest; returns the amount. Iterative, because paths
+    /// may be long.
     std::int64_t push(std::uint32_t from) {
-        std::vector<std::size_t> way; // its edges
+        std::vector<std::size_t> way; // edges of the path
         std::vector<std::uint32_t> faces{from};
         while (sides_[faces.back()] != CutSide::rest) {
             const auto f = faces.back();
@@ -144,7 +143,7 @@ private:
 
     std::span<const EdgeCosts::Edge> edges_;
     std::vector<CutSide> sides_;
-    std::vector<std::vector<std::size_t>> at_; // the edges of each face
+    std::vector<std::vector<std::size_t>> at_; // edges of each face
     std::vector<std::int64_t> left_;
     std::vector<std::uint32_t> level_;
     std::vector<std::size_t> next_;

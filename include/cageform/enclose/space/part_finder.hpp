@@ -1,4 +1,4 @@
-// Step 4 of find_parts: keeps the joints that fit together, and numbers the parts.
+// find_parts, step 4: selects compatible joints and numbers the parts.
 #pragma once
 
 #include <cageform/cage/detail/mesh_face.hpp>
@@ -12,8 +12,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Areas of a cage that a joint cuts off, or that are a whole shell. Two of those kept are disjoint, or one
-/// has all faces of the other.
+/// Selects regions of a cage that are cut off by a joint, or are a whole shell. Selected regions are nested
+/// or disjoint.
 class PartFinder {
 public:
     using Point = Vec<double, 3>;
@@ -37,7 +37,7 @@ public:
     CageParts find() {
         find_shells();
         keep_long_areas();
-        for (;;) { // a part without a vertex of its own is none
+        for (;;) { // drop parts without a vertex
             auto parts = parts_of_faces(faces_, points_.size(), numbers());
             const auto bare = std::find_if(parts.parts.begin(), parts.parts.end(),
                                            [](const CagePart& part) { return part.vertices.empty(); });
@@ -47,18 +47,16 @@ public:
     }
 
 private:
-    using Faces = std::vector<bool>; // #faces
+    using Faces = std::vector<bool>; // flag per face
     static constexpr std::size_t none = ~std::size_t{0};
 
     struct Area {
         Faces has;
         double size = 0, compactness = 0;
-        std::size_t image = none; // its own number where it is its own image
+        std::size_t image = none; // itself if symmetric
         bool is_shell = false;
         int number = 0;
     };
-
-    // ---- sets of faces ----------------------------------------------------------------------------
 
     double size_of(const Faces& set) const {
         double sum = 0;
@@ -76,7 +74,7 @@ private:
         for (std::size_t f = 0; f < set.size(); ++f) image[mirror_->faces[f]] = set[f];
         return image;
     }
-    /// The connected pieces of a set, the largest first.
+    /// Connected components of a set, largest first.
     std::vector<Faces> pieces_of(const Faces& set) const {
         std::vector<std::pair<double, Faces>> pieces;
         Faces seen(set.size());
@@ -119,16 +117,14 @@ private:
         return combined(p, q, [](bool a, bool b) { return a && !b; });
     }
 
-    /// The largest piece of a set, with the holes that it has in a shell: what it cuts off from the largest
-    /// rest.
+    /// The largest component of a set with its holes filled: everything that it separates from the largest
+    /// rest of the shell.
     Faces filled(const Faces& set, const Faces& shell) const {
         auto pieces = pieces_of(set);
         if (pieces.empty()) return set;
         const auto rest = pieces_of(without(shell, pieces[0]));
         return rest.empty() ? shell : without(shell, rest[0]);
     }
-
-    // ---- joints -----------------------------------------------------------------------------------
 
     void find_shells() {
         for (Faces& shell : pieces_of(Faces(faces_.size(), true))) {
@@ -159,7 +155,7 @@ private:
         }
     }
 
-    /// Copies the areas of a shell to the image of that shell.
+    /// Copies the regions of a shell to its mirror image.
     void add_images(std::size_t shell, std::size_t whole) {
         const Faces within = kept_[shell].has;
         for (std::size_t n = 0; n < whole; ++n) {
@@ -172,7 +168,7 @@ private:
         }
     }
 
-    /// All areas that joints cut off in a shell; one of each pair of images.
+    /// All regions that joints cut off in a shell; one of each mirrored pair.
     std::vector<Area> areas_in(const Faces& shell, bool is_mirrored) const {
         std::vector<Point> points;
         std::vector<MeshFace> faces;
@@ -198,7 +194,7 @@ private:
             images.push_back(number[mirror_->vertices[vertices[n]]]);
         const PartSurface surface(std::move(points), std::move(faces), std::move(images));
 
-        // Bumps below a fiftieth of the size are no limbs.
+        // Bumps below a fiftieth of the size are not limbs.
         const double least = 0.02 * std::sqrt(surface.total_area());
         const auto tips = extremities(surface, mean_distances(surface), least, 64);
         std::vector<Area> found;
@@ -212,7 +208,7 @@ private:
             for (const SweptJoint& joint : swept_joints(surface, distance)) {
                 Area area;
                 area.has = filled(cut(joint, surface, distance, whole), shell);
-                if (is_pair) // what both have is of neither
+                if (is_pair) // neither gets the common faces
                     area.has = filled(without(area.has, image_of(area.has)), shell);
                 if (is_own && image_of(area.has) != area.has) continue;
                 area.image = is_own ? found.size() : none;
@@ -229,7 +225,7 @@ private:
         area.compactness = border > 0 ? 4 * std::numbers::pi * area.size / (border * border) : 0;
     }
 
-    /// The cheapest cut between the fronts before and behind a joint: its faces on the extremity's side.
+    /// Faces on the extremity's side of the minimum cut between the fronts before and behind a joint.
     Faces cut(const SweptJoint& joint, const PartSurface& surface, const std::vector<double>& distance,
               std::span<const std::uint32_t> whole) const {
         std::vector<char> swept(faces_.size(), 1), passed(faces_.size(), 1), has_tip(faces_.size());
@@ -250,17 +246,15 @@ private:
         return limb;
     }
 
-    // ---- a choice of them -------------------------------------------------------------------------
-
-    /// Keeps an area, and its image, if it goes with those kept before, which are more compact. Where two are
-    /// nearly nested or disjoint, the later one gives way.
+    /// Keeps a region (and its image) if it is compatible with those kept before, which are more compact. If
+    /// two are nearly nested or nearly disjoint, the new one is adjusted.
     void keep(Area area, const Faces& shell, bool is_mirrored) {
         for (const Area& other : kept_) {
             if (other.is_shell) continue;
             const double both = size_of(common(area.has, other.has));
             if (both == 0) continue;
             const double less = (std::min)(area.size, other.size), more = (std::max)(area.size, other.size);
-            if (both > 0.7 * more) return; // the same area, found again
+            if (both > 0.7 * more) return; // the same region found again
             if (both >= 0.9 * less)
                 area.has = area.size < other.size
                                ? common(area.has, other.has)
@@ -290,8 +284,9 @@ private:
         if (is_pair) kept_.push_back(std::move(image));
     }
 
-    /// A limb with branches, such as an arm with fingers or a neck with a head and antlers, is long itself
-    /// and not most of its shell: a body below the arms, which has two legs, is no limb.
+    /// Drops regions with branches (an arm with fingers, a neck with head and antlers) unless they are long
+    /// without their branches and no more than 40 % of their shell. A body below the arms, which has two
+    /// legs, is not a limb.
     void keep_long_areas() {
         std::vector<std::size_t> order;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
@@ -339,7 +334,8 @@ private:
         if (image != none && image != n) erase((std::min)(n, image));
     }
 
-    /// The area to give up where a part has no vertex: this one, or of a whole shell the least compact limb.
+    /// The region to drop if part `number` has no vertex: this region or, for a whole shell, the least
+    /// compact region.
     std::size_t worst_of(int number) const {
         std::size_t worst = none;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
@@ -350,9 +346,7 @@ private:
         return worst;
     }
 
-    // ---- numbers ----------------------------------------------------------------------------------
-
-    /// The number of each face's part, which is the least area that has the face.
+    /// Part number of each face: that of the smallest region that contains it.
     std::vector<int> numbers() {
         std::vector<std::size_t> of(faces_.size(), none);
         for (std::size_t n = 0; n < kept_.size(); ++n) {
@@ -380,7 +374,7 @@ private:
     std::span<const MeshFace> faces_;
     std::optional<MeshMirror> mirror_;
     EdgeCosts costs_;
-    std::vector<std::vector<std::size_t>> around_; // the faces beside each
+    std::vector<std::vector<std::size_t>> around_; // adjacent faces
     std::vector<double> areas_;
     std::vector<Area> kept_; // the largest shell first
 };

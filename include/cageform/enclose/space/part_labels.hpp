@@ -1,4 +1,4 @@
-// The parts of a cage from the numbers of its faces.
+// Builds the parts of a cage from the part number of each face.
 #pragma once
 
 #include <cageform/enclose/types/cage_parts.hpp>
@@ -14,21 +14,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// 1, 2, -2, 3, -3, …
+/// Order of part numbers: 1, 2, -2, 3, -3, …
 inline bool part_precedes(int a, int b) noexcept {
     return std::abs(a) != std::abs(b) ? std::abs(a) < std::abs(b) : a > b;
 }
 
-/// Numbers for parts: 1, 2, … by decreasing area, and n and -n for a part and its image.
+/// Numbers parts 1, 2, … by decreasing area; mirrored parts get n and -n.
 ///
-///   images    of each part its image by a mirror, or itself
-///   right     how far it lies where the coordinate is larger; n is the image that lies farther there
-///   is_trunk  of part n, whether it may be number 1; the largest that may is, if there is any
+///   images    mirror image of each part, or the part itself
+///   right     moment about the mirror plane; the part with the larger moment gets n
+///   is_trunk  is_trunk(n): whether part n may be number 1; the largest such part is, if any
 template <class IsTrunk>
 std::vector<int> part_numbers(std::span<const double> areas, std::span<const std::size_t> images,
                               std::span<const double> right, IsTrunk is_trunk) {
     const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
-    const auto rank = [&](std::size_t n) { // the areas of images differ by rounding
+    const auto rank = [&](std::size_t n) { // areas of images differ by rounding
         return std::round(areas[n] / total * 1e9);
     };
     std::vector<std::size_t> order(areas.size());
@@ -50,13 +50,13 @@ std::vector<int> part_numbers(std::span<const double> areas, std::span<const std
     return numbers;
 }
 
-/// Which of some parts hang on which.
+/// Hierarchy of parts.
 class PartTree {
 public:
     static constexpr std::size_t none = ~std::size_t{0};
 
-    /// names   of the parts, in the order above
-    /// pairs   of parts that have an edge in common, both ways, one for each edge; sorted
+    ///   names  part numbers, sorted by part_precedes
+    ///   pairs  adjacent parts, both ways, one entry per common edge; sorted
     PartTree(std::span<const int> names, std::span<const std::array<std::size_t, 2>> pairs)
         : opposite_(names.size(), none)
         , beside_(names.size())
@@ -88,11 +88,11 @@ public:
     }
 
     std::size_t parent(std::size_t p) const noexcept { return parent_[p]; }
-    /// The part from which the ways down to both begin.
+    /// Lowest common ancestor.
     std::size_t above_both(std::size_t p, std::size_t q) const noexcept {
         while (p != q) {
             if (depth_[p] < depth_[q]) std::swap(p, q);
-            if (parent_[p] == none) return (std::min)(p, q); // of two trees
+            if (parent_[p] == none) return (std::min)(p, q); // different trees
             p = parent_[p];
         }
         return p;
@@ -101,13 +101,13 @@ public:
 private:
     struct Link {
         std::size_t edges, from, to;
-        bool operator<(const Link& other) const noexcept { // the greatest is taken first
+        bool operator<(const Link& other) const noexcept { // the queue pops the greatest
             if (edges != other.edges) return edges < other.edges;
             return to != other.to ? to > other.to : from > other.from;
         }
     };
 
-    /// Adds parts to the tree, and hangs those beside them that have enough edges in common with it.
+    /// Adds parts to the tree. Attaches adjacent parts whose common edges suffice, and returns these.
     std::vector<std::size_t> those_that_will_do(const std::vector<std::size_t>& added) {
         for (const std::size_t p : added) has_[p] = true;
         std::vector<std::size_t> next;
@@ -154,15 +154,17 @@ private:
         depth_[link.to] = depth_[from] + 1;
     }
 
-    std::vector<std::size_t> opposite_;     ///< n of -n
-    std::vector<std::vector<Link>> beside_; ///< to each part, by the other part
-    std::vector<std::size_t> most_;         ///< edges in common with another part
+    std::vector<std::size_t> opposite_;     ///< index of -n
+    std::vector<std::vector<Link>> beside_; ///< links to each part from adjacent parts
+    std::vector<std::size_t> most_;         ///< maximum of common edges with another part
     std::vector<std::size_t> parent_, depth_;
-    std::vector<bool> has_;           ///< whether the tree has it
+    std::vector<bool> has_;           ///< parts in the tree
     std::priority_queue<Link> links_; ///< from parts in the tree
 };
 
-/// Pairs of parts, one for each edge between them, and both ways; sorted. `part` of each face.
+/// Pairs of adjacent parts, both ways, one entry per common edge; sorted.
+///
+///   part  of each face
 template <class Faces>
 std::vector<std::array<std::size_t, 2>> pairs_of_parts(const Faces& faces,
                                                        std::span<const std::size_t> part) {
@@ -186,14 +188,14 @@ std::vector<std::array<std::size_t, 2>> pairs_of_parts(const Faces& faces,
     return pairs;
 }
 
-/// Which parts hang on which, which vertices they have, and where their joints are.
+/// Determines the hierarchy, vertices and joints of parts.
 ///
-///   faces     lists of vertices below `vertices`, of any length
-///   numbers   #faces, none of them 0
-///   returns   the first part in the order above is the first of the tree. A part hangs on the part in the
-///             tree with which it has the most edges in common, as soon as these are two thirds of the most
-///             that it has with any. Where it has as many with n as with -n, it hangs on what n hangs on.
-///             Where no part can hang so, those with the most edges do; n and -n come last
+///   faces    lists of vertices below `vertices`, of any length
+///   numbers  #faces, never 0
+///   returns  the root is the first part in the order of part_precedes. A part is attached to the part in the
+///            tree with which it shares most edges, once these are two thirds of the most that it shares with
+///            any part. If it shares as many with n as with -n, it is attached to their parent. If no part
+///            qualifies, those with most common edges are attached
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;
@@ -217,7 +219,8 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     std::vector<std::size_t> of(vertices, none);
     for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.above_both(of[v], p);
-    for (const auto& [v, p] : corners) { // is on the joints of all parts from there down to its faces
+    // A vertex is on the joints of all parts between its own and those of its faces.
+    for (const auto& [v, p] : corners) {
         for (std::size_t q = p; q != of[v] && tree.parent(q) != none; q = tree.parent(q)) {
             auto& joint = found.parts[q].joint;
             if (joint.empty() || joint.back() != v) joint.push_back(std::uint32_t(v));

@@ -1,4 +1,4 @@
-// Step 2 of find_parts: extremities, and fronts that sweep over the surface from them.
+// find_parts, step 2: extremities, and fronts that sweep the surface from them.
 #pragma once
 
 #include <cageform/enclose/space/part_surface.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// For each vertex, the mean distance of the whole surface from it (Hilaga et al., Topology matching,
-/// SIGGRAPH 2001, sec. 4.1), from some dozen places that are spread evenly.
+/// Mean distance of the surface from each vertex (Hilaga et al., Topology matching, SIGGRAPH 2001, sec. 4.1),
+/// estimated from 48 evenly spread samples.
 inline std::vector<double> mean_distances(const PartSurface& surface) {
     constexpr std::size_t places = 48;
     const auto farthest = [](const std::vector<double>& distance) {
@@ -42,8 +42,7 @@ inline std::vector<double> mean_distances(const PartSurface& surface) {
     return mean;
 }
 
-/// The local maxima of a function that stand higher than `least` over the ways to higher ones, the one that
-/// stands highest first; at most `most`.
+/// Local maxima of a function with a prominence above `least`, most prominent first; at most `most`.
 inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const std::vector<double>& f,
                                               double least, std::size_t most) {
     std::vector<std::uint32_t> order(f.size()), root(f.size());
@@ -54,7 +53,7 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
         return v;
     };
     std::vector<bool> above(f.size());
-    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // of each root; in the order, which has no ties
+    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // per root; rank in the order breaks ties
     for (std::uint32_t n = 0; n < f.size(); ++n) rank[order[n]] = n;
     std::vector<std::pair<double, std::uint32_t>> found;
     for (const auto v : order) {
@@ -77,12 +76,12 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
     return places;
 }
 
-/// A front at some distance: what it has swept, with all that it cuts off from the larger rest.
+/// A front at a distance: the swept area, including all that the front separates from the larger rest.
 struct SweptArea {
     double distance = 0, area = 0, border = 0;
-    std::vector<bool> rest; ///< the vertices that it has not swept
+    std::vector<bool> rest; ///< vertices not swept
 
-    /// 1 for a disk, 2 for half a sphere.
+    /// 1 for a disk, 2 for a hemisphere.
     double compactness() const noexcept {
         return border > 0 ? 4 * std::numbers::pi * area / (border * border) : 0;
     }
@@ -114,7 +113,7 @@ inline SweptArea swept_area(const PartSurface& surface, const std::vector<double
     const auto largest = std::uint32_t(std::max_element(areas.begin(), areas.end()) - areas.begin());
     swept.area -= areas[largest];
     for (std::uint32_t v = 0; v < piece.size(); ++v) swept.rest[v] = piece[v] == largest;
-    if (surface.is_mirrored()) { // a rest that is not its own image would make a part that is not
+    if (surface.is_mirrored()) { // an asymmetric rest would make an asymmetric part
         for (std::uint32_t v = 0; v < piece.size(); ++v) {
             if (swept.rest[v] && distance[v] == distance[surface.image(v)] && !swept.rest[surface.image(v)])
                 return swept;
@@ -138,16 +137,16 @@ inline SweptArea swept_area(const PartSurface& surface, const std::vector<double
     return swept;
 }
 
-/// A joint as a sweep finds it: between a front before it and one behind it.
+/// A joint found by a sweep lies between two fronts.
 struct SweptJoint {
     double compactness = 0;
     SweptArea before, behind;
 };
 
-/// The least compactness of a part.
+/// Minimum compactness of a part.
 inline constexpr double least_compactness = 2.6;
 
-/// The joints that a front passes from an extremity on: where its compactness is largest before it falls by
+/// Joints passed by a front from an extremity: maxima of the compactness followed by a drop by a factor of
 /// `fall`. Areas above half of the surface are no parts.
 inline std::vector<SweptJoint> swept_joints(const PartSurface& surface, const std::vector<double>& distance) {
     constexpr int fronts = 96;
@@ -168,7 +167,7 @@ inline std::vector<SweptJoint> swept_joints(const PartSurface& surface, const st
             const auto& at = all[best];
             if (at.area > 0.5 * surface.total_area()) break;
             if (at.compactness() >= least_compactness) {
-                // As far on both sides as the limb is thick.
+                // The fronts are at least one limb radius before and behind the joint.
                 const double thick = at.border / (2 * std::numbers::pi);
                 joints.push_back(
                     {at.compactness(), swept_area(surface, distance, at.distance - thick),

@@ -1,5 +1,5 @@
-// make_cage in space, step 5: moves vertices and flips edges while the shell's energy falls. The
-// collapses of step 4 left the cage too loose; this step tightens it and makes faces more even.
+// make_cage in 3D, step 5: moves vertices and flips edges while the energy falls. Tightens the cage, which
+// step 4 left loose, and evens out its faces.
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The energy that relaxation lowers: volume, needles, short edges and folds. It has no unit; the
-/// weights were chosen by looking at cages.
+/// Energy that relaxation lowers: volume, needles, short edges and folds. Dimensionless; the weights were
+/// tuned on sample cages.
 class ShellEnergy {
 public:
     using Point = Vec<double, 3>;
@@ -19,8 +19,8 @@ public:
         , length_(std::sqrt(area / double(2 * vertices) * (4 / std::numbers::sqrt3))) // equilateral faces
         , regular_(0.02 * regular) {}
 
-    /// The energy of some faces and their edges. With the faces around a vertex, or at an edge, it
-    /// has all terms that change when the vertex moves or the edge flips.
+    /// Energy of some faces and their edges. The faces around a vertex or at an edge have all terms that
+    /// change when the vertex moves or the edge flips.
     CAGEFORM_DETAIL_FLATTEN double of(const Shell& shell,
                                       std::span<const std::uint32_t> faces) const noexcept {
         double volume = 0, shape = 0;
@@ -42,15 +42,15 @@ public:
         const double is_short = (std::max)(0.4 - length / length_, 0.0);
         return 8 * regular_ * is_short * is_short;
     }
-    /// The term of the edge between two faces, by the cosine between their normals.
+    /// Term of the edge between two faces, by the cosine between their normals.
     double of_fold(double cosine) const noexcept {
         const double fold = (std::max)(-0.5 - cosine, 0.0);
         return 4 * regular_ * fold * fold;
     }
 
 private:
-    /// The terms of one edge of face f: half if the face across is also listed, because it is
-    /// visited twice then; otherwise in full.
+    /// Terms of one edge of face f: half if the face across is listed too, because the edge is then visited
+    /// twice.
     double edge(const Shell& shell, std::span<const std::uint32_t> faces, std::uint32_t f, std::uint32_t v,
                 std::uint32_t w) const noexcept {
         const auto g = shell.face_across(f, v, w);
@@ -72,7 +72,7 @@ private:
     double regular_;
 };
 
-/// The energy of the faces about a vertex as a function of its place, less the terms that do not change.
+/// Energy of the faces around a vertex as a function of its position, without constant terms.
 class StarEnergy {
 public:
     using Point = Vec<double, 3>;
@@ -80,7 +80,6 @@ public:
     explicit StarEnergy(const ShellEnergy& energy)
         : energy_(energy) {}
 
-    /// Turns to a vertex.
     void look_at(const Shell& shell, std::uint32_t v) {
         sides_.clear();
         volume_ = {};
@@ -116,7 +115,6 @@ public:
             if (is_first) ends_at_rim_.push_back(side.a);
         }
     }
-    /// The energy with the vertex at a place.
     CAGEFORM_DETAIL_FLATTEN double at(const Point& p) noexcept {
         double sum = energy_.of_volume(dot(p, volume_));
         for (std::size_t k = 0; k < sides_.size(); ++k) {
@@ -138,24 +136,24 @@ public:
     }
 
 private:
-    /// A face of the star, and the edge of it that is opposite to the vertex.
+    /// A face at the vertex, by the edge opposite to the vertex.
     struct Side {
         std::uint32_t from, to;
-        Point a, b; ///< where these are
+        Point a, b; ///< positions of `from` and `to`
         double length2;
-        Point across{};   ///< the unit normal of the face on the edge's other side, or 0
-        std::size_t next; ///< the side that begins where this one ends; their number at a rim
+        Point across{};   ///< unit normal of the face across the edge, or 0
+        std::size_t next; ///< the side that begins at `to`; #sides at a rim
     };
 
     const ShellEnergy& energy_;
     std::vector<Side> sides_;
-    Point volume_{};                 ///< six volumes are its product with the place
-    std::vector<Point> ends_at_rim_; ///< the ends of edges that `Side::b` does not cover
+    Point volume_{};                 ///< six times the volume is its dot product with the position
+    std::vector<Point> ends_at_rim_; ///< ends of edges not covered by `Side::b`
     std::vector<Point> normals_;     ///< scratch of `at`
 };
 
-/// The directions that a vertex may move in: along the normal both ways, sideways, towards the middle
-/// of its neighbours (at the offset `to_middle`), and slanted inwards. Their lengths are about 1.
+/// Directions of trial steps: along the normal both ways, tangential, towards the neighbours' mean (at the
+/// offset `to_middle`), and inwards at an angle. Their lengths are about 1.
 inline std::array<Vec<double, 3>, 10> step_directions(const Vec<double, 3>& normal,
                                                       const Vec<double, 3>& to_middle) noexcept {
     using Point = Vec<double, 3>;
@@ -193,8 +191,8 @@ public:
         , star_energy_(energy)
         , crossings_(shell, obstacles.gap()) {}
 
-    /// Sweeps over the mesh: flips edges, then moves vertices, by steps that become shorter.
-    /// Returns false if cancelled.
+    /// Sweeps over the mesh: flips edges, then moves vertices by steps that shrink. Returns false if
+    /// cancelled.
     bool relax(int sweeps, const Running& running) {
         double step = 2 * obstacles_.margin;
         idle_.assign(shell_.points.size(), false);
@@ -221,7 +219,7 @@ private:
         Point x;
     };
 
-    /// Moves a vertex to the best allowed position in ten directions at four step lengths.
+    /// Moves a vertex to the best valid position in ten directions at four step lengths.
     void improve(std::uint32_t v, double step) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
@@ -260,7 +258,7 @@ private:
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
         bool good = clear_.is_clear(p) && shell_.is_right(p, shell_.on_rim[v], obstacles_.lattice->spacing());
-        for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may turn over
+        for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may flip
             auto corner = shell_.corners(shell_.faces[star[k]]);
             const Point was = area_normal(corner);
             for (std::size_t i = 0; i < 3; ++i) corner[i] = shell_.faces[star[k]][i] == v ? p : corner[i];
@@ -269,7 +267,7 @@ private:
         if (!good) return false;
         shell_.points[v] = p;
         good = are_clear(star);
-        good = good && are_apart_from_all(star); // the dearest test comes last
+        good = good && are_apart_from_all(star); // the most expensive test comes last
         if (good) {
             add_again(star);
             wake_about(v);
@@ -278,7 +276,7 @@ private:
         }
         return good;
     }
-    /// Has vertices tried again whose energy depends on vertex v.
+    /// Reactivates vertices whose energy depends on vertex v.
     void wake_about(std::uint32_t v) {
         for (const auto w : shell_.neighbours(v)) {
             for (const auto x : shell_.neighbours(w)) idle_[x] = false;
@@ -288,7 +286,7 @@ private:
         return clear_.are_clear(faces.size(),
                                 [&](std::size_t k) { return shell_.corners(shell_.faces[faces[k]]); });
     }
-    /// Whether some faces, which have changed, touch no other face and not each other.
+    /// True if some changed faces touch no other face and not each other.
     bool are_apart_from_all(std::span<const std::uint32_t> faces) {
         fresh_.clear();
         for (const auto f : faces) fresh_.push_back(shell_.faces[f]);
@@ -302,8 +300,7 @@ private:
         }
     }
 
-    /// Flips the edge v w: replaces the two faces at it by those along their other diagonal, if the
-    /// energy falls.
+    /// Flips the edge v w (replaces it by the other diagonal of its two faces) if the energy falls.
     void flip(std::uint32_t v, std::uint32_t w) {
         std::array<std::uint32_t, 2> pair{};
         std::size_t count = 0;
@@ -332,7 +329,7 @@ private:
             good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
         }
         clear_.forget();
-        if (good && are_clear(pair) && are_apart_from_all(pair)) { // the dearest test comes last
+        if (good && are_clear(pair) && are_apart_from_all(pair)) { // the most expensive test comes last
             add_again(pair);
             wake_about(a);
             wake_about(b);
@@ -356,7 +353,7 @@ private:
     StarEnergy star_energy_;
     ShellCrossings crossings_;
     std::vector<Shell::Face> fresh_; ///< scratch of `are_apart_from_all`
-    std::vector<bool> idle_; ///< for each vertex: whether it found no move, and nothing about it has changed
+    std::vector<bool> idle_; ///< per vertex: found no move, and its neighbourhood has not changed since
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
