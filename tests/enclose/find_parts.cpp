@@ -16,7 +16,7 @@ namespace find_parts_tests {
 
 using namespace cageform;
 
-using Place = std::array<int, 3>;
+using LatticePoint = std::array<int, 3>;
 
 struct Cage {
     std::vector<Vec<double, 3>> vertices;
@@ -30,12 +30,12 @@ struct Cage {
 };
 
 /// Boxes of cubes on a lattice, each from its lowest cube to its highest.
-using Boxes = std::vector<std::array<Place, 2>>;
+using Boxes = std::vector<std::array<LatticePoint, 2>>;
 
 /// The border of the union of boxes. A square's diagonal joins its corners whose coordinates have an even sum, so
 /// the mesh of an image of the boxes across the planes x, y, z = 0 is the image of their mesh.
 Cage border_of(const Boxes& boxes) {
-    std::set<Place> cubes;
+    std::set<LatticePoint> cubes;
     for (const auto& [low, high] : boxes) {
         for (int x = low[0]; x <= high[0]; ++x) {
             for (int y = low[1]; y <= high[1]; ++y) {
@@ -44,19 +44,19 @@ Cage border_of(const Boxes& boxes) {
         }
     }
     Cage cage;
-    std::map<Place, std::uint32_t> numbers;
-    const auto number = [&](const Place& at) {
+    std::map<LatticePoint, std::uint32_t> numbers;
+    const auto number = [&](const LatticePoint& at) {
         const auto [found, is_new] = numbers.insert({at, std::uint32_t(cage.vertices.size())});
         if (is_new) cage.vertices.push_back({double(at[0]), double(at[1]), double(at[2])});
         return found->second;
     };
-    for (const Place& cube : cubes) {
+    for (const LatticePoint& cube : cubes) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             for (int side = 0; side < 2; ++side) {
-                Place beside = cube;
+                LatticePoint beside = cube;
                 beside[axis] += side == 0 ? -1 : 1;
                 if (cubes.contains(beside)) continue;
-                std::array<Place, 4> square;
+                std::array<LatticePoint, 4> square;
                 for (std::size_t k = 0; k < 4; ++k) {
                     square[k] = cube;
                     square[k][axis] += side;
@@ -88,7 +88,7 @@ const Boxes lopsided{character[0], character[1], character[2],
 Boxes star(std::size_t arms) {
     Boxes boxes{{{{-3, -3, -3}, {2, 2, 2}}}};
     for (std::size_t n = 0; n < arms; ++n) {
-        std::array<Place, 2> arm{{{-1, -1, -1}, {0, 0, 0}}};
+        std::array<LatticePoint, 2> arm{{{-1, -1, -1}, {0, 0, 0}}};
         arm[0][n % 3] = n < 3 ? 3 : -13;
         arm[1][n % 3] = n < 3 ? 12 : -4;
         boxes.push_back(arm);
@@ -202,7 +202,7 @@ TEST_CASE("a character has a trunk, a head, and two pairs of limbs whose numbers
         CHECK(part.parent == (part.number == 1 ? 0 : 1));
     }
     REQUIRE(numbers.size() == 6);
-    std::map<Place, int> of; // by place
+    std::map<LatticePoint, int> of; // by place
     for (std::size_t v = 0; v < cage.vertices.size(); ++v) {
         const auto& p = cage.vertices[v];
         of[{int(p[0]), int(p[1]), int(p[2])}] = parts.of_vertex[v];

@@ -75,7 +75,7 @@ TEST_CASE("a vertex changes the energy of its star and of the whole shell by the
             const auto v = std::uint32_t(random.below(shell.points.size()));
             if (shell.star[v].empty()) continue;
             const double before = energy.of(shell, all), here = energy.of(shell, shell.star[v]);
-            star_energy.look_at(shell, v);
+            star_energy.select(shell, v);
             const double at_first = star_energy.at(shell.points[v]);
             shell.points[v] = shell.points[v] + 0.3 * random_place(random);
             const double change = energy.of(shell, all) - before;
@@ -278,7 +278,7 @@ TEST_CASE("triangles tested one after another are clear as each alone is", "[enc
         std::vector<Point> ring;
         for (int k = 0; k < 6; ++k)
             ring.push_back({1.2 * std::cos(k), 1.2 * std::sin(k), random.uniform(-0.5, 0.8)});
-        together.forget();
+        together.reset();
         for (int n = 0; n < 30; ++n) {
             const Point p = 0.4 * random_place(random) + Point{0, 0, 0.8};
             if (!alone.is_clear(p)) continue;

@@ -52,7 +52,7 @@ constexpr double least_figure_diagonal() noexcept {
 
 /// True if coordinates of type T resolve the margin. Far from the origin their spacing may be too coarse.
 template <Scalar T, std::size_t D>
-bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
+bool resolves_margin(double margin, const Bounds<double, D>& box) noexcept {
     double farthest = 0;
     for (std::size_t k = 0; k < D; ++k)
         farthest = (std::max)({farthest, std::fabs(box.lower[k]), std::fabs(box.upper[k])});
@@ -60,7 +60,7 @@ bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
 }
 
 /// True if the cage meets the guarantees of make_cage.
-inline bool holds_figure(const MakeCageReport& report) noexcept {
+inline bool meets_guarantees(const MakeCageReport& report) noexcept {
     return report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin;
 }
 

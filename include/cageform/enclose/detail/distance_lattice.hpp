@@ -61,7 +61,7 @@ public:
         return p;
     }
     /// Squared distance between two nodes, in spacings.
-    double steps2(std::size_t a, std::size_t b) const noexcept {
+    double squared_steps(std::size_t a, std::size_t b) const noexcept {
         const Count na = numbers(a), nb = numbers(b);
         double sum = 0;
         for (std::size_t k = 0; k < D; ++k)
@@ -96,7 +96,7 @@ public:
 
     /// Adds a capsule: f = min(f, distance from the segment − `radius`) at nodes up to `reach` beyond the
     /// radius.
-    void stamp(const Point& a, const Point& b, double radius, double reach) noexcept {
+    void add_capsule(const Point& a, const Point& b, double radius, double reach) noexcept {
         const double all = radius + reach;
         const auto box = bounds_of(std::span<const Point>(std::array{a, b})).widened(all);
         const auto e = vec_cast<float>(b - a);
@@ -193,7 +193,7 @@ public:
     }
     /// Calls visit(neighbour) for all adjacent nodes, also diagonal ones: up to 8 in 2D, 26 in 3D.
     template <class Visit>
-    void for_each_around(std::size_t node, const Visit& visit) const {
+    void for_each_adjacent(std::size_t node, const Visit& visit) const {
         Count from = numbers(node), to = from;
         for (std::size_t k = 0; k < D; ++k) {
             to[k] = (std::min)(from[k] + 1, count_[k] - 1);
@@ -280,8 +280,8 @@ inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
 }
 
 /// Sets f to at most -`depth` at nodes inside a painted area, scanning rows for crossings with the outlines.
-inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines, bool even_odd,
-                  double depth) {
+inline void fill_area(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines,
+                      bool even_odd, double depth) {
     const Vec<double, 2> low = lattice.position(0);
     const double h = lattice.spacing();
     const std::size_t width = lattice.count()[0];

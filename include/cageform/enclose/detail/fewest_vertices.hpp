@@ -46,15 +46,15 @@ double deepest_hollow(std::span<const Vec<double, D>> points, std::span<const Co
 /// Chooses the number of vertices to try next. Doubles or halves the first one until the limit is bracketed,
 /// bisects, then tries two and four times the answer for the report.
 template <class Cage>
-class FewestVertices {
+class VertexCountSearch {
 public:
     struct Attempt {
-        MakeCageReport::Attempt brought;
+        MakeCageReport::Attempt result;
         Cage cage;
     };
 
     ///   counts  ascending, not empty
-    FewestVertices(std::vector<std::size_t> counts, std::size_t first, double looseness)
+    VertexCountSearch(std::vector<std::size_t> counts, std::size_t first, double looseness)
         : counts_(std::move(counts))
         , first_(first)
         , looseness_(looseness) {}
@@ -93,13 +93,13 @@ public:
         auto found = answer();
         if (found == tried_.end())
             found = std::min_element(tried_.begin(), tried_.end(), [](const auto& a, const auto& b) {
-                return a.second.brought.excess < b.second.brought.excess;
+                return a.second.result.excess < b.second.result.excess;
             });
         return std::move(found->second.cage);
     }
     std::vector<MakeCageReport::Attempt> attempts() const {
         std::vector<MakeCageReport::Attempt> all;
-        for (const auto& [index, attempt] : tried_) all.push_back(attempt.brought);
+        for (const auto& [index, attempt] : tried_) all.push_back(attempt.result);
         return all;
     }
 
@@ -114,7 +114,7 @@ private:
     template <class Self>
     static auto answer_in(Self& tried, double looseness) {
         return std::find_if(tried.begin(), tried.end(),
-                            [&](const auto& entry) { return entry.second.brought.excess <= looseness; });
+                            [&](const auto& entry) { return entry.second.result.excess <= looseness; });
     }
     auto answer() const { return answer_in(tried_, looseness_); }
     auto answer() { return answer_in(tried_, looseness_); }

@@ -32,7 +32,7 @@ struct LatticeComponents {
             while (!front.empty()) {
                 const std::size_t node = front.back();
                 front.pop_back();
-                lattice.for_each_around(node, enter);
+                lattice.for_each_adjacent(node, enter);
             }
             ++count;
         }
@@ -52,13 +52,14 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
     const auto update = [&](std::size_t node) {
         std::size_t& found = nearest[node];
         if (found == node) return; // a source
-        double least = found != none ? lattice.steps2(found, node) : std::numeric_limits<double>::infinity();
-        lattice.for_each_around(node, [&](std::size_t other) {
+        double least =
+            found != none ? lattice.squared_steps(found, node) : std::numeric_limits<double>::infinity();
+        lattice.for_each_adjacent(node, [&](std::size_t other) {
             const std::size_t candidate = nearest[other];
             if (candidate == none || candidate == found) return; // most common case
-            const double steps2 = lattice.steps2(candidate, node);
-            if (!(steps2 < least)) return;
-            least = steps2;
+            const double squared_steps = lattice.squared_steps(candidate, node);
+            if (!(squared_steps < least)) return;
+            least = squared_steps;
             found = candidate;
         });
     };
@@ -71,7 +72,7 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
 
 /// Two nodes of different components and their squared distance in spacings.
 struct Bridge {
-    double steps2;
+    double squared_steps;
     std::size_t from, to;
 };
 
@@ -88,17 +89,17 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
             std::size_t from = nearest[node], to = nearest[other];
             if (components.of_node[from] == components.of_node[to]) return;
             if (components.of_node[from] > components.of_node[to]) std::swap(from, to);
-            const Bridge bridge{lattice.steps2(from, to), from, to};
+            const Bridge bridge{lattice.squared_steps(from, to), from, to};
             const auto [entry, is_new] =
                 between.try_emplace({components.of_node[from], components.of_node[to]}, bridge);
-            if (!is_new && bridge.steps2 < entry->second.steps2) entry->second = bridge;
+            if (!is_new && bridge.squared_steps < entry->second.squared_steps) entry->second = bridge;
         });
     }
     std::vector<Bridge> bridges;
     bridges.reserve(between.size());
     for (const auto& [pair, bridge] : between) bridges.push_back(bridge);
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
-        return std::tuple(a.steps2, a.from, a.to) < std::tuple(b.steps2, b.from, b.to);
+        return std::tuple(a.squared_steps, a.from, a.to) < std::tuple(b.squared_steps, b.from, b.to);
     });
     DisjointSets joined(components.count);
     std::erase_if(bridges, [&](const Bridge& bridge) {
@@ -121,7 +122,7 @@ std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents compo
             const auto u = (margin / length(b - a)) * (b - a);
             a = a - u;
             b = b + u;
-            lattice.stamp(a, b, 1.3 * margin, 2 * margin);
+            lattice.add_capsule(a, b, 1.3 * margin, 2 * margin);
             ++count;
         }
         if (mirrored) lattice.mirror();

@@ -48,51 +48,51 @@ public:
     LoopEnergy(const CageLoop& contour, std::size_t vertices, double regular)
         : area_(std::fabs(signed_area(contour.points)))
         , length_(contour.perimeter() / double(vertices))
-        , for_angles_(0.03 * regular)
-        , for_lengths_(0.02 * regular) {}
+        , angle_weight_(0.03 * regular)
+        , length_weight_(0.02 * regular) {}
 
     double of(const CageLoop& loop) const noexcept {
         double sum = signed_area(loop.points) / area_;
-        for (std::size_t i = 0; i < loop.size(); ++i) sum += angle_at(loop, i);
-        for (std::size_t i = 0; i < loop.edge_count(); ++i) sum += edge_from(loop, i);
+        for (std::size_t i = 0; i < loop.size(); ++i) sum += angle_term(loop, i);
+        for (std::size_t i = 0; i < loop.edge_count(); ++i) sum += length_term(loop, i);
         return sum;
     }
     /// Sum of the terms that depend on vertex `i`.
     double about(const CageLoop& loop, std::size_t i) const noexcept {
         const std::size_t p = loop.previous(i), n = loop.next(i);
         const bool first = loop.half && i == 0, last = loop.half && i + 1 == loop.size();
-        double sum = angle_at(loop, i);
+        double sum = angle_term(loop, i);
         double twice_area = 0;
         if (!first) {
-            sum += angle_at(loop, p) + edge_from(loop, p);
+            sum += angle_term(loop, p) + length_term(loop, p);
             twice_area += cross(loop.points[p], loop.points[i]);
         }
         if (!last) {
-            sum += angle_at(loop, n) + edge_from(loop, i);
+            sum += angle_term(loop, n) + length_term(loop, i);
             twice_area += cross(loop.points[i], loop.points[n]);
         }
         return sum + twice_area / (2 * area_);
     }
 
 private:
-    double angle_at(const CageLoop& loop, std::size_t i) const noexcept {
+    double angle_term(const CageLoop& loop, std::size_t i) const noexcept {
         const auto u = loop.before(i) - loop.points[i], v = loop.after(i) - loop.points[i];
         const double along = dot(u, v);
         constexpr double wide = 1.05; // radians (60 degrees): larger angles cost nothing
         if (along <= 0 || along * along <= 0.247 * dot(u, u) * dot(v, v)) return 0; // cos(1.05)^2
         const double angle = angle_between(u, v), missing = (wide - angle) / wide;
-        return angle < wide ? for_angles_ * missing * missing * (1 + 4 * (std::max)(0.5 - angle, 0.0)) : 0;
+        return angle < wide ? angle_weight_ * missing * missing * (1 + 4 * (std::max)(0.5 - angle, 0.0)) : 0;
     }
-    double edge_from(const CageLoop& loop, std::size_t i) const noexcept {
+    double length_term(const CageLoop& loop, std::size_t i) const noexcept {
         const double t = length(loop.points[loop.next(i)] - loop.points[i]) / length_;
         const double is_short = (std::max)(0.5 - t, 0.0), is_tiny = (std::max)(0.15 - t, 0.0);
-        return for_lengths_ * (8 * is_short * is_short + 400 * is_tiny * is_tiny + 0.05 * t * t);
+        return length_weight_ * (8 * is_short * is_short + 400 * is_tiny * is_tiny + 0.05 * t * t);
     }
 
     double area_;
     double length_; ///< mean edge length
-    double for_angles_;
-    double for_lengths_;
+    double angle_weight_;
+    double length_weight_;
 };
 
 /// Obstacles of a loop: the figure, and other loops near a box that bounds the loop.
@@ -100,16 +100,16 @@ class Obstacles {
 public:
     using Point = Vec<double, 2>;
 
-    Obstacles(const DistanceLattice<2>& of_figure, double keeps, const Bounds<double, 2>& stays_in)
-        : lattice(&of_figure)
-        , margin(keeps)
-        , box_(stays_in) {}
+    Obstacles(const DistanceLattice<2>& distances, double distance, const Bounds<double, 2>& bounds)
+        : lattice(&distances)
+        , margin(distance)
+        , box_(bounds) {}
 
     void add(const CageLoop& other) {
         for (std::size_t i = 0; i < other.edge_count(); ++i)
             add(other.points[i], other.points[other.next(i)]);
         const auto& p = other.points[0];
-        if (allows(p)) marks_.push_back(p);
+        if (in_bounds(p)) marks_.push_back(p);
     }
     void add(const Point& a, const Point& b) {
         const Corners<2> edge{a, b};
@@ -133,16 +133,16 @@ public:
     }
 
     /// True if a vertex may be at `p`.
-    bool allows(const Point& p) const noexcept { return box_.covers({p, p}); }
+    bool in_bounds(const Point& p) const noexcept { return box_.covers({p, p}); }
     /// True if another loop comes closer to the segment than `gap`.
-    bool comes_near(const Point& a, const Point& b, double gap) const noexcept {
+    bool is_near_other(const Point& a, const Point& b, double gap) const noexcept {
         return std::any_of(edges_.begin(), edges_.end(), [&](const Corners<2>& edge) {
             return segments_near(a, b, edge[0], edge[1], gap);
         });
     }
     /// True if a triangle contains a mark. A vertex must not cross the mark: the loop would enclose another
     /// loop or lose its own content.
-    bool any_within(const Point& a, const Point& b, const Point& c) const noexcept {
+    bool any_mark_in(const Point& a, const Point& b, const Point& c) const noexcept {
         return std::any_of(marks_.begin(), marks_.end(), [&](const Point& p) {
             for (std::size_t k = 0; k < 2; ++k) { // a degenerate triangle covers only a segment of its line
                 if (p[k] < (std::min)({a[k], b[k], c[k]}) || p[k] > (std::max)({a[k], b[k], c[k]}))

@@ -72,8 +72,8 @@ private:
     Status make_fewest(double level, const Running& running, MakeCageReport& report,
                        std::vector<Loop>& cage) {
         constexpr std::size_t first = 12;
-        FewestVertices<std::vector<Loop>> search(vertex_counts(3, first, options_.vertices), first,
-                                                 options_.looseness);
+        VertexCountSearch<std::vector<Loop>> search(vertex_counts(3, first, options_.vertices), first,
+                                                    options_.looseness);
         const auto contours = contours_;
         std::vector<Point> places;
         for (const auto& loop : contours) places.insert(places.end(), loop.points.begin(), loop.points.end());
@@ -136,10 +136,10 @@ private:
         }
         const double band = (std::max)(4 * level, 12 * h);
         lattice_ = DistanceLattice<2>(low, h, count, band - level);
-        for (const auto& s : figure_) lattice_.stamp(s.a, s.b, s.radius + level, band - level);
+        for (const auto& s : figure_) lattice_.add_capsule(s.a, s.b, s.radius + level, band - level);
         if (options_.holes) {
             for (const auto& area : areas_)
-                paint(lattice_, figure_.subspan(area.begin, area.end - area.begin), area.even_odd, level);
+                fill_area(lattice_, figure_.subspan(area.begin, area.end - area.begin), area.even_odd, level);
         }
         if (options_.shape == CageShape::hull)
             fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + level; });
@@ -402,7 +402,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 200 : 24;
     const double margin = (options.margin > 0 ? options.margin : 0.025) * framed.diagonal;
     report.margin = margin / framed.frame.scale;
-    if (!can_tell<T>(report.margin, framed.box)) return Status::cage_not_found;
+    if (!resolves_margin<T>(report.margin, framed.box)) return Status::cage_not_found;
     PlaneCageMaker maker(framed.segments, areas, wanted);
     std::vector<DrawnSegment<double>> exact; // in the figure's own coordinates
     for (const auto& s : figure)
@@ -426,7 +426,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
         made.value = Polygon<T>(vertices, sizes);
         report.cage = check(made.value);
         report.clearance = exact_clearance(made.value, std::span<const DrawnSegment<double>>(exact));
-        if (holds_figure(report)) break;
+        if (meets_guarantees(report)) break;
         level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
     }
     if (!running.keep_going(1)) return Status::cancelled;
@@ -436,7 +436,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
     for (auto& attempt : report.attempts) attempt.hollow /= framed.frame.scale;
-    return holds_figure(report) ? Status::ok : Status::cage_not_found;
+    return meets_guarantees(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail

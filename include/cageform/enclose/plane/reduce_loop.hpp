@@ -37,21 +37,21 @@ public:
     void reduce_to(std::size_t vertices) {
         while (count_ > std::max<std::size_t>(vertices, 3)) {
             if (queue_.empty()) {
-                if (waiting_.empty() || !changed_) return;
+                if (rejected_.empty() || !changed_) return;
                 changed_ = false; // the loop has changed: rejected collapses may be valid now
-                for (const Step& step : waiting_) {
+                for (const Collapse& step : rejected_) {
                     if (step.version == version_[step.b]) queue_.push(step);
                 }
-                waiting_.clear();
+                rejected_.clear();
                 continue;
             }
-            const Step step = queue_.top();
+            const Collapse step = queue_.top();
             queue_.pop();
             if (step.version != version_[step.b]) continue;
-            if (is_free(step)) {
-                take(step);
+            if (is_valid(step)) {
+                apply(step);
             } else {
-                waiting_.push_back(step);
+                rejected_.push_back(step);
             }
         }
     }
@@ -65,21 +65,21 @@ public:
     }
 
 private:
-    static constexpr std::size_t gone = ~std::size_t{0};
+    static constexpr std::size_t removed = ~std::size_t{0};
 
     /// Replaces vertex `b` and its successor by one vertex at `x`.
-    struct Step {
+    struct Collapse {
         double cost;
         std::size_t b;
         std::uint32_t version; ///< of the edge from b; outdated if it differs from the current one
         Point x;
 
-        bool operator<(const Step& other) const noexcept { // the queue pops the largest
+        bool operator<(const Collapse& other) const noexcept { // the queue pops the largest
             return cost != other.cost ? cost > other.cost : b > other.b;
         }
     };
 
-    bool is_live(std::size_t i) const noexcept { return next_[i] != gone; }
+    bool is_live(std::size_t i) const noexcept { return next_[i] != removed; }
     bool is_start(std::size_t i) const noexcept { return half_ && i == 0; }
     bool is_end(std::size_t i) const noexcept { return half_ && i + 1 == point_.size(); }
     /// Neighbours of a vertex; at an end of a chain, one is the mirror image of the other.
@@ -97,8 +97,8 @@ private:
         if (is_end(b)) return;
         const std::size_t c = next_[b];
         const Point p = point_[b], q = point_[c], a = before(b), d = after(c);
-        if (!is_end(c) && cross(q - p, d - q) <= 0) offer(b, p, a, d);
-        if (!is_start(b) && cross(p - a, q - p) <= 0) offer(b, q, a, d);
+        if (!is_end(c) && cross(q - p, d - q) <= 0) push_candidate(b, p, a, d);
+        if (!is_start(b) && cross(p - a, q - p) <= 0) push_candidate(b, q, a, d);
         const bool both_ends = is_start(b) && is_end(c);
         if (both_ends) return;
         const Point into = is_start(b) ? Point{0, 1} : p - a, out_of = is_end(c) ? Point{0, 1} : q - d;
@@ -107,16 +107,16 @@ private:
         const Point x = p + (cross(q - p, out_of) / det) * into;
         const bool beyond_b = is_start(b) || dot(x - p, into) > 0,
                    beyond_c = is_end(c) || dot(x - q, out_of) > 0;
-        if (beyond_b && beyond_c && cross(q - p, x - p) < 0) offer(b, half_end(b, c, x), a, d);
+        if (beyond_b && beyond_c && cross(q - p, x - p) < 0) push_candidate(b, half_end(b, c, x), a, d);
     }
     /// Projects x onto the mirror axis if an end of a chain moves.
     Point half_end(std::size_t b, std::size_t c, const Point& x) const noexcept {
         return is_start(b) || is_end(c) ? Point{0, x[1]} : x;
     }
-    void offer(std::size_t b, const Point& x, const Point& a, const Point& d) {
+    void push_candidate(std::size_t b, const Point& x, const Point& a, const Point& d) {
         const std::size_t c = next_[b];
         const Point p = point_[b], q = point_[c];
-        if ((length(x - p) > farthest_ && length(x - q) > farthest_) || !obstacles_.allows(x)) return;
+        if ((length(x - p) > farthest_ && length(x - q) > farthest_) || !obstacles_.in_bounds(x)) return;
         if (half_ && !is_start(b) && !is_end(c) && x[0] < 0.5 * obstacles_.margin) return;
         const Point u = (is_start(b) ? CageLoop::mirrored(d) : a) - x;
         const Point v = (is_end(c) ? CageLoop::mirrored(a) : d) - x;
@@ -131,20 +131,20 @@ private:
     }
 
     /// True if the new edges are clear of all others and the added area contains no mark.
-    bool is_free(const Step& step) const {
+    bool is_valid(const Collapse& step) const {
         const std::size_t b = step.b, c = next_[b];
         const std::size_t a = previous_[b], d = next_[c];
         const Point p = point_[b], q = point_[c], x = step.x;
         const bool first = is_start(b), last = is_end(c);
         if (!first && !edge_is_free(point_[a], x, b, a)) return false;
         if (!last && !edge_is_free(x, point_[d], b, d)) return false;
-        return !obstacles_.any_within(p, q, x) && (first || !obstacles_.any_within(point_[a], p, x)) &&
-               (last || !obstacles_.any_within(x, q, point_[d]));
+        return !obstacles_.any_mark_in(p, q, x) && (first || !obstacles_.any_mark_in(point_[a], p, x)) &&
+               (last || !obstacles_.any_mark_in(x, q, point_[d]));
     }
     /// True if a new edge between a moved vertex and its fixed neighbour `end` is clear of the loop. Skips
     /// removed edges and edges at `end`.
     bool edge_is_free(const Point& from, const Point& to, std::size_t b, std::size_t end) const {
-        if (obstacles_.comes_near(from, to, 0)) return false;
+        if (obstacles_.is_near_other(from, to, 0)) return false;
         return std::none_of(live_.begin(), live_.end(), [&](std::size_t i) {
             if (!is_live(i) || is_end(i)) return false;
             if (i == previous_[b] || i == b || i == next_[b]) return false;
@@ -153,14 +153,14 @@ private:
         });
     }
 
-    void take(const Step& step) {
+    void apply(const Collapse& step) {
         const std::size_t b = step.b, c = next_[b];
         const std::size_t stays = is_end(c) ? c : b, goes = is_end(c) ? b : c;
         point_[stays] = step.x;
         const std::size_t before = previous_[goes], after = next_[goes];
         next_[before] = after;
         previous_[after] = before;
-        next_[goes] = gone;
+        next_[goes] = removed;
         ++version_[goes];
         --count_;
         changed_ = true;
@@ -177,8 +177,8 @@ private:
     std::vector<std::uint32_t> version_;
     std::vector<std::size_t> live_; ///< remaining vertices, and some already removed
     std::size_t count_;
-    std::priority_queue<Step> queue_;
-    std::vector<Step> waiting_;
+    std::priority_queue<Collapse> queue_;
+    std::vector<Collapse> rejected_;
     bool changed_ = false;
 };
 

@@ -21,7 +21,7 @@ public:
     void relax(CageLoop& loop, int sweeps) const {
         double step = 4 * obstacles_.margin;
         for (int sweep = 0; sweep < sweeps; ++sweep) {
-            for (std::size_t i = 0; i < loop.size(); ++i) improve(loop, i, step, 0.1 * sweep);
+            for (std::size_t i = 0; i < loop.size(); ++i) move_vertex(loop, i, step, 0.1 * sweep);
             if (sweep % 3 == 2) step *= 0.7;
         }
     }
@@ -51,14 +51,14 @@ public:
             double least = energy_.of(loop) - 1e-4;
             CageLoop best;
             for (std::size_t i = 0; i < loop.size(); ++i) {
-                if (loop.is_end(i) || loop.size() <= 3 || !may_go(loop, i)) continue;
+                if (loop.is_end(i) || loop.size() <= 3 || !can_remove(loop, i)) continue;
                 CageLoop trial = loop;
                 trial.points.erase(trial.points.begin() + std::ptrdiff_t(i));
                 // In radians. A sharp vertex may belong to a spike, which disappears only if its neighbours
                 // move.
                 constexpr double sharp = 1.2;
                 if (angle_between(loop.before(i) - loop.points[i], loop.after(i) - loop.points[i]) < sharp)
-                    relax_about(trial, i);
+                    relax_near(trial, i);
                 insert(trial, loop.size());
                 const double energy = energy_.of(trial);
                 if (energy >= least) continue;
@@ -78,19 +78,19 @@ private:
     };
 
     /// Moves two vertices on each side of a removed vertex `i`.
-    void relax_about(CageLoop& loop, std::size_t i) const {
+    void relax_near(CageLoop& loop, std::size_t i) const {
         const auto n = std::ptrdiff_t(loop.size());
         double step = 2 * obstacles_.margin;
         for (int sweep = 0; sweep < 8; ++sweep, step *= 0.8) {
             for (const std::ptrdiff_t k : {-1, 0, -2, 1}) {
                 const std::ptrdiff_t at = std::ptrdiff_t(i) + k;
                 if (!loop.half || (at >= 0 && at < n))
-                    improve(loop, std::size_t((at + n) % n), step, 0.1 * sweep);
+                    move_vertex(loop, std::size_t((at + n) % n), step, 0.1 * sweep);
             }
         }
     }
 
-    void improve(CageLoop& loop, std::size_t i, double step, double rotation) const {
+    void move_vertex(CageLoop& loop, std::size_t i, double step, double rotation) const {
         const Point x = loop.points[i];
         const double now = energy_.about(loop, i);
         std::array<Move, 48> moves;
@@ -113,21 +113,21 @@ private:
             return std::tuple(a.energy, a.x[0], a.x[1]) < std::tuple(b.energy, b.x[0], b.x[1]);
         });
         for (std::size_t m = 0; m < count; ++m) {
-            if (!may_move(loop, i, moves[m].x)) continue;
+            if (!can_move(loop, i, moves[m].x)) continue;
             loop.points[i] = moves[m].x;
             return;
         }
     }
 
-    bool may_move(const CageLoop& loop, std::size_t i, const Point& x) const {
-        if (!obstacles_.allows(x)) return false;
+    bool can_move(const CageLoop& loop, std::size_t i, const Point& x) const {
+        if (!obstacles_.in_bounds(x)) return false;
         const std::size_t p = loop.previous(i), n = loop.next(i);
         const bool first = loop.half && i == 0, last = loop.half && i + 1 == loop.size();
         if (loop.half && !first && !last && x[0] < 0.5 * obstacles_.margin) return false;
         const Point& from = loop.points[p];
         const Point& to = loop.points[n];
-        if (!first && obstacles_.any_within(loop.points[i], x, from)) return false;
-        if (!last && obstacles_.any_within(loop.points[i], x, to)) return false;
+        if (!first && obstacles_.any_mark_in(loop.points[i], x, from)) return false;
+        if (!last && obstacles_.any_mark_in(loop.points[i], x, to)) return false;
         return (first || edge_is_free(loop, i, x, p)) && (last || edge_is_free(loop, i, x, n));
     }
 
@@ -148,13 +148,13 @@ private:
         }
         const auto u = to - x, v = (end == loop.next(i) ? loop.before(i) : loop.after(i)) - x;
         if (dot(u, v) > 0 && angle_between(u, v) < 0.05) return false;
-        return !obstacles_.comes_near(x, to, gap) && is_clear(*obstacles_.lattice, x, to);
+        return !obstacles_.is_near_other(x, to, gap) && is_clear(*obstacles_.lattice, x, to);
     }
 
     /// True if vertex `i` can be removed, so that an edge connects its neighbours.
-    bool may_go(const CageLoop& loop, std::size_t i) const {
+    bool can_remove(const CageLoop& loop, std::size_t i) const {
         const Point &a = loop.points[loop.previous(i)], &b = loop.points[loop.next(i)];
-        if (obstacles_.any_within(a, loop.points[i], b)) return false;
+        if (obstacles_.any_mark_in(a, loop.points[i], b)) return false;
         CageLoop without = loop;
         without.points.erase(without.points.begin() + std::ptrdiff_t(i));
         const std::size_t from = i > 0 ? i - 1 : without.size() - 1;

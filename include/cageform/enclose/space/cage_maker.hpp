@@ -78,7 +78,7 @@ public:
         const ShellObstacles obstacles{&lattice_, lifted};
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
-        const Reducing step{obstacles, six, area * (shell.half ? 2 : 1)};
+        const ReductionInput step{obstacles, six, area * (shell.half ? 2 : 1)};
         if (options_.looseness > 0 && options_.rings)
             return make_fewest_with_rings(step, running, report, shell);
         if (options_.looseness > 0) return make_fewest(step, running, report, shell);
@@ -87,7 +87,7 @@ public:
 
 private:
     /// A contour to reduce.
-    struct Reducing {
+    struct ReductionInput {
         const ShellObstacles& obstacles;
         double six_volumes, area; ///< of the contour; the area includes the mirror image
     };
@@ -95,13 +95,14 @@ private:
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
 
     /// Step 5, after a reduction to `vertices`. Returns false if cancelled.
-    bool relax(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+    bool relax(Shell& shell, std::size_t vertices, const ReductionInput& step, const Running& running) const {
         const ShellEnergy energy(step.six_volumes, vertices, step.area, std::fmax(options_.regular, 0.0));
         return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
     }
 
     /// Steps 4 and 5. Returns false if cancelled.
-    bool reduce(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+    bool reduce(Shell& shell, std::size_t vertices, const ReductionInput& step,
+                const Running& running) const {
         const double cut = options_.rings ? 0.6 : 0.3;
         return (!options_.rings || cut_rings(step, vertices, running.subtask(0.3, cut), shell)) &&
                ShellReduction(shell, step.obstacles).reduce_to(vertices, running.subtask(cut, 0.8)) &&
@@ -111,7 +112,8 @@ private:
     /// Cuts a contour along a ring around each limb, after the first rounds of collapses. Searches for limbs
     /// on shells of four times, twice and once the requested vertices, and uses the largest set. Returns
     /// false if cancelled.
-    bool cut_rings(const Reducing& step, std::size_t vertices, const Running& running, Shell& shell) const {
+    bool cut_rings(const ReductionInput& step, std::size_t vertices, const Running& running,
+                   Shell& shell) const {
         ShellReduction reduction(shell, step.obstacles);
         if (!reduction.begin(vertices, running.subtask(0, 0.4))) return false;
         Shell fine = shell.compacted();
@@ -129,7 +131,7 @@ private:
 
     /// Searches for the fewest vertices within options.looseness. One reduction visits all counts; only the
     /// counts tried are relaxed.
-    Status make_fewest(const Reducing& step, const Running& running, MakeCageReport& report,
+    Status make_fewest(const ReductionInput& step, const Running& running, MakeCageReport& report,
                        Shell& shell) const {
         const auto wanted = vertex_counts(4, first_tried, options_.vertices);
         std::vector<Shell> reduced;
@@ -148,7 +150,7 @@ private:
         }
         std::reverse(counts.begin(), counts.end());
         std::reverse(reduced.begin(), reduced.end());
-        FewestVertices<Shell> search(counts, first_tried, options_.looseness);
+        VertexCountSearch<Shell> search(counts, first_tried, options_.looseness);
         for (double left = 0.4; const auto index = search.next(); left *= 0.8) {
             const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
             Shell trial = std::move(reduced[*index]);
@@ -174,7 +176,7 @@ private:
 
     /// Searches for the fewest vertices without rings, then makes a cage with rings and as many vertices, or
     /// more while it is too loose. Its attempts replace those with the same number.
-    Status make_fewest_with_rings(const Reducing& step, const Running& running, MakeCageReport& report,
+    Status make_fewest_with_rings(const ReductionInput& step, const Running& running, MakeCageReport& report,
                                   Shell& shell) const {
         const Shell contour = shell;
         const Status status = make_fewest(step, running.subtask(0, 0.6), report, shell);
@@ -289,7 +291,8 @@ private:
             const auto nearest = nearest_sources(coarse, [&](std::size_t node) { return open[node] != 0; });
             for (std::size_t node = 0; node < coarse.size(); ++node) {
                 if (nearest[node] == coarse.size()) continue;
-                coarse[node] = static_cast<float>(radius - h * std::sqrt(coarse.steps2(node, nearest[node])));
+                coarse[node] =
+                    static_cast<float>(radius - h * std::sqrt(coarse.squared_steps(node, nearest[node])));
             }
             for (std::size_t node = 0; node < lattice_.size(); ++node)
                 lattice_[node] =
@@ -390,7 +393,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     MakeCageOptions wanted = options;
     if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 1000 : 112;
     report.margin = (options.margin > 0 ? options.margin : 0.02) * box.diagonal();
-    if (!can_tell<T>(report.margin, box)) return Status::cage_not_found;
+    if (!resolves_margin<T>(report.margin, box)) return Status::cage_not_found;
     SpaceCageMaker maker(local, wanted);
     const auto starts = component_corners(faces, std::size(vertices));
     double level = report.margin * frame.scale;
@@ -410,7 +413,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
             return locate(made.value, vertices[v], T(0)) == PointState::inside;
         });
         if (!all_inside) report.clearance = -report.clearance;
-        if (holds_figure(report)) break;
+        if (meets_guarantees(report)) break;
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
     if (!running.keep_going(1)) return Status::cancelled;
@@ -427,7 +430,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     for (auto& attempt : report.attempts) attempt.hollow /= frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
     report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
-    return holds_figure(report) ? Status::ok : Status::cage_not_found;
+    return meets_guarantees(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail

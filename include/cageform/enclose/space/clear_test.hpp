@@ -39,38 +39,38 @@ public:
     ///   triangle  triangle(k): the corners of triangle k, k < count
     template <class Triangle>
     bool are_clear(std::size_t count, const Triangle& triangle) {
-        for (const auto& [k, w] : refused_) {
+        for (const auto& [k, w] : failures_) {
             const Corners<3> corner = triangle(k);
             if (!is_clear(w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[2])) return false;
         }
-        large_.clear();
+        undecided_.clear();
         for (std::size_t k = 0; k < count; ++k) {
             const Sample middle = sample(places_of(triangle(k)));
-            if (middle.f < least) return refuse(k, {1.0 / 3, 1.0 / 3, 1.0 / 3});
-            if (!middle.is_free) large_.push_back(k);
+            if (middle.f < least) return fail(k, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+            if (!middle.proves_clear) undecided_.push_back(k);
         }
         Weights where;
-        for (const std::size_t k : large_) {
-            if (!is_clear_between(triangle(k), where)) return refuse(k, where);
+        for (const std::size_t k : undecided_) {
+            if (!is_clear_between(triangle(k), where)) return fail(k, where);
         }
         return true;
     }
     /// Forgets previous failures; call it before testing unrelated triangles.
-    void forget() noexcept { refused_.clear(); }
+    void reset() noexcept { failures_.clear(); }
 
 private:
-    struct Refusal {
+    struct Failure {
         std::size_t triangle;
         Weights at;
     };
-    using Place = Vec<float, 3>; ///< in spacings from node 0
+    using LatticePoint = Vec<float, 3>; ///< in spacings from node 0
     static constexpr float least = -0.05F;
 
-    Place to_spacings(const Vec<double, 3>& p) const noexcept {
+    LatticePoint to_spacings(const Vec<double, 3>& p) const noexcept {
         return vec_cast<float>(per_spacing_ * (p - low_));
     }
     /// f in spacings.
-    float value(const Place& x) const noexcept {
+    float value(const LatticePoint& x) const noexcept {
         std::size_t node = 0;
         std::array<float, 3> t{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -89,20 +89,20 @@ private:
         return scale_ * (low + t[2] * (along_y(stride_[2]) - low));
     }
 
-    using Triangle = std::array<Place, 3>;
+    using Triangle = std::array<LatticePoint, 3>;
     Triangle places_of(const Corners<3>& corner) const noexcept {
         return {to_spacings(corner[0]), to_spacings(corner[1]), to_spacings(corner[2])};
     }
     struct Sample {
-        Place middle;
+        LatticePoint middle;
         float f;
-        bool is_free; ///< true if this sample proves that the triangle is clear
+        bool proves_clear; ///< true if this sample proves that the triangle is clear
     };
     Sample sample(const Triangle& corner) const noexcept {
-        const Place middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
+        const LatticePoint middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
         const float f = value(middle), off = (std::max)(f, 0.0F);
         float reach2 = 0;
-        for (const Place& p : corner) reach2 = (std::max)(reach2, dot(p - middle, p - middle));
+        for (const LatticePoint& p : corner) reach2 = (std::max)(reach2, dot(p - middle, p - middle));
         return {middle, f, reach2 <= (std::max)(off * off, 0.64F + twice_margin_ * off)};
     }
 
@@ -120,7 +120,7 @@ private:
                 where = weights_of(whole, low_ + (1 / per_spacing_) * vec_cast<double>(at.middle));
                 return false;
             }
-            if (at.is_free) {
+            if (at.proves_clear) {
                 if (count == 0) return true;
                 corner = waiting[--count];
                 continue;
@@ -128,24 +128,24 @@ private:
             if (count == waiting.size()) return false;
             std::array<float, 3> side2{}; // side opposite to each corner
             for (std::size_t k = 0; k < 3; ++k) {
-                const Place side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
+                const LatticePoint side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
                 side2[k] = dot(side, side);
             }
             const std::size_t k = side2[0] < side2[1]   ? (side2[1] < side2[2] ? 2 : 1)
                                   : side2[0] < side2[2] ? 2
                                                         : 0;
-            const Place a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
-            const Place half = 0.5F * (b + c);
+            const LatticePoint a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
+            const LatticePoint half = 0.5F * (b + c);
             waiting[count++] = {a, half, c};
             corner = {a, b, half};
         }
     }
-    bool refuse(std::size_t triangle, const Weights& at) {
-        auto found = std::find_if(refused_.begin(), refused_.end(),
-                                  [&](const Refusal& r) { return r.triangle == triangle; });
-        if (found == refused_.end()) found = refused_.insert(found, Refusal{});
+    bool fail(std::size_t triangle, const Weights& at) {
+        auto found = std::find_if(failures_.begin(), failures_.end(),
+                                  [&](const Failure& r) { return r.triangle == triangle; });
+        if (found == failures_.end()) found = failures_.insert(found, Failure{});
         *found = {triangle, at};
-        std::iter_swap(found, refused_.begin());
+        std::iter_swap(found, failures_.begin());
         return false;
     }
     /// Barycentric weights of a point; those of the centroid if the triangle has no area.
@@ -165,9 +165,9 @@ private:
     float scale_;        ///< 1 / spacing
     float twice_margin_; ///< in spacings, like the distances below
     float farthest_;
-    std::array<float, 3> last_{};    ///< index of the last node along each axis
-    std::vector<Refusal> refused_;   ///< latest first
-    std::vector<std::size_t> large_; ///< triangles of `are_clear` that need more samples
+    std::array<float, 3> last_{};        ///< index of the last node along each axis
+    std::vector<Failure> failures_;      ///< latest first
+    std::vector<std::size_t> undecided_; ///< triangles of `are_clear` that need more samples
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

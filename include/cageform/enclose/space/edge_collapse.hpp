@@ -57,9 +57,9 @@ class EdgeCollapse {
 public:
     using Point = Vec<double, 3>;
     /// Set of candidate positions, one bit each.
-    using Places = std::uint32_t;
+    using CandidateSet = std::uint32_t;
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    static constexpr double beyond = std::numeric_limits<double>::infinity();
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
 
     EdgeCollapse(Shell& shell, const ShellObstacles& obstacles)
         : shell_(shell)
@@ -86,25 +86,25 @@ public:
 
     /// Makes `fits` test for crossing faces from now on. Further calls adapt the hash to the current face
     /// size.
-    void watch_crossings() { crossings_.emplace(shell_, gap_); }
+    void test_crossings() { crossings_.emplace(shell_, gap_); }
 
     /// Lower bound of the cost of a collapse, in area times squared distance.
-    double least_cost(std::uint32_t u, std::uint32_t v) const noexcept {
+    double cost_bound(std::uint32_t u, std::uint32_t v) const noexcept {
         Quadric q = quadric_[u];
         q += quadric_[v];
         Point x{};
-        return (q.least(x) ? q.at(x) : 0) + stretch(u, v);
+        return (q.least(x) ? q.at(x) : 0) + length_penalty(u, v);
     }
 
     /// Selects the edge u v: collects the faces that remain after its collapse and the candidates. These are
     /// the minimum of the quadric, the midpoint and both ends, each at several offsets outwards along the
     /// normal. Returns false if the faces have no normal.
-    CAGEFORM_DETAIL_FLATTEN bool look_at(std::uint32_t u, std::uint32_t v) {
+    CAGEFORM_DETAIL_FLATTEN bool select(std::uint32_t u, std::uint32_t v) {
         u_ = u;
         v_ = v;
-        about_.clear();
-        clear_.forget();
-        is_weighed_ = false;
+        incident_.clear();
+        clear_.reset();
+        has_costs_ = false;
         normal_ = {};
         for (const auto& [from, other] : {std::pair(u, v), std::pair(v, u)}) {
             const Point& x = shell_.points[from];
@@ -116,7 +116,7 @@ public:
                 const Point n = cross(a - x, b - x);
                 normal_ = normal_ + n;
                 if (i == other || j == other) continue;
-                about_.push_back({f, a, b, dot(b - a, b - a), n, 0.01 * dot(n, n)});
+                incident_.push_back({f, a, b, dot(b - a, b - a), n, 0.01 * dot(n, n)});
             }
         }
         const double size = length(normal_);
@@ -126,36 +126,36 @@ public:
         q_ += quadric_[v];
         const Point &a = shell_.points[u], &b = shell_.points[v];
         const Point e = b - a, middle = 0.5 * (a + b);
-        starts_ = {a, middle, a, b};
+        bases_ = {a, middle, a, b};
         Point least{};
         has_least_ = q_.least(least) && dot(least - middle, least - middle) <= 9 * dot(e, e);
-        if (has_least_) starts_[0] = least;
+        if (has_least_) bases_[0] = least;
         return true;
     }
 
     /// Returns the cheapest candidate that is not rejected, and sets its cost. Returns `none` if no candidate
     /// is left.
-    std::uint32_t choose(Places refused, double& cost) {
-        if (!is_weighed_) weigh();
+    std::uint32_t cheapest(CandidateSet rejected, double& cost) {
+        if (!has_costs_) set_cost_bounds();
         for (;;) {
             std::uint32_t best = none;
-            cost = beyond;
+            cost = infinite;
             for (std::uint32_t n = 0; n < cost_.size(); ++n) {
-                if ((refused >> n & 1U) != 0 || !(cost_[n] < cost)) continue;
+                if ((rejected >> n & 1U) != 0 || !(cost_[n] < cost)) continue;
                 cost = cost_[n];
                 best = n;
             }
             if (best == none || (is_exact_ >> best & 1U) != 0) return best;
-            is_exact_ |= Places{1} << best;
-            cost_[best] *= shape_factor(place(best));
+            is_exact_ |= CandidateSet{1} << best;
+            cost_[best] *= shape_factor(candidate(best));
         }
     }
 
     /// True if the new faces are clear of the figure and cross no other faces.
     bool fits(std::uint32_t n) {
-        const Point p = place(n);
-        if (!clear_.are_clear(about_.size(), [&](std::size_t k) {
-                return Corners<3>{p, about_[k].a, about_[k].b};
+        const Point p = candidate(n);
+        if (!clear_.are_clear(incident_.size(), [&](std::size_t k) {
+                return Corners<3>{p, incident_[k].a, incident_[k].b};
             }))
             return false;
         return !crossings_ || !crosses(p, *crossings_);
@@ -192,10 +192,10 @@ public:
     }
 
     /// Applies the collapse: the first end moves to a candidate, the second is removed.
-    void take(std::uint32_t n) {
-        const Point p = place(n);
+    void apply(std::uint32_t n) {
+        const Point p = candidate(n);
         if (crossings_) {
-            for (const About& at : about_) crossings_->remove(at.face);
+            for (const IncidentFace& at : incident_) crossings_->remove(at.face);
         }
         const bool is_on_rim = is_onto_rim();
         if (!shell_.ring.empty()) {
@@ -223,24 +223,23 @@ public:
 
 private:
     /// A face at the selected edge that the collapse changes: its first corner moves.
-    struct About {
+    struct IncidentFace {
         std::uint32_t face;
         Point a, b;       ///< other corners
         double across2;   ///< squared distance between a and b
         Point normal;     ///< before the collapse
         double hundredth; ///< 0.01 · its squared length
     };
-    static constexpr std::size_t starts = 4;
-    static constexpr std::array<double, 6> steps_out{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
+    static constexpr std::size_t base_count = 4;
+    static constexpr std::array<double, 6> offsets{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
 
     /// Penalty that keeps edges short where the quadric is flat.
-    double stretch(std::uint32_t u, std::uint32_t v) const noexcept {
+    double length_penalty(std::uint32_t u, std::uint32_t v) const noexcept {
         const auto e = shell_.points[v] - shell_.points[u];
         return 1e-3 * dot(e, e) * dot(e, e);
     }
-    Point place(std::uint32_t n) const noexcept {
-        const Point p =
-            starts_[n / steps_out.size()] + (spacing_ * steps_out[n % steps_out.size()]) * normal_;
+    Point candidate(std::uint32_t n) const noexcept {
+        const Point p = bases_[n / offsets.size()] + (spacing_ * offsets[n % offsets.size()]) * normal_;
         return shell_.allowed(p, is_onto_rim(), ring(), spacing_);
     }
     bool is_onto_rim() const noexcept { return shell_.on_rim[u_] || shell_.on_rim[v_]; }
@@ -269,34 +268,34 @@ private:
     }
 
     /// Sets lower bounds of the costs of all candidates.
-    void weigh() noexcept {
+    void set_cost_bounds() noexcept {
         const Point slopes = q_.times(normal_);
-        const double curved = dot(normal_, slopes), extra = stretch(u_, v_);
-        for (std::uint32_t s = 0, n = 0; s < starts; ++s) {
-            const double start = q_.at(starts_[s]), slope = dot(slopes, starts_[s]) + dot(q_.b, normal_);
-            for (const double step : steps_out) {
+        const double curved = dot(normal_, slopes), extra = length_penalty(u_, v_);
+        for (std::uint32_t s = 0, n = 0; s < base_count; ++s) {
+            const double start = q_.at(bases_[s]), slope = dot(slopes, bases_[s]) + dot(q_.b, normal_);
+            for (const double step : offsets) {
                 const double t = spacing_ * step;
                 const double error = shell_.half || ring() != none
-                                         ? q_.at(place(n))
+                                         ? q_.at(candidate(n))
                                          : (std::max)(start + t * (2 * slope + t * curved), 0.0);
-                cost_[n++] = s == 0 && !has_least_ ? beyond : error + extra;
+                cost_[n++] = s == 0 && !has_least_ ? infinite : error + extra;
             }
         }
         is_exact_ = 0;
-        is_weighed_ = true;
+        has_costs_ = true;
     }
     /// Cost factor for poor faces: 1 for good ones, larger for needles; infinite if a face would flip or the
     /// position is too close to the figure.
     CAGEFORM_DETAIL_FLATTEN double shape_factor(const Point& p) const noexcept {
         double worst2 = 1; // minimum of (twice the area / squared longest side)^2
-        for (const About& at : about_) {
+        for (const IncidentFace& at : incident_) {
             const Point to_a = at.a - p, to_b = at.b - p, is = cross(to_a, to_b);
             const double size2 = dot(is, is), along = dot(at.normal, is);
-            if (!(along > 0 && along * along > at.hundredth * size2)) return beyond;
+            if (!(along > 0 && along * along > at.hundredth * size2)) return infinite;
             const double longest2 = (std::max)({at.across2, dot(to_a, to_a), dot(to_b, to_b)});
             worst2 = (std::min)(worst2, size2 / (longest2 * longest2));
         }
-        if (!clear_.is_clear(p) || !shell_.is_right(p, is_onto_rim(), spacing_)) return beyond;
+        if (!clear_.is_clear(p) || !shell_.is_right(p, is_onto_rim(), spacing_)) return infinite;
         const double worst = triangle_quality(std::sqrt(worst2), 1);
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
@@ -305,7 +304,7 @@ private:
         const Point old = shell_.points[u_];
         shell_.points[u_] = p;
         fresh_.clear();
-        for (const About& at : about_) {
+        for (const IncidentFace& at : incident_) {
             auto face = shell_.faces[at.face];
             std::replace(face.begin(), face.end(), v_, u_);
             fresh_.push_back(face);
@@ -327,14 +326,14 @@ private:
     std::vector<Shell::Face> fresh_; ///< scratch of `crosses`
 
     std::uint32_t u_ = 0, v_ = 0; ///< selected edge
-    std::vector<About> about_;
+    std::vector<IncidentFace> incident_;
     Point normal_{};
     Quadric q_;
-    std::array<Point, starts> starts_{};
+    std::array<Point, base_count> bases_{};
     bool has_least_ = false; ///< true if the first base position is the minimum of the quadric
-    bool is_weighed_ = false;
-    std::array<double, starts * steps_out.size()> cost_{}; ///< cost of each candidate, or a lower bound
-    Places is_exact_ = 0;
+    bool has_costs_ = false;
+    std::array<double, base_count * offsets.size()> cost_{}; ///< cost of each candidate, or a lower bound
+    CandidateSet is_exact_ = 0;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

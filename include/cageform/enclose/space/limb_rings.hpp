@@ -206,11 +206,11 @@ private:
     ///   above  height of each vertex above the plane
     Cut path_through(std::uint32_t start, const std::vector<double>& above, std::vector<bool>& seen) const {
         Cut cut;
-        std::vector<std::uint32_t> waiting{start};
+        std::vector<std::uint32_t> stack{start};
         seen[start] = true;
-        while (!waiting.empty()) {
-            const auto f = waiting.back();
-            waiting.pop_back();
+        while (!stack.empty()) {
+            const auto f = stack.back();
+            stack.pop_back();
             std::array<Point, 2> ends{};
             std::size_t count = 0;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -223,7 +223,7 @@ private:
                 cut.is_open = cut.is_open || next == Shell::none;
                 if (next == Shell::none || seen[next]) continue;
                 seen[next] = true;
-                waiting.push_back(next);
+                stack.push_back(next);
             }
             if (count == 0) return cut;
             cut.faces.push_back(f);
@@ -246,16 +246,16 @@ private:
     bool cuts_off(const Cut& cut, const Limb& limb, std::uint32_t tip) const {
         enum : char { unknown, limb_side, rest_side };
         std::vector<char> side(shell_.points.size(), unknown), is_counted(shell_.faces.size(), 0);
-        std::vector<std::uint32_t> waiting;
+        std::vector<std::uint32_t> stack;
         for (const auto& [v, w] : cut.edges) {
             side[v] = rest_side;
-            if (side[w] == unknown) waiting.push_back(w);
+            if (side[w] == unknown) stack.push_back(w);
             side[w] = limb_side;
         }
         double area = 0;
-        while (!waiting.empty()) {
-            const auto v = waiting.back();
-            waiting.pop_back();
+        while (!stack.empty()) {
+            const auto v = stack.back();
+            stack.pop_back();
             for (const auto f : shell_.star[v]) {
                 if (is_counted[f] == 0) area += 0.5 * length(area_normal(shell_.corners(shell_.faces[f])));
                 is_counted[f] = 1;
@@ -265,7 +265,7 @@ private:
                         continue;
                     if (side[w] == rest_side) return false; // a path around the cut
                     side[w] = limb_side;
-                    waiting.push_back(w);
+                    stack.push_back(w);
                 }
             }
         }
@@ -314,10 +314,10 @@ public:
         , whole_(shell)
         , own_(shell.half ? whole_.faces.size() / 2 : whole_.faces.size())
         , ring_(whole_.points.size(), Shell::none)
-        , of_(whole_.faces.size(), Shell::none) {
+        , region_(whole_.faces.size(), Shell::none) {
         for (std::uint32_t f = 0; f < whole_.faces.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k)
-                beside_[{whole_.faces[f][k], whole_.faces[f][(k + 1) % 3]}] = f;
+                face_of_edge_[{whole_.faces[f][k], whole_.faces[f][(k + 1) % 3]}] = f;
         }
         for (std::uint32_t v = 0; v < shell.points.size(); ++v) {
             const auto r = ring_[v] = shell.ring_of(v);
@@ -325,33 +325,33 @@ public:
             ring_[whole_.image[v]] =
                 shell.rings[r].is_open ? r : r + static_cast<std::uint32_t>(shell.rings.size());
         }
-        for (std::uint32_t start = 0; start < of_.size(); ++start) {
-            if (of_[start] == Shell::none) fill(start);
+        for (std::uint32_t start = 0; start < region_.size(); ++start) {
+            if (region_[start] == Shell::none) fill(start);
         }
     }
 
     /// Returns the part number of each face. Part 1 is the largest region that is not on the limb side of a
     /// ring; the others are numbered by decreasing area, mirrored regions n and -n.
     std::vector<int> numbers() const {
-        std::vector<double> areas(regions_.size()), right(regions_.size());
+        std::vector<double> areas(regions_.size()), moment(regions_.size());
         std::vector<std::size_t> images(regions_.size());
         for (std::size_t n = 0; n < regions_.size(); ++n) {
             areas[n] = regions_[n].area;
-            right[n] = regions_[n].right;
+            moment[n] = regions_[n].moment;
             const auto f = regions_[n].first;
-            images[n] = of_[own_ == of_.size() ? f : f < own_ ? f + own_ : f - own_];
+            images[n] = region_[own_ == region_.size() ? f : f < own_ ? f + own_ : f - own_];
         }
         const auto given =
-            part_numbers(areas, images, right, [&](std::size_t n) { return !regions_[n].is_limb(); });
-        std::vector<int> numbers(of_.size());
-        for (std::size_t f = 0; f < of_.size(); ++f) numbers[f] = given[of_[f]];
+            part_numbers(areas, images, moment, [&](std::size_t n) { return !regions_[n].is_limb(); });
+        std::vector<int> numbers(region_.size());
+        for (std::size_t f = 0; f < region_.size(); ++f) numbers[f] = given[region_[f]];
         return numbers;
     }
 
 private:
     struct Region {
         std::uint32_t first; ///< face
-        double area = 0, right = 0;
+        double area = 0, moment = 0;
         std::vector<double> turn; ///< per ring: signed area of the border seen along the ring's normal
 
         bool is_limb() const {
@@ -360,15 +360,15 @@ private:
     };
 
     void fill(std::uint32_t start) {
-        const auto n = of_[start] = static_cast<std::uint32_t>(regions_.size());
+        const auto n = region_[start] = static_cast<std::uint32_t>(regions_.size());
         Region& region = regions_.emplace_back(Region{start, 0, 0, {}});
         region.turn.resize(2 * shell_.rings.size());
-        std::vector<std::uint32_t> waiting{start};
-        while (!waiting.empty()) {
-            const auto f = waiting.back();
-            waiting.pop_back();
+        std::vector<std::uint32_t> stack{start};
+        while (!stack.empty()) {
+            const auto f = stack.back();
+            stack.pop_back();
             region.area += whole_.area(f);
-            region.right += f < own_ ? whole_.area(f) : -whole_.area(f);
+            region.moment += f < own_ ? whole_.area(f) : -whole_.area(f);
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto v = whole_.faces[f][k], w = whole_.faces[f][(k + 1) % 3];
                 if (ring_[v] != Shell::none && ring_[v] == ring_[w]) {
@@ -378,9 +378,9 @@ private:
                     region.turn[ring_[v]] += dot(normal, cross(whole_.points[v], whole_.points[w]));
                     continue;
                 }
-                const auto g = beside_.at({w, v});
-                if (of_[g] == Shell::none) waiting.push_back(g);
-                of_[g] = n;
+                const auto g = face_of_edge_.at({w, v});
+                if (region_[g] == Shell::none) stack.push_back(g);
+                region_[g] = n;
             }
         }
     }
@@ -390,8 +390,9 @@ private:
     std::size_t own_; ///< number of faces that are no images
     /// Ring of each vertex; a ring that does not cross the mirror plane and its image are two rings.
     std::vector<std::uint32_t> ring_;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> beside_; ///< face to the left of an edge
-    std::vector<std::uint32_t> of_;                                           ///< region of each face
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
+        face_of_edge_;                  ///< face to the left of an edge
+    std::vector<std::uint32_t> region_; ///< region of each face
     std::vector<Region> regions_;
 };
 

@@ -41,7 +41,7 @@ public:
         : edges_(edges)
         , size_(static_cast<std::uint32_t>(vertices))
         , nodes_(vertices)
-        , link_of_(vertices, none)
+        , mate_link_(vertices, none)
         , first_(vertices + 1, 0) {
         for (const auto& edge : edges) {
             ++first_[edge.a + 1];
@@ -57,13 +57,13 @@ public:
         }
         for (std::uint32_t v = 0; v < size_; ++v) nodes_[v].base = v;
         for (std::uint32_t v = 0; v < size_; ++v) {
-            if (link_of_[v] == none && nodes_[v].dual > 0) search(v);
+            if (mate_link_[v] == none && nodes_[v].dual > 0) search(v);
         }
     }
 
     /// Matched edge of a vertex; `none` if it is unmatched.
     std::uint32_t edge_at(std::size_t v) const noexcept {
-        return link_of_[v] == none ? none : link_of_[v] / 2;
+        return mate_link_[v] == none ? none : mate_link_[v] / 2;
     }
 
 private:
@@ -71,7 +71,7 @@ private:
     using Link = std::uint32_t;
     using Node = std::uint32_t; ///< a vertex, or a blossom if >= size_
     enum class Label : std::uint8_t { free, even, odd };
-    enum class Happening : std::uint8_t { vertex_at_zero, blossom_at_zero, edge_at_zero };
+    enum class EventKind : std::uint8_t { vertex_at_zero, blossom_at_zero, edge_at_zero };
 
     struct NodeData {
         Node parent = none; ///< enclosing blossom
@@ -87,7 +87,7 @@ private:
     };
     struct Event {
         std::int64_t time;
-        Happening what;
+        EventKind what;
         std::uint32_t index; ///< of the vertex, blossom or link
         friend auto operator<=>(const Event&, const Event&) = default;
     };
@@ -131,33 +131,33 @@ private:
         tree_.push_back(outer);
     }
 
-    void schedule(std::int64_t wait, Happening what, std::uint32_t index) {
+    void schedule(std::int64_t wait, EventKind what, std::uint32_t index) {
         queue_.push({now_ + wait, what, index});
     }
     /// Schedules the events of a vertex that has become even.
-    void watch_even(std::uint32_t v) {
-        schedule(dual(v), Happening::vertex_at_zero, v);
+    void schedule_even(std::uint32_t v) {
+        schedule(dual(v), EventKind::vertex_at_zero, v);
         const Node inside = outermost(v);
         for (auto k = first_[v]; k < first_[v + 1]; ++k) {
             const Node other = outermost(to(links_[k]));
             if (other == inside || nodes_[other].label == Label::odd) continue;
             const std::int64_t gap = slack(links_[k]);
-            schedule(nodes_[other].label == Label::even ? gap / 2 : gap, Happening::edge_at_zero, links_[k]);
+            schedule(nodes_[other].label == Label::even ? gap / 2 : gap, EventKind::edge_at_zero, links_[k]);
         }
     }
-    void watch_odd(Node outer) {
-        if (outer >= size_) schedule(nodes_[outer].dual / 2, Happening::blossom_at_zero, outer);
+    void schedule_odd(Node outer) {
+        if (outer >= size_) schedule(nodes_[outer].dual / 2, EventKind::blossom_at_zero, outer);
     }
     /// Schedules when the tree reaches a vertex that is no longer odd.
-    void watch_free(std::uint32_t v) {
+    void schedule_free(std::uint32_t v) {
         for (auto k = first_[v]; k < first_[v + 1]; ++k) {
             if (nodes_[outermost(to(links_[k]))].label == Label::even)
-                schedule(slack(links_[k]), Happening::edge_at_zero, links_[k] ^ 1U);
+                schedule(slack(links_[k]), EventKind::edge_at_zero, links_[k] ^ 1U);
         }
     }
     void make_even(Node outer) {
         add_to_tree(outer, Label::even);
-        for_each_vertex(outer, [&](std::uint32_t v) { watch_even(v); });
+        for_each_vertex(outer, [&](std::uint32_t v) { schedule_even(v); });
     }
 
     /// Matches a vertex, or leaves another one unmatched in its place.
@@ -165,7 +165,7 @@ private:
         now_ = 0;
         queue_ = {};
         make_even(outermost(start));
-        while (!take_next()) {}
+        while (!process_event()) {}
         for (const Node node : tree_) {
             if (nodes_[node].label != Label::free && nodes_[node].parent == none)
                 set_label(node, Label::free);
@@ -174,16 +174,16 @@ private:
     }
 
     /// Processes an event. Returns true if the search has ended.
-    bool take_next() {
+    bool process_event() {
         const Event event = queue_.top();
         queue_.pop();
         now_ = event.time;
-        if (event.what == Happening::vertex_at_zero) {
+        if (event.what == EventKind::vertex_at_zero) {
             if (dual(event.index) != 0) return false;
-            rematch(event.index, none);
+            augment(event.index, none);
             return true;
         }
-        if (event.what == Happening::blossom_at_zero) {
+        if (event.what == EventKind::blossom_at_zero) {
             const NodeData& node = nodes_[event.index];
             const bool is_there = node.parent == none && node.label == Label::odd;
             if (is_there && blossom_dual(event.index) == 0) expand(event.index);
@@ -196,46 +196,46 @@ private:
             shrink(link, left, right);
             return false;
         }
-        const Link beyond = link_of_[nodes_[right].base];
+        const Link beyond = mate_link_[nodes_[right].base];
         if (beyond == none) {
-            rematch(from(link), link);
+            augment(from(link), link);
             set_base(right, to(link));
-            link_of_[to(link)] = link ^ 1U;
+            mate_link_[to(link)] = link ^ 1U;
             return true;
         }
         add_to_tree(right, Label::odd, link);
-        watch_odd(right);
+        schedule_odd(right);
         make_even(outermost(to(beyond)));
         return false;
     }
 
     /// Path from an even node to the root of the tree: nodes and the links between them.
-    struct Way {
+    struct TreePath {
         std::vector<Node> nodes;
         std::vector<Link> links;
     };
-    Way way_to_root(Node even) const {
-        Way way{{even}, {}};
-        for (Link up = link_of_[nodes_[even].base]; up != none;) {
+    TreePath path_to_root(Node even) const {
+        TreePath path{{even}, {}};
+        for (Link up = mate_link_[nodes_[even].base]; up != none;) {
             const Node odd = outermost(to(up));
-            way.links.push_back(up);
-            way.nodes.push_back(odd);
-            way.links.push_back(nodes_[odd].entry ^ 1U);
-            way.nodes.push_back(outermost(to(way.links.back())));
-            up = link_of_[nodes_[way.nodes.back()].base];
+            path.links.push_back(up);
+            path.nodes.push_back(odd);
+            path.links.push_back(nodes_[odd].entry ^ 1U);
+            path.nodes.push_back(outermost(to(path.links.back())));
+            up = mate_link_[nodes_[path.nodes.back()].base];
         }
-        return way;
+        return path;
     }
 
     /// Shrinks the cycle closed by an edge between two even nodes to a blossom.
     void shrink(Link link, Node left, Node right) {
-        Way here = way_to_root(left), there = way_to_root(right);
+        TreePath here = path_to_root(left), there = path_to_root(right);
         // Remove the common end of both paths, except for the node where they meet.
         while (here.nodes.size() > 1 && there.nodes.size() > 1 &&
                here.nodes[here.nodes.size() - 2] == there.nodes[there.nodes.size() - 2]) {
-            for (Way* way : {&here, &there}) {
-                way->nodes.pop_back();
-                way->links.pop_back();
+            for (TreePath* path : {&here, &there}) {
+                path->nodes.pop_back();
+                path->links.pop_back();
             }
         }
         NodeData made;
@@ -255,7 +255,7 @@ private:
         }
         nodes_[blossom] = std::move(made);
         add_to_tree(blossom, Label::even);
-        for (const Node child : odd) for_each_vertex(child, [&](std::uint32_t v) { watch_even(v); });
+        for (const Node child : odd) for_each_vertex(child, [&](std::uint32_t v) { schedule_even(v); });
     }
 
     Node new_node() {
@@ -281,33 +281,33 @@ private:
             set_label(child, Label::free);
         }
         const std::size_t size = cycle.children.size();
-        const std::size_t start = place_of(cycle, to(entry));
+        const std::size_t start = child_index(cycle, to(entry));
         const bool is_down = start % 2 == 0;
         std::vector<Node> even;
-        Link way_in = entry;
+        Link entry_link = entry;
         for (std::size_t at = start, step = 0;; ++step) {
             const Node child = cycle.children[at];
             if (step % 2 == 0)
-                add_to_tree(child, Label::odd, way_in);
+                add_to_tree(child, Label::odd, entry_link);
             else
                 even.push_back(child);
             if (at == 0) break;
-            way_in = is_down ? cycle.links[at - 1] ^ 1U : cycle.links[at];
+            entry_link = is_down ? cycle.links[at - 1] ^ 1U : cycle.links[at];
             at = is_down ? at - 1 : (at + 1) % size;
         }
         for (const Node child : even) add_to_tree(child, Label::even);
         for (const Node child : cycle.children) {
             if (nodes_[child].label == Label::odd)
-                watch_odd(child);
+                schedule_odd(child);
             else if (nodes_[child].label == Label::even)
-                for_each_vertex(child, [&](std::uint32_t v) { watch_even(v); });
+                for_each_vertex(child, [&](std::uint32_t v) { schedule_even(v); });
             else
-                for_each_vertex(child, [&](std::uint32_t v) { watch_free(v); });
+                for_each_vertex(child, [&](std::uint32_t v) { schedule_free(v); });
         }
     }
 
     /// Index of the child that contains a vertex.
-    std::size_t place_of(const NodeData& cycle, std::uint32_t v) const noexcept {
+    std::size_t child_index(const NodeData& cycle, std::uint32_t v) const noexcept {
         for (Node node = v;; node = nodes_[node].parent) {
             const auto found = std::find(cycle.children.begin(), cycle.children.end(), node);
             if (found != cycle.children.end()) return std::size_t(found - cycle.children.begin());
@@ -316,17 +316,17 @@ private:
 
     /// Augments: matches an even vertex by a link (or leaves it unmatched) and swaps matched and unmatched
     /// edges along the path to the root.
-    void rematch(std::uint32_t v, Link link) {
+    void augment(std::uint32_t v, Link link) {
         for (;;) {
             const Node even = outermost(v);
-            const Link up = link_of_[nodes_[even].base];
+            const Link up = mate_link_[nodes_[even].base];
             set_base(even, v);
-            link_of_[v] = link;
+            mate_link_[v] = link;
             if (up == none) return;
             const Node odd = outermost(to(up));
             const Link entry = nodes_[odd].entry;
             set_base(odd, to(entry));
-            link_of_[to(entry)] = entry ^ 1U;
+            mate_link_[to(entry)] = entry ^ 1U;
             v = from(entry);
             link = entry;
         }
@@ -336,15 +336,15 @@ private:
     void set_base(Node node, std::uint32_t v) {
         if (node < size_ || nodes_[node].base == v) return;
         NodeData& blossom = nodes_[node];
-        const std::size_t size = blossom.children.size(), place = place_of(blossom, v);
+        const std::size_t size = blossom.children.size(), place = child_index(blossom, v);
         set_base(blossom.children[place], v);
         const std::size_t first = place % 2 == 0 ? 0 : place + 1, last = place % 2 == 0 ? place : size;
         for (std::size_t k = first; k < last; k += 2) {
             const Link link = blossom.links[k];
             set_base(blossom.children[k], from(link));
             set_base(blossom.children[(k + 1) % size], to(link));
-            link_of_[from(link)] = link;
-            link_of_[to(link)] = link ^ 1U;
+            mate_link_[from(link)] = link;
+            mate_link_[to(link)] = link ^ 1U;
         }
         using Step = std::ptrdiff_t;
         std::rotate(blossom.children.begin(), blossom.children.begin() + Step(place), blossom.children.end());
@@ -356,7 +356,7 @@ private:
     std::uint32_t size_;
     std::vector<NodeData> nodes_;
     std::vector<Node> unused_;
-    std::vector<Link> link_of_; ///< of each vertex: link to its mate
+    std::vector<Link> mate_link_; ///< of each vertex: link to its mate
     std::vector<std::uint32_t> first_;
     std::vector<Link> links_; ///< those of vertex v: first_[v] to first_[v + 1]
     std::vector<Node> tree_;  ///< all nodes labelled in this search

@@ -47,7 +47,7 @@ struct FacePair {
     }
 
     /// Triangle of the corners except one. Those without corners 0 and 2 are new, the others old.
-    Facet<3> without(std::size_t left_out) const noexcept {
+    Facet<3> triangle_without(std::size_t left_out) const noexcept {
         std::array<std::uint32_t, 3> three{};
         for (std::size_t k = 0; k < 3; ++k) three[k] = std::uint32_t((left_out + 1 + k) % 4);
         Facet<3> facet(three, std::span<const Point>(corner));
@@ -86,10 +86,10 @@ public:
         , parts_(std::move(parts))
         , image_(faces_.size()) {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-            for (std::size_t k = 0; k < 3; ++k) beside_[{faces_[f][k], faces_[f][(k + 1) % 3]}] = f;
+            for (std::size_t k = 0; k < 3; ++k) face_of_edge_[{faces_[f][k], faces_[f][(k + 1) % 3]}] = f;
             image_[f] = f;
         }
-        for (const auto& [edge, f] : beside_) {
+        for (const auto& [edge, f] : face_of_edge_) {
             if (edge.first < edge.second) add_pair(edge, f);
         }
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) pairs_[n].image = n;
@@ -124,7 +124,7 @@ public:
     /// Rejects pairs whose tetrahedron is closer to a figure than `least`.
     ///
     ///   clearance  of the cage
-    void keep_off(std::span<const Corners<3>> figure, double clearance, double least) {
+    void reject_near(std::span<const Corners<3>> figure, double clearance, double least) {
         FaceHash hash = make_hash();
         std::vector<std::size_t> seen(pairs_.size(), figure.size()); // the hash may return a pair twice
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
@@ -143,7 +143,7 @@ public:
                 seen[n] = f;
                 if (!hash.box(n).overlaps(box.widened(pair.clearance))) return false;
                 for (const std::size_t k : {0U, 2U}) {
-                    const auto& corner = pair.without(k).corner;
+                    const auto& corner = pair.triangle_without(k).corner;
                     if (distance_to_facet(middle, corner) - radius < pair.clearance)
                         pair.clearance = (std::min)(pair.clearance, facet_distance(triangle, corner));
                 }
@@ -155,14 +155,14 @@ public:
     }
 
     /// Rejects pairs whose tetrahedron intersects another triangle of the cage.
-    void keep_apart() {
+    void reject_crossing() {
         FaceHash hash = make_hash();
         for (std::uint32_t f = 0; f < faces_.size(); ++f)
             hash.add(f, Facet<3>(faces_[f], std::span<const Point>(points_)).corner);
         for (FacePair& pair : pairs_) {
             pair.allowed = pair.allowed && !hash.any(pair.bounds(), [&](std::uint32_t f) {
                 return f != pair.faces[0] && f != pair.faces[1] &&
-                       meets(pair, Facet<3>(faces_[f], std::span<const Point>(points_)));
+                       intersects(pair, Facet<3>(faces_[f], std::span<const Point>(points_)));
             });
         }
     }
@@ -173,7 +173,7 @@ public:
         for (FacePair& pair : pairs_) pair.allowed = pair.allowed && pairs_[pair.image].allowed;
         for (;;) {
             const auto chosen = best_choice();
-            if (!forbid_meeting(chosen)) return chosen;
+            if (!reject_intersecting(chosen)) return chosen;
         }
     }
     const FacePair& operator[](std::size_t n) const noexcept { return pairs_[n]; }
@@ -186,12 +186,12 @@ private:
     }
     void add_pair(const Edge& edge, std::uint32_t f) {
         const auto [a, b] = edge;
-        const auto other = beside_.find({b, a});
-        if (other == beside_.end()) return;
+        const auto other = face_of_edge_.find({b, a});
+        if (other == face_of_edge_.end()) return;
         const std::uint32_t g = other->second, c = third(f, a, b), d = third(g, a, b);
         if (parts_.size() == faces_.size() && parts_[f] != parts_[g]) return;
         // If the cage already has the new diagonal, this edge would have four faces.
-        if (beside_.contains({c, d}) || beside_.contains({d, c})) return;
+        if (face_of_edge_.contains({c, d}) || face_of_edge_.contains({d, c})) return;
         FacePair pair;
         pair.faces = {(std::min)(f, g), (std::max)(f, g)};
         pair.loop = {a, d, b, c};
@@ -216,11 +216,11 @@ private:
     }
     /// True if the tetrahedron of a pair intersects a triangle outside common corners. The old triangles of
     /// the pair are faces of the cage and not tested.
-    static bool meets(const FacePair& pair, const Facet<3>& facet) noexcept {
+    static bool intersects(const FacePair& pair, const Facet<3>& facet) noexcept {
         for (std::size_t k = 0; k < 3; ++k) {
             if (!pair.has(facet.vertex[k]) && pair.holds(facet.corner[k])) return true;
         }
-        return touch(pair.without(0), facet) || touch(pair.without(2), facet);
+        return touch(pair.triangle_without(0), facet) || touch(pair.triangle_without(2), facet);
     }
 
     std::vector<std::uint32_t> best_choice() const {
@@ -253,35 +253,36 @@ private:
     }
 
     /// Rejects chosen pairs that intersect or share a new diagonal. Returns true if there were any.
-    bool forbid_meeting(std::span<const std::uint32_t> chosen) {
+    bool reject_intersecting(std::span<const std::uint32_t> chosen) {
         FaceHash hash = make_hash();
         bool any = false;
         for (const std::uint32_t n : chosen) {
             FacePair& pair = pairs_[n];
             (void)hash.any(pair.bounds(), [&](std::uint32_t other) {
-                if (!meet(pair, pairs_[other])) return false;
+                if (!intersect(pair, pairs_[other])) return false;
                 any = true;
-                forbid(pair.quality < pairs_[other].quality ? n : other);
+                reject(pair.quality < pairs_[other].quality ? n : other);
                 return false;
             });
             hash.add(n, box_corners(pair));
         }
         return any;
     }
-    static bool meet(const FacePair& a, const FacePair& b) noexcept {
+    static bool intersect(const FacePair& a, const FacePair& b) noexcept {
         if (std::minmax(a.loop[1], a.loop[3]) == std::minmax(b.loop[1], b.loop[3])) return true;
-        return meets(a, b.without(0)) || meets(a, b.without(2)) || meets(b, a.without(0));
+        return intersects(a, b.triangle_without(0)) || intersects(a, b.triangle_without(2)) ||
+               intersects(b, a.triangle_without(0));
     }
-    void forbid(std::uint32_t n) noexcept {
+    void reject(std::uint32_t n) noexcept {
         pairs_[n].allowed = false;
         pairs_[pairs_[n].image].allowed = false;
     }
 
     std::vector<Point> points_;
     std::vector<Face> faces_;
-    std::vector<int> parts_;               ///< of each face; may be empty
-    std::vector<std::uint32_t> image_;     ///< of each face: its mirror image, or itself
-    std::map<Edge, std::uint32_t> beside_; ///< face to the left of an edge
+    std::vector<int> parts_;                     ///< of each face; may be empty
+    std::vector<std::uint32_t> image_;           ///< of each face: its mirror image, or itself
+    std::map<Edge, std::uint32_t> face_of_edge_; ///< face to the left of an edge
     std::vector<FacePair> pairs_;
 };
 
@@ -304,8 +305,8 @@ Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> v
         const double middle = 0.5 * (box.lower[axis] + box.upper[axis]);
         pairing.mirror(axis, options.mirror->position.value_or(middle), 0.01 * report.margin);
     }
-    pairing.keep_off(figure, report.clearance, 0.25 * report.margin);
-    pairing.keep_apart();
+    pairing.reject_near(figure, report.clearance, 0.25 * report.margin);
+    pairing.reject_crossing();
     std::vector<std::uint32_t> pair_of(cage.faces().size(), Matching::none);
     const auto chosen = pairing.choose();
     report.quads = chosen.size();

@@ -56,20 +56,21 @@ public:
     CheapestCut(std::span<const EdgeCosts::Edge> edges, std::vector<CutSide> sides)
         : edges_(edges)
         , sides_(std::move(sides))
-        , at_(sides_.size()) {
+        , incident_(sides_.size()) {
         for (std::size_t e = 0; e < edges.size(); ++e) {
             if (sides_[edges[e].one] == sides_[edges[e].other] && sides_[edges[e].one] != CutSide::open)
                 continue;
-            at_[edges[e].one].push_back(e);
-            at_[edges[e].other].push_back(e);
+            incident_[edges[e].one].push_back(e);
+            incident_[edges[e].other].push_back(e);
         }
-        left_.resize(2 * edges.size()); // from `one` to `other`, and back
-        for (std::size_t e = 0; e < edges.size(); ++e) left_[2 * e] = left_[2 * e + 1] = edges[e].cost;
+        residual_.resize(2 * edges.size()); // from `one` to `other`, and back
+        for (std::size_t e = 0; e < edges.size(); ++e)
+            residual_[2 * e] = residual_[2 * e + 1] = edges[e].cost;
         while (find_levels()) {
             next_.assign(sides_.size(), 0);
             for (std::uint32_t f = 0; f < sides_.size(); ++f) {
                 if (sides_[f] != CutSide::limb) continue;
-                while (push(f) > 0) {}
+                while (augment(f) > 0) {}
             }
         }
     }
@@ -82,8 +83,8 @@ private:
     std::uint32_t across(std::size_t e, std::uint32_t f) const noexcept {
         return edges_[e].one == f ? edges_[e].other : edges_[e].one;
     }
-    std::int64_t& left(std::size_t e, std::uint32_t from) noexcept {
-        return left_[2 * e + (edges_[e].one == from ? 0 : 1)];
+    std::int64_t& residual(std::size_t e, std::uint32_t from) noexcept {
+        return residual_[2 * e + (edges_[e].one == from ? 0 : 1)];
     }
 
     bool find_levels() {
@@ -94,57 +95,57 @@ private:
             level_[f] = 0;
             queue.push_back(f);
         }
-        bool arrives = false;
+        bool reaches_rest = false;
         for (std::size_t n = 0; n < queue.size(); ++n) {
             const auto f = queue[n];
             if (sides_[f] == CutSide::rest) {
-                arrives = true;
+                reaches_rest = true;
                 continue;
             }
-            for (const auto e : at_[f]) {
+            for (const auto e : incident_[f]) {
                 const auto g = across(e, f);
-                if (level_[g] != unreached || left(e, f) == 0) continue;
+                if (level_[g] != unreached || residual(e, f) == 0) continue;
                 level_[g] = level_[f] + 1;
                 queue.push_back(g);
             }
         }
-        return arrives;
+        return reaches_rest;
     }
 
     /// Augments the flow along one path from a face to the rest; returns the amount. Iterative, because paths
     /// may be long.
-    std::int64_t push(std::uint32_t from) {
-        std::vector<std::size_t> way; // edges of the path
+    std::int64_t augment(std::uint32_t from) {
+        std::vector<std::size_t> path; // edges of the path
         std::vector<std::uint32_t> faces{from};
         while (sides_[faces.back()] != CutSide::rest) {
             const auto f = faces.back();
             auto& n = next_[f];
-            while (n < at_[f].size() &&
-                   (left(at_[f][n], f) == 0 || level_[across(at_[f][n], f)] != level_[f] + 1))
+            while (n < incident_[f].size() &&
+                   (residual(incident_[f][n], f) == 0 || level_[across(incident_[f][n], f)] != level_[f] + 1))
                 ++n;
-            if (n < at_[f].size()) {
-                way.push_back(at_[f][n]);
-                faces.push_back(across(at_[f][n], f));
+            if (n < incident_[f].size()) {
+                path.push_back(incident_[f][n]);
+                faces.push_back(across(incident_[f][n], f));
                 continue;
             }
-            if (way.empty()) return 0;
-            way.pop_back();
+            if (path.empty()) return 0;
+            path.pop_back();
             faces.pop_back();
             ++next_[faces.back()];
         }
         std::int64_t most = (std::numeric_limits<std::int64_t>::max)();
-        for (std::size_t k = 0; k < way.size(); ++k) most = (std::min)(most, left(way[k], faces[k]));
-        for (std::size_t k = 0; k < way.size(); ++k) {
-            left(way[k], faces[k]) -= most;
-            left(way[k], faces[k + 1]) += most;
+        for (std::size_t k = 0; k < path.size(); ++k) most = (std::min)(most, residual(path[k], faces[k]));
+        for (std::size_t k = 0; k < path.size(); ++k) {
+            residual(path[k], faces[k]) -= most;
+            residual(path[k], faces[k + 1]) += most;
         }
         return most;
     }
 
     std::span<const EdgeCosts::Edge> edges_;
     std::vector<CutSide> sides_;
-    std::vector<std::vector<std::size_t>> at_; // edges of each face
-    std::vector<std::int64_t> left_;
+    std::vector<std::vector<std::size_t>> incident_; // edges of each face
+    std::vector<std::int64_t> residual_;
     std::vector<std::uint32_t> level_;
     std::vector<std::size_t> next_;
 };

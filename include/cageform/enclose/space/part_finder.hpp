@@ -23,10 +23,10 @@ public:
         , faces_(faces)
         , mirror_(mirror_of(points, faces))
         , costs_(points, faces, mirror_ ? mirror_->vertices : MirrorImages{})
-        , around_(faces.size()) {
+        , adjacent_(faces.size()) {
         for (const auto& edge : costs_.edges()) {
-            around_[edge.one].push_back(edge.other);
-            around_[edge.other].push_back(edge.one);
+            adjacent_[edge.one].push_back(edge.other);
+            adjacent_[edge.other].push_back(edge.one);
         }
         for (const auto& [a, b, c] : faces) {
             const Point across = cross(points[b] - points[a], points[c] - points[a]);
@@ -36,13 +36,13 @@ public:
 
     CageParts find() {
         find_shells();
-        keep_long_areas();
+        drop_short_branches();
         for (;;) { // drop parts without a vertex
             auto parts = parts_of_faces(faces_, points_.size(), numbers());
             const auto bare = std::find_if(parts.parts.begin(), parts.parts.end(),
                                            [](const CagePart& part) { return part.vertices.empty(); });
             if (bare == parts.parts.end()) return parts;
-            drop(worst_of(bare->number));
+            drop(region_to_drop(bare->number));
         }
     }
 
@@ -50,7 +50,7 @@ private:
     using Faces = std::vector<bool>; // flag per face
     static constexpr std::size_t none = ~std::size_t{0};
 
-    struct Area {
+    struct Region {
         Faces has;
         double size = 0, compactness = 0;
         std::size_t image = none; // itself if symmetric
@@ -90,7 +90,7 @@ private:
                 stack.pop_back();
                 piece[f] = true;
                 size += areas_[f];
-                for (const std::size_t g : around_[f]) {
+                for (const std::size_t g : adjacent_[f]) {
                     if (!set[g] || seen[g]) continue;
                     seen[g] = true;
                     stack.push_back(g);
@@ -145,13 +145,13 @@ private:
                 add_images(image, whole);
                 continue;
             }
-            auto found = areas_in(shell, image == whole);
+            auto found = regions_in(shell, image == whole);
             std::vector<std::size_t> order(found.size());
             std::iota(order.begin(), order.end(), std::size_t{0});
             std::stable_sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
                 return found[p].compactness > found[q].compactness;
             });
-            for (const std::size_t n : order) keep(std::move(found[n]), shell, image == whole);
+            for (const std::size_t n : order) add_if_compatible(std::move(found[n]), shell, image == whole);
         }
     }
 
@@ -160,7 +160,7 @@ private:
         const Faces within = kept_[shell].has;
         for (std::size_t n = 0; n < whole; ++n) {
             if (kept_[n].is_shell || size_of(common(kept_[n].has, within)) == 0) continue;
-            Area image = kept_[n];
+            Region image = kept_[n];
             image.has = image_of(image.has);
             kept_[n].image = kept_.size();
             image.image = n;
@@ -169,7 +169,7 @@ private:
     }
 
     /// All regions that joints cut off in a shell; one of each mirrored pair.
-    std::vector<Area> areas_in(const Faces& shell, bool is_mirrored) const {
+    std::vector<Region> regions_in(const Faces& shell, bool is_mirrored) const {
         std::vector<Point> points;
         std::vector<MeshFace> faces;
         std::vector<std::uint32_t> number(points_.size(), no_vertex), vertices, whole;
@@ -197,7 +197,7 @@ private:
         // Bumps below a fiftieth of the size are not limbs.
         const double least = 0.02 * std::sqrt(surface.total_area());
         const auto tips = extremities(surface, mean_distances(surface), least, 64);
-        std::vector<Area> found;
+        std::vector<Region> found;
         for (const auto tip : tips) {
             const auto image = surface.image(tip);
             const bool is_pair = image != tip && std::find(tips.begin(), tips.end(), image) != tips.end();
@@ -206,7 +206,7 @@ private:
             auto distance = surface.distances(std::array{tip, is_own ? image : tip});
             if (is_own) surface.make_symmetric(distance);
             for (const SweptJoint& joint : swept_joints(surface, distance)) {
-                Area area;
+                Region area;
                 area.has = filled(cut(joint, surface, distance, whole), shell);
                 if (is_pair) // neither gets the common faces
                     area.has = filled(without(area.has, image_of(area.has)), shell);
@@ -219,7 +219,7 @@ private:
         return found;
     }
 
-    void measure(Area& area) const {
+    void measure(Region& area) const {
         area.size = size_of(area.has);
         const double border = border_of(area.has);
         area.compactness = border > 0 ? 4 * std::numbers::pi * area.size / (border * border) : 0;
@@ -248,8 +248,8 @@ private:
 
     /// Keeps a region (and its image) if it is compatible with those kept before, which are more compact. If
     /// two are nearly nested or nearly disjoint, the new one is adjusted.
-    void keep(Area area, const Faces& shell, bool is_mirrored) {
-        for (const Area& other : kept_) {
+    void add_if_compatible(Region area, const Faces& shell, bool is_mirrored) {
+        for (const Region& other : kept_) {
             if (other.is_shell) continue;
             const double both = size_of(common(area.has, other.has));
             if (both == 0) continue;
@@ -267,11 +267,11 @@ private:
         }
         if (area.compactness < least_compactness || filled(area.has, shell) != area.has) return;
         const bool is_pair = is_mirrored && area.image == none;
-        Area image = area;
+        Region image = area;
         if (is_mirrored) image.has = image_of(area.has);
         if (is_pair ? size_of(common(area.has, image.has)) > 0 : is_mirrored && image.has != area.has) return;
-        for (const Area& other : kept_) {
-            for (const Area* one : {&area, &image}) {
+        for (const Region& other : kept_) {
+            for (const Region* one : {&area, &image}) {
                 const Faces both = common(one->has, other.has);
                 if (size_of(both) > 0 && both != one->has && both != other.has) return;
                 if (!other.is_shell && one->has == other.has) return;
@@ -287,7 +287,7 @@ private:
     /// Drops regions with branches (an arm with fingers, a neck with head and antlers) unless they are long
     /// without their branches and no more than 40 % of their shell. A body below the arms, which has two
     /// legs, is not a limb.
-    void keep_long_areas() {
+    void drop_short_branches() {
         std::vector<std::size_t> order;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
             if (!kept_[n].is_shell) order.push_back(n);
@@ -300,7 +300,7 @@ private:
             if (dropped[n]) continue;
             Faces own = kept_[n].has;
             double shell = 0;
-            for (const Area& whole : kept_)
+            for (const Region& whole : kept_)
                 shell += whole.is_shell && size_of(common(whole.has, own)) > 0 ? whole.size : 0;
             for (const std::size_t inner : settled) {
                 if (size_of(common(kept_[inner].has, kept_[n].has)) > 0) own = without(own, kept_[inner].has);
@@ -320,7 +320,7 @@ private:
 
     void erase(std::size_t n) {
         kept_.erase(kept_.begin() + std::ptrdiff_t(n));
-        for (Area& area : kept_) {
+        for (Region& area : kept_) {
             if (area.image == none) continue;
             if (area.image == n)
                 area.image = none;
@@ -336,7 +336,7 @@ private:
 
     /// The region to drop if part `number` has no vertex: this region or, for a whole shell, the least
     /// compact region.
-    std::size_t worst_of(int number) const {
+    std::size_t region_to_drop(int number) const {
         std::size_t worst = none;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
             if (kept_[n].number == number && !kept_[n].is_shell) return n;
@@ -374,9 +374,9 @@ private:
     std::span<const MeshFace> faces_;
     std::optional<MeshMirror> mirror_;
     EdgeCosts costs_;
-    std::vector<std::vector<std::size_t>> around_; // adjacent faces
+    std::vector<std::vector<std::size_t>> adjacent_; // adjacent faces
     std::vector<double> areas_;
-    std::vector<Area> kept_; // the largest shell first
+    std::vector<Region> kept_; // the largest shell first
 };
 
 template <class T>

@@ -35,7 +35,7 @@ public:
         if (count_ <= vertices) return true;
         if (hashed_ == 0) { // the queue is not filled yet
             if (!merge_pairs(vertices, keep_going)) return false;
-            watch_crossings();
+            test_crossings();
             for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
                 for (const auto w : shell_.neighbours(v)) {
                     if (v < w) propose(v, w);
@@ -45,7 +45,7 @@ public:
         for (std::size_t step = 0; count_ > vertices; ++step) {
             if (step % 256 == 0 && !keep_going()) return false;
             if (queue_.empty() && !retry()) break;
-            if (3 * count_ < hashed_) watch_crossings(); // faces have outgrown the cells of the hash
+            if (3 * count_ < hashed_) test_crossings(); // faces have outgrown the cells of the hash
             const Collapse next = queue_.top();
             queue_.pop();
             if (is_current(next)) attempt(next);
@@ -64,8 +64,8 @@ private:
         std::uint32_t u, v;
         std::uint32_t versions; ///< sum over both ends; outdated if it has changed
         std::uint32_t changes;  ///< of the faces at both ends when the candidate was chosen
-        EdgeCollapse::Places refused;
-        std::uint32_t chosen; ///< cheapest candidate left, if `cost` is its cost
+        EdgeCollapse::CandidateSet rejected;
+        std::uint32_t candidate_index; ///< cheapest candidate left, if `cost` is its cost
 
         bool operator<(const Collapse& other) const noexcept { // the queue pops the largest
             return std::tie(other.cost, other.u, other.v) < std::tie(cost, u, v);
@@ -95,7 +95,7 @@ private:
                     for (const auto w : shell_.faces[f]) {
                         if (w == u || merged[w] != 0 || mark_[w] == mark) continue;
                         mark_[w] = mark;
-                        const double cost = collapse_.least_cost(u, w);
+                        const double cost = collapse_.cost_bound(u, w);
                         if (!(cost < least)) continue;
                         least = cost;
                         partner = w;
@@ -108,26 +108,26 @@ private:
         return true;
     }
     bool merge(std::uint32_t u, std::uint32_t v, double limit) {
-        if (!collapse_.look_at(u, v) || !collapse_.keeps_topology()) return false;
-        EdgeCollapse::Places refused = 0;
+        if (!collapse_.select(u, v) || !collapse_.keeps_topology()) return false;
+        EdgeCollapse::CandidateSet rejected = 0;
         for (;;) {
             double cost = 0;
-            const auto n = collapse_.choose(refused, cost);
+            const auto n = collapse_.cheapest(rejected, cost);
             if (n == EdgeCollapse::none || !(cost < limit)) return false;
             if (collapse_.fits(n)) {
-                take(n);
+                apply(n);
                 return true;
             }
-            refused |= EdgeCollapse::Places{1} << n;
+            rejected |= EdgeCollapse::CandidateSet{1} << n;
         }
     }
-    void watch_crossings() {
-        collapse_.watch_crossings();
+    void test_crossings() {
+        collapse_.test_crossings();
         hashed_ = count_;
     }
-    void take(std::uint32_t n) {
+    void apply(std::uint32_t n) {
         count_ -= shell_.half && !collapse_.is_along_rim() ? 2 : 1;
-        collapse_.take(n);
+        collapse_.apply(n);
     }
 
     bool is_current(const Collapse& c) const noexcept {
@@ -135,38 +135,38 @@ private:
                c.versions == version_[c.u] + version_[c.v];
     }
     void propose(std::uint32_t u, std::uint32_t v) {
-        queue_.push({collapse_.least_cost(u, v), (std::min)(u, v), (std::max)(u, v),
+        queue_.push({collapse_.cost_bound(u, v), (std::min)(u, v), (std::max)(u, v),
                      version_[u] + version_[v], 0, 0, EdgeCollapse::none});
     }
     /// Chooses a candidate, tests and applies it. If the collapse becomes more expensive than another one, it
     /// returns to the queue. Costs are cheap and tests expensive, so only the cheapest collapse is tested.
     void attempt(Collapse c) {
-        if (!collapse_.look_at(c.u, c.v)) {
-            waiting_.push_back(c);
+        if (!collapse_.select(c.u, c.v)) {
+            rejected_.push_back(c);
             return;
         }
         const std::uint32_t changes = changes_[c.u] + changes_[c.v];
-        bool has_choice = c.chosen != EdgeCollapse::none && c.changes == changes;
-        if (!has_choice) c.refused = 0;
+        bool has_choice = c.candidate_index != EdgeCollapse::none && c.changes == changes;
+        if (!has_choice) c.rejected = 0;
         c.changes = changes;
         for (;; has_choice = false) {
             if (!has_choice) {
-                c.chosen = collapse_.choose(c.refused, c.cost);
-                if (c.chosen == EdgeCollapse::none) break;
+                c.candidate_index = collapse_.cheapest(c.rejected, c.cost);
+                if (c.candidate_index == EdgeCollapse::none) break;
                 if (!queue_.empty() && c.cost > queue_.top().cost) {
                     queue_.push(c);
                     return;
                 }
             }
             if (!collapse_.keeps_topology()) break;
-            if (collapse_.fits(c.chosen)) {
-                take(c.chosen);
+            if (collapse_.fits(c.candidate_index)) {
+                apply(c.candidate_index);
                 propose_about(c.u);
                 return;
             }
-            c.refused |= EdgeCollapse::Places{1} << c.chosen;
+            c.rejected |= EdgeCollapse::CandidateSet{1} << c.candidate_index;
         }
-        waiting_.push_back(c);
+        rejected_.push_back(c);
     }
     /// Queues the edges of a moved vertex.
     void propose_about(std::uint32_t u) {
@@ -187,10 +187,10 @@ private:
     bool retry() {
         if (!changed_) return false;
         changed_ = false;
-        for (const Collapse& c : waiting_) {
+        for (const Collapse& c : rejected_) {
             if (is_current(c)) queue_.push(c);
         }
-        waiting_.clear();
+        rejected_.clear();
         return !queue_.empty();
     }
 
@@ -208,7 +208,7 @@ private:
     bool has_begun_ = false; ///< true after the rounds
     std::size_t hashed_ = 0; ///< vertices when faces were last hashed; 0 before the queue is filled
     std::priority_queue<Collapse> queue_;
-    std::vector<Collapse> waiting_;
+    std::vector<Collapse> rejected_;
     bool changed_ = false;
 };
 

@@ -27,23 +27,23 @@ public:
         for (const auto f : faces) {
             const auto& face = shell.faces[f];
             volume += shell.six_volumes(face);
-            shape += of_face(triangle_quality(shell.corners(face)));
+            shape += quality_term(triangle_quality(shell.corners(face)));
             for (std::size_t k = 0; k < 3; ++k) shape += edge(shell, faces, f, face[k], face[(k + 1) % 3]);
         }
-        return of_volume(volume) + shape;
+        return volume_term(volume) + shape;
     }
 
-    double of_volume(double six_volumes) const noexcept { return six_volumes / six_volumes_; }
-    double of_face(double quality) const noexcept {
+    double volume_term(double six_volumes) const noexcept { return six_volumes / six_volumes_; }
+    double quality_term(double quality) const noexcept {
         const double poor = (std::max)(0.6 - quality, 0.0);
         return regular_ * poor * poor * (1 + 8 * (std::max)(0.2 - quality, 0.0));
     }
-    double of_length(double length) const noexcept {
+    double length_term(double length) const noexcept {
         const double is_short = (std::max)(0.4 - length / length_, 0.0);
         return 8 * regular_ * is_short * is_short;
     }
     /// Term of the edge between two faces, by the cosine between their normals.
-    double of_fold(double cosine) const noexcept {
+    double fold_term(double cosine) const noexcept {
         const double fold = (std::max)(-0.5 - cosine, 0.0);
         return 4 * regular_ * fold * fold;
     }
@@ -57,12 +57,12 @@ private:
         const double share =
             g != Shell::none && std::find(faces.begin(), faces.end(), g) != faces.end() ? 0.5 : 1;
         const auto e = shell.points[w] - shell.points[v];
-        double sum = of_length(length(e));
+        double sum = length_term(length(e));
         if (g != Shell::none) {
             const Point n = area_normal(shell.corners(shell.faces[f])),
                         m = area_normal(shell.corners(shell.faces[g]));
             const double sizes = length(n) * length(m);
-            if (sizes > 0) sum += of_fold(dot(n, m) / sizes);
+            if (sizes > 0) sum += fold_term(dot(n, m) / sizes);
         }
         return share * sum;
     }
@@ -80,7 +80,7 @@ public:
     explicit StarEnergy(const ShellEnergy& energy)
         : energy_(energy) {}
 
-    void look_at(const Shell& shell, std::uint32_t v) {
+    void select(const Shell& shell, std::uint32_t v) {
         sides_.clear();
         volume_ = {};
         const auto& star = shell.star[v];
@@ -116,22 +116,22 @@ public:
         }
     }
     CAGEFORM_DETAIL_FLATTEN double at(const Point& p) noexcept {
-        double sum = energy_.of_volume(dot(p, volume_));
+        double sum = energy_.volume_term(dot(p, volume_));
         for (std::size_t k = 0; k < sides_.size(); ++k) {
             const Side& side = sides_[k];
             const Point to_a = side.a - p, to_b = side.b - p, n = cross(to_a, to_b);
             const double size = length(n), to_b2 = dot(to_b, to_b);
-            sum +=
-                energy_.of_face(triangle_quality(size, (std::max)({side.length2, dot(to_a, to_a), to_b2})));
-            sum += energy_.of_length(std::sqrt(to_b2));
+            sum += energy_.quality_term(
+                triangle_quality(size, (std::max)({side.length2, dot(to_a, to_a), to_b2})));
+            sum += energy_.length_term(std::sqrt(to_b2));
             normals_[k] = size > 0 ? (1 / size) * n : Point{};
-            sum += energy_.of_fold(dot(normals_[k], side.across));
+            sum += energy_.fold_term(dot(normals_[k], side.across));
         }
         for (std::size_t k = 0; k < sides_.size(); ++k) {
             if (sides_[k].next < sides_.size())
-                sum += energy_.of_fold(dot(normals_[k], normals_[sides_[k].next]));
+                sum += energy_.fold_term(dot(normals_[k], normals_[sides_[k].next]));
         }
-        for (const Point& a : ends_at_rim_) sum += energy_.of_length(length(a - p));
+        for (const Point& a : ends_at_rim_) sum += energy_.length_term(length(a - p));
         return sum;
     }
 
@@ -204,7 +204,7 @@ public:
                 }
             }
             for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
-                if (!shell_.star[v].empty() && !idle_[v]) improve(v, step);
+                if (!shell_.star[v].empty() && !idle_[v]) move_vertex(v, step);
             }
             if (sweep % 3 != 2) continue;
             step *= 0.85;
@@ -220,7 +220,7 @@ private:
     };
 
     /// Moves a vertex to the best valid position in ten directions at four step lengths.
-    void improve(std::uint32_t v, double step) {
+    void move_vertex(std::uint32_t v, double step) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
         Point normal{}, middle{};
@@ -229,7 +229,7 @@ private:
         for (const auto w : ring) middle = middle + (1.0 / double(ring.size())) * (shell_.points[w] - x);
         if (!(length(normal) > 0)) return;
         const auto directions = step_directions((1 / length(normal)) * normal, middle);
-        star_energy_.look_at(shell_, v);
+        star_energy_.select(shell_, v);
         const double now = star_energy_.at(x);
         std::array<Move, 40> moves;
         std::size_t count = 0;
@@ -244,7 +244,7 @@ private:
             return std::tuple(a.energy, a.x[0], a.x[1], a.x[2]) <
                    std::tuple(b.energy, b.x[0], b.x[1], b.x[2]);
         });
-        clear_.forget();
+        clear_.reset();
         for (std::size_t m = 0; m < count; ++m) {
             if (try_move(v, moves[m].x)) return;
         }
@@ -269,15 +269,15 @@ private:
         good = are_clear(star);
         good = good && are_apart_from_all(star); // the most expensive test comes last
         if (good) {
-            add_again(star);
-            wake_about(v);
+            rehash(star);
+            reactivate_around(v);
         } else {
             shell_.points[v] = x;
         }
         return good;
     }
     /// Reactivates vertices whose energy depends on vertex v.
-    void wake_about(std::uint32_t v) {
+    void reactivate_around(std::uint32_t v) {
         for (const auto w : shell_.neighbours(v)) {
             for (const auto x : shell_.neighbours(w)) idle_[x] = false;
         }
@@ -293,7 +293,7 @@ private:
         return !crossings_.any(
             fresh_, [&](std::uint32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); });
     }
-    void add_again(std::span<const std::uint32_t> faces) {
+    void rehash(std::span<const std::uint32_t> faces) {
         for (const auto f : faces) {
             crossings_.remove(f);
             crossings_.add(f);
@@ -328,11 +328,11 @@ private:
             const Point n = area_normal(shell_.corners(face));
             good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
         }
-        clear_.forget();
+        clear_.reset();
         if (good && are_clear(pair) && are_apart_from_all(pair)) { // the most expensive test comes last
-            add_again(pair);
-            wake_about(a);
-            wake_about(b);
+            rehash(pair);
+            reactivate_around(a);
+            reactivate_around(b);
         } else {
             set_faces(pair, fresh, old);
         }

@@ -1,4 +1,4 @@
-// Declares the function behind `fit_skeleton`, which knows the frames only as a Motion.
+// Declares the implementation of `fit_skeleton`, which reads frames only as a Motion.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Fits a skeleton; `motion` has the figure as it is given.
+/// Fits a skeleton; `motion` has the input vertices and faces.
 template <class T>
 Status fit_motion(Motion& motion, const SkeletonOptions& options, const Running& running,
                   Result<FittedSkeleton<T>, SkeletonReport>& result);

@@ -1,4 +1,4 @@
-// Fits a skeleton to a Motion: as many bones as asked for, or as few as the distance needs.
+// Fits a skeleton to a Motion, by number of bones or by distance.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -8,8 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Turns a fit into what users have: bones in the order of their tree, weights in single precision, places in
-/// the figure's units.
+/// Converts a fit to the public type: bones in tree order, single-precision weights, the figure's units.
 template <class T>
 FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
     const JointTree tree(motion, fit);
@@ -54,7 +53,7 @@ FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
             weights[k] = float(w);
             left -= double(weights[k]);
         }
-        // The rounding of the others can make the first one smaller than some.
+        // Rounding can make the first weight smaller than others.
         for (std::size_t k = 1; k < width && weights[k - 1] < weights[k]; ++k) {
             std::swap(weights[k - 1], weights[k]);
             std::swap(joints[k - 1], joints[k]);
@@ -63,7 +62,7 @@ FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
     return result;
 }
 
-/// Measures a skeleton as it is stored, over all vertices and frames.
+/// Measures a stored skeleton over all vertices and frames.
 template <class T>
 void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double most, SkeletonReport& report,
              const Running& running) {
@@ -138,8 +137,8 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
     report.mean_influences = double(used) / double(motion.welded.size());
 }
 
-/// Refuses places so far from the others that their products overflow, and names the farthest of the first
-/// frame that has any.
+/// Rejects positions so far away that their products overflow; reports the farthest of the first frame with
+/// any.
 inline Status check_reach(const Motion& motion, SkeletonReport& report) noexcept {
     constexpr double reach = 1e30;
     std::size_t first = motion.frames;

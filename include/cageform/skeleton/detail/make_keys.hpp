@@ -1,4 +1,4 @@
-// Declares the function behind `fit_skeleton_keys`.
+// Declares the implementation of `fit_skeleton_keys`.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -9,7 +9,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Checks a skeleton, makes its keys and measures them.
 template <class T>
 Status make_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
                  std::span<const T> times, const SkeletonKeyOptions& options, const Running& running,

@@ -1,4 +1,4 @@
-// Checks a skeleton, makes its keys and measures them.
+// Validates a skeleton, makes its keys and measures them.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -42,7 +42,7 @@ Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, s
     return Status::ok;
 }
 
-/// The largest distance between the figure by maps and by keys, in units of `size`.
+/// Measures the maximum distance between vertices by maps and by keys, relative to `size`.
 template <class T>
 void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
                   std::span<const T> times, double size, const SkeletonKeys<T>& keys,
@@ -101,8 +101,8 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
         result.report.keys += from.times.size();
         result.report.numbers += from.times.size() * (rows * (sizeof(V) / sizeof(T)) + 1);
     };
-    // Differences of slerp and nlerp add up along a chain. The fit is repeated with a smaller distance; the
-    // last round keeps every frame.
+    // Differences of slerp and nlerp accumulate along a chain. The fit is repeated with a smaller distance;
+    // the last round keeps every frame.
     constexpr int rounds = 6;
     SkeletonKeyOptions smaller = options;
     for (int round = 0; round < rounds; ++round) {
@@ -120,7 +120,7 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
         SkeletonKeysReport by_nlerp;
         measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::slerp, result.report);
         measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::nlerp, by_nlerp);
-        const double most = (std::max)(options.max_distance, result.report.max_distance); // also by rounding
+        const double most = (std::max)(options.max_distance, result.report.max_distance); // covers rounding
         if (smaller.max_distance == 0 || by_nlerp.max_distance <= most) break;
         smaller.max_distance *= round + 2 < rounds ? 0.97 * most / by_nlerp.max_distance : 0;
     }
