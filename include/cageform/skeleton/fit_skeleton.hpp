@@ -4,7 +4,6 @@
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/view.hpp>
-#include <cageform/skeleton/detail/make_keys.hpp>
 #include <cageform/skeleton/detail/read_motion.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

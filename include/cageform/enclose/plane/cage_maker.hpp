@@ -13,6 +13,16 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
+template <Scalar T>
+Bounds<double, 2> bounds_of_segments(std::span<const DrawnSegment<T>> figure) noexcept {
+    auto box = bounds_of(std::span<const Vec<double, 2>>());
+    for (const auto& s : figure) {
+        const std::array ends{vec_cast<double>(s.a), vec_cast<double>(s.b)};
+        box.include(bounds_of(std::span<const Vec<double, 2>>(ends)).widened(double(s.radius)));
+    }
+    return box;
+}
+
 /// Steps 1 to 5 for one figure.
 class PlaneCageMaker {
 public:
@@ -100,13 +110,7 @@ private:
 
     /// Bounds of the figure, and of its mirror image if the cage is mirrored.
     Bounds<double, 2> bounds() const noexcept {
-        Bounds<double, 2> all = bounds_of(std::span<const Point>());
-        for (const auto& s : figure_) {
-            for (std::size_t k = 0; k < 2; ++k) {
-                all.lower[k] = (std::min)({all.lower[k], s.a[k] - s.radius, s.b[k] - s.radius});
-                all.upper[k] = (std::max)({all.upper[k], s.a[k] + s.radius, s.b[k] + s.radius});
-            }
-        }
+        auto all = bounds_of_segments(figure_);
         if (is_mirrored()) {
             all.upper[0] = (std::max)(all.upper[0], -all.lower[0]);
             all.lower[0] = -all.upper[0];
@@ -368,15 +372,7 @@ template <Scalar T>
 Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional<MirrorPlane>& mirror,
                     FramedFigure& framed) {
     auto& box = framed.box;
-    box = bounds_of(std::span<const Vec<double, 2>>());
-    for (const auto& s : figure) {
-        for (std::size_t k = 0; k < 2; ++k) {
-            box.lower[k] = (std::min)(
-                {box.lower[k], double(s.a[k]) - double(s.radius), double(s.b[k]) - double(s.radius)});
-            box.upper[k] = (std::max)(
-                {box.upper[k], double(s.a[k]) + double(s.radius), double(s.b[k]) + double(s.radius)});
-        }
-    }
+    box = bounds_of_segments(figure);
     if (!(box.diagonal() > least_figure_diagonal<2>())) return Status::figure_has_no_size;
     auto& frame = framed.frame;
     frame = CageFrame<2>(box, mirror);

@@ -21,13 +21,7 @@ namespace detail {
 
 inline Bounds<double, 3> bounds_of_corners(std::span<const Corners<3>> figure) noexcept {
     Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
-    for (const auto& corner : figure) {
-        const auto b = box_of(corner);
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
-            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
-        }
-    }
+    for (const auto& corner : figure) box.include(box_of(corner));
     return box;
 }
 
@@ -417,13 +411,12 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
     if (!running.keep_going(1)) return Status::cancelled;
-    const auto shells = detail::shells_of(made.value);
+    const auto shells = shells_of(made.value);
     report.vertices = made.value.size();
     report.triangles = made.value.faces().size();
     report.least_angle = least_angle(made.value);
-    if (options.rings) {
+    if (options.rings)
         report.parts = parts_of_faces(made.value.faces(), made.value.size(), RingRegions(shell).numbers());
-    }
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/shell.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -23,11 +22,11 @@ std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices)
         seen[component] = true;
     }
     constexpr std::size_t most = 4096;
-    if (corners.size() <= most) return corners;
-    std::vector<std::size_t> some;
-    some.reserve(most);
-    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
-    return some;
+    if (corners.size() > most) {
+        for (std::size_t k = 0; k < most; ++k) corners[k] = corners[k * corners.size() / most];
+        corners.resize(most);
+    }
+    return corners;
 }
 
 /// Smallest angle of a face, in degrees.

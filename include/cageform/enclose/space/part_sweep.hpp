@@ -1,6 +1,7 @@
 // find_parts, step 2: extremities, and fronts that sweep the surface from them.
 #pragma once
 
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/part_surface.hpp>
 
 #include <numbers>
@@ -45,13 +46,10 @@ inline std::vector<double> mean_distances(const PartSurface& surface) {
 /// Local maxima of a function with a prominence above `least`, most prominent first; at most `most`.
 inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const std::vector<double>& f,
                                               double least, std::size_t most) {
-    std::vector<std::uint32_t> order(f.size()), root(f.size());
-    for (std::uint32_t v = 0; v < f.size(); ++v) order[v] = root[v] = v;
+    DisjointSets sets(f.size());
+    std::vector<std::uint32_t> order(f.size());
+    std::iota(order.begin(), order.end(), std::uint32_t{0});
     std::stable_sort(order.begin(), order.end(), [&](auto v, auto w) { return f[v] > f[w]; });
-    const auto root_of = [&](std::uint32_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
     std::vector<bool> above(f.size());
     std::vector<std::uint32_t> top(f.size()), rank(f.size()); // per root; rank in the order breaks ties
     for (std::uint32_t n = 0; n < f.size(); ++n) rank[order[n]] = n;
@@ -61,11 +59,11 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
         top[v] = v;
         for (const auto w : surface.around(v)) {
             if (!above[w]) continue;
-            auto high = root_of(w), low = root_of(v);
-            if (high == low) continue;
-            if (rank[top[low]] < rank[top[high]]) std::swap(high, low);
-            if (f[top[low]] - f[v] > least) found.push_back({f[top[low]] - f[v], top[low]});
-            root[low] = high;
+            auto high = top[sets.find(w)], low = top[sets.find(v)];
+            if (!sets.join(v, w)) continue;
+            if (rank[low] < rank[high]) std::swap(high, low);
+            if (f[low] - f[v] > least) found.push_back({f[low] - f[v], low});
+            top[sets.find(v)] = high;
         }
     }
     found.push_back({std::numeric_limits<double>::infinity(), order.front()});

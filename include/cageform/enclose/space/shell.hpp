@@ -1,6 +1,7 @@
 // make_cage in 3D: an editable triangle mesh, and a spatial hash of its faces.
 #pragma once
 
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/clear_test.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -152,22 +153,12 @@ inline std::ptrdiff_t euler_number(const Shell& shell) {
 
 /// Number of connected components.
 inline std::ptrdiff_t shell_count(const Shell& shell) {
+    DisjointSets components(shell.points.size());
     std::ptrdiff_t count = 0;
-    std::vector<bool> seen(shell.points.size());
-    std::vector<std::uint32_t> front;
-    for (std::uint32_t start = 0; start < shell.points.size(); ++start) {
-        if (seen[start] || shell.star[start].empty()) continue;
-        ++count;
-        front.push_back(start);
-        seen[start] = true;
-        while (!front.empty()) {
-            const auto v = front.back();
-            front.pop_back();
-            for (const auto w : shell.neighbours(v)) {
-                if (!seen[w]) front.push_back(w);
-                seen[w] = true;
-            }
-        }
+    for (const auto& star : shell.star) count += star.empty() ? 0 : 1;
+    for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+        for (std::size_t k = 1; k < 3 && shell.is_face(f); ++k)
+            count -= components.join(shell.faces[f][0], shell.faces[f][k]) ? 1 : 0;
     }
     return count;
 }
@@ -348,10 +339,7 @@ public:
             const Facet<3> facet(face, points);
             const Point normal = area_normal(facet.corner);
             fresh_.push_back({facet, box_of(facet.corner).widened(gap_), normal, gap_ * length(normal)});
-            for (std::size_t k = 0; k < 3; ++k) {
-                all.lower[k] = (std::min)(all.lower[k], fresh_.back().box.lower[k]);
-                all.upper[k] = (std::max)(all.upper[k], fresh_.back().box.upper[k]);
-            }
+            all.include(fresh_.back().box);
         }
         ++search_;
         near_.clear();

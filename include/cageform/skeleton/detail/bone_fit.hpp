@@ -31,7 +31,7 @@ public:
     double error() const noexcept { return error_; }
     /// Entry (axis, column) of a bone's map in all frames; column 3 is the translation.
     const double* map(std::size_t bone, std::size_t axis, std::size_t column) const noexcept {
-        return maps_.data() + ((4 * bone + column) * 3 + axis) * motion_->lanes;
+        return maps_.data() + row(bone, column, axis);
     }
 
     /// Maximum squared distance of each vertex over the frames.
@@ -266,35 +266,42 @@ private:
         return result;
     }
 
-    /// Fits the map of a bone to the residual of the other bones, in the frames of a group.
-    void fit_bone(std::size_t bone, std::size_t group, const Couplings& couplings) noexcept {
-        if (couplings.right_sides[bone].empty()) return;
-        const std::size_t lanes = motion_->lanes, at = group * Motion::group;
-        const auto row = [&](std::size_t j, std::size_t c, std::size_t r) {
-            return ((4 * j + c) * 3 + r) * lanes + at;
-        };
-        const auto load = [](const double* from) {
-            Lanes<double> numbers;
-            for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
-            return Lanes8::load(numbers);
-        };
-        Lanes8 left[4][3];
+    /// Index of the entry (axis, column) of a bone's map in frame 0.
+    std::size_t row(std::size_t bone, std::size_t column, std::size_t axis) const noexcept {
+        return ((4 * bone + column) * 3 + axis) * motion_->lanes;
+    }
+    static Lanes8 load(const double* from) noexcept {
+        Lanes<double> numbers;
+        for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
+        return Lanes8::load(numbers);
+    }
+    /// Right sides of a bone minus the contributions of other bones, by column and axis, in the frames of a
+    /// group that starts at `at`.
+    std::array<std::array<Lanes8, 3>, 4> residual_of(std::size_t bone, std::size_t at,
+                                                     const Couplings& couplings) const noexcept {
+        std::array<std::array<Lanes8, 3>, 4> left;
         for (std::size_t c = 0; c < 4; ++c) {
             for (std::size_t r = 0; r < 3; ++r)
-                left[c][r] = load(couplings.right_sides[bone].data() + row(0, c, r));
+                left[c][r] = load(couplings.right_sides[bone].data() + row(0, c, r) + at);
         }
-        if (!couplings.others.empty()) {
-            for (const auto& [other, sum] : couplings.others[bone]) {
-                for (std::size_t r = 0; r < 3; ++r) {
-                    Lanes8 map[4];
-                    for (std::size_t c = 0; c < 4; ++c) map[c] = load(maps_.data() + row(other, c, r));
-                    for (std::size_t c = 0; c < 4; ++c) {
-                        for (std::size_t d = 0; d < 4; ++d)
-                            left[c][r] = multiply_add(Lanes8(-sum[product_of[c][d]]), map[d], left[c][r]);
-                    }
+        if (couplings.others.empty()) return left;
+        for (const auto& [other, sum] : couplings.others[bone]) {
+            for (std::size_t r = 0; r < 3; ++r) {
+                Lanes8 map[4];
+                for (std::size_t c = 0; c < 4; ++c) map[c] = load(maps_.data() + row(other, c, r) + at);
+                for (std::size_t c = 0; c < 4; ++c) {
+                    for (std::size_t d = 0; d < 4; ++d)
+                        left[c][r] = multiply_add(Lanes8(-sum[product_of[c][d]]), map[d], left[c][r]);
                 }
             }
         }
+        return left;
+    }
+    /// Fits the map of a bone to the residual of the other bones, in the frames of a group.
+    void fit_bone(std::size_t bone, std::size_t group, const Couplings& couplings) noexcept {
+        if (couplings.right_sides[bone].empty()) return;
+        const std::size_t at = group * Motion::group;
+        const auto left = residual_of(bone, at, couplings);
         const Products& own = couplings.of[bone];
         const double mass = own[9];
         if (!(mass > 1e-12)) return;
@@ -308,14 +315,14 @@ private:
         const double size = (std::fmax)(spread[0][0] + spread[1][1] + spread[2][2], 0.0);
         LinearMap<Lanes8, 3> j, turn, pulled;
         const auto turn_row = [&](std::size_t r, std::size_t c) {
-            return ((3 * bone + r) * 3 + c) * lanes + at;
+            return rotations_.data() + ((3 * bone + r) * 3 + c) * motion_->lanes + at;
         };
         // Pulls towards the last rotation, which decides where J is singular.
         const double pull = 1e-4 * size + 1e-9 * mass;
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) {
                 j.at[r][c] = left[c][r] - Lanes8(centre[c]) * left[3][r];
-                turn.at[r][c] = load(rotations_.data() + turn_row(r, c));
+                turn.at[r][c] = load(turn_row(r, c));
                 pulled.at[r][c] =
                     j.at[r][c] + Lanes8(pull) * (r == c ? turn.at[r][c] + Lanes8(1) : turn.at[r][c]);
             }
@@ -334,10 +341,10 @@ private:
             Lanes8 shift = Lanes8(1 / mass) * left[3][r];
             for (std::size_t c = 0; c < 3; ++c) {
                 shift -= linear.at[r][c] * Lanes8(centre[c]);
-                store(linear.at[r][c], maps_.data() + row(bone, c, r));
-                store(turn.at[r][c], rotations_.data() + turn_row(r, c));
+                store(linear.at[r][c], maps_.data() + row(bone, c, r) + at);
+                store(turn.at[r][c], turn_row(r, c));
             }
-            store(shift, maps_.data() + row(bone, 3, r));
+            store(shift, maps_.data() + row(bone, 3, r) + at);
         }
     }
     /// Multiplies a rotation by the scale that fits J best.
