@@ -114,7 +114,7 @@ const std::vector<Figure>& figures() {
             made.push_back(
                 {std::filesystem::path(file).stem().string(), cageform_bench::read_obj(file.c_str())});
             if (!made.back().mesh.faces.empty()) continue;
-            std::fprintf(stderr, "%s: CAGEFORM_BENCH_OBJ names it, but it has no faces\n", file.c_str());
+            std::fprintf(stderr, "CAGEFORM_BENCH_OBJ: no faces in %s\n", file.c_str());
             std::exit(2);
         }
         return made;

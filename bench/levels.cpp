@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
         ++found;
     }
     if (found == 0) {
-        std::fprintf(stderr, "no objects in %s: sh bench/run.sh makes them\n", folder.c_str());
+        std::fprintf(stderr, "no objects in %s: run sh bench/run.sh\n", folder.c_str());
         return 1;
     }
     benchmark::RunSpecifiedBenchmarks();

@@ -95,9 +95,9 @@ public:
         return number<T>(word_, value());
     }
     double accuracy() const {
-        if (word_.starts_with("--")) refuse("there is no option " + word_);
+        if (word_.starts_with("--")) refuse("unknown option " + word_);
         const auto accuracy = number<double>("accuracy", word_);
-        if (accuracy < 1e-5 || accuracy > 0.1) refuse("accuracy " + word_ + " is not within 1e-5 and 0.1");
+        if (accuracy < 1e-5 || accuracy > 0.1) refuse("accuracy " + word_ + " is not between 1e-5 and 0.1");
         return accuracy;
     }
 
@@ -105,7 +105,7 @@ public:
     std::vector<NamedCage> cages() const {
         auto list = files_.empty() ? named_cages() : files_;
         std::erase_if(list, [&](const NamedCage& cage) { return !only_.empty() && only_ != cage.name; });
-        if (list.empty()) refuse("no cage is called " + only_);
+        if (list.empty()) refuse("unknown cage " + only_);
         return list;
     }
     [[noreturn]] void refuse(const std::string& why) const {

@@ -59,7 +59,7 @@ std::vector<Number> read_npy(const std::string& path, std::vector<std::size_t>& 
     const std::string kind = std::is_same_v<Number, float> ? "<f4" : "<i4";
     const std::size_t at = head.find("'shape': (");
     if (head.substr(0, 6) != "\x93NUMPY" || head.find(kind) == std::string::npos || at == std::string::npos)
-        throw std::runtime_error(path + ": is no array of " + kind);
+        throw std::runtime_error(path + ": not an array of " + kind);
     std::istringstream sizes(head.substr(at + 10));
     shape.clear();
     for (std::size_t size = 0; sizes >> size; sizes.get()) shape.push_back(size);
@@ -72,7 +72,7 @@ Motion read_arrays(const std::string& path) {
     std::vector<std::size_t> shape;
     const auto places = read_npy<float>(path, shape);
     if (shape.size() != 3 || shape[2] != 3)
-        throw std::runtime_error(path + ": is not #frames · #vertices · 3");
+        throw std::runtime_error(path + ": not an array of #frames · #vertices · 3");
     for (std::size_t n = 0; n + 2 < places.size(); n += 3) {
         if (n % (3 * shape[1]) == 0) motion.frames.emplace_back();
         motion.frames.back().push_back({double(places[n]), double(places[n + 1]), double(places[n + 2])});
@@ -169,7 +169,7 @@ Motion planted(const Motion& of, std::uint32_t seed) {
 
 std::size_t number_of(const std::string& word) {
     if (word.empty() || word.size() > 9 || word.find_first_not_of("0123456789") != std::string::npos)
-        throw std::runtime_error("\"" + word + "\" is no number");
+        throw std::runtime_error("\"" + word + "\" is not a number");
     return std::stoul(word);
 }
 std::vector<std::size_t> numbers_of(const std::string& list) {
@@ -231,7 +231,7 @@ void print_rows(const Motion& motion, const std::vector<Point>& rest, const Argu
 }
 
 int run(int argc, char** argv) {
-    if (argc < 2) throw std::runtime_error("give the file of a motion");
+    if (argc < 2) throw std::runtime_error("missing MOTION");
     const std::string path = argv[1];
     Arguments given;
     for (int n = 2; n < argc; n += 2) {
@@ -257,12 +257,12 @@ int run(int argc, char** argv) {
         else if (option == "--planted")
             given.seeds = numbers_of(value);
         else
-            throw std::runtime_error("there is no option " + option + " with " + value);
+            throw std::runtime_error("invalid option " + option + " " + value);
     }
-    if (given.every == 0) throw std::runtime_error("--every 0 takes no frame");
+    if (given.every == 0) throw std::runtime_error("--every must be at least 1");
     Motion motion =
         path.size() > 4 && path.substr(path.size() - 4) == ".md3" ? read_md3(path) : read_arrays(path);
-    if (motion.frames.empty()) throw std::runtime_error(path + ": holds no frame");
+    if (motion.frames.empty()) throw std::runtime_error(path + ": no frames");
     const std::vector<Point> rest = motion.frames[0];
     if (!given.seeds.empty()) {
         if (given.bones.empty()) given.bones = {12};

@@ -109,7 +109,7 @@ int print_poses(const NamedCage& cage, const cageform_bench::ObjMesh& figure,
             apart.push_back(cageform::detail::length(posed[k][n] - posed.back()[n]) / size);
         std::sort(apart.begin(), apart.end());
         std::printf(
-            "%s, accuracy %g: %.2f s, a posed point moves by %.1e of the cage at most, nine in ten by %.1e\n",
+            "%s, accuracy %g: %.2f s, posed points differ by %.1e of the cage at most, 90 %% by %.1e\n",
             cage.name.c_str(), accuracies[k], seconds[k], apart.back(), apart[apart.size() * 9 / 10]);
     }
     return 0;
@@ -208,7 +208,7 @@ int main(int argc, char** argv) {
     if (!figure.vertices.empty() || !pose.vertices.empty()) {
         if (one && pose.vertices.size() == list[0].mesh.size())
             return print_poses(list[0], figure, pose, accuracies);
-        line.refuse("--figure and --pose need one cage, and a pose of as many vertices");
+        line.refuse("--figure and --pose need one cage, and a pose with the same number of vertices");
     }
     for (const NamedCage& cage : list) {
         auto points = cageform_tests::points_below_faces(cage.mesh, count, 17);
@@ -216,7 +216,7 @@ int main(int argc, char** argv) {
         points.insert(points.end(), deep.begin(), deep.end());
         const auto known = references(cage, points, walks, folder);
         std::printf("%s: %zu handles; standard error of a reference at most %.1e; max, 99 %%, 90 %%, median "
-                    "(share beyond what was asked)\n",
+                    "(share of points over the accuracy)\n",
                     cage.name.c_str(), cage.mesh.size(), 0.5 / std::sqrt(double(walks)));
         for (const double accuracy : accuracies) {
             const auto start = std::clock();

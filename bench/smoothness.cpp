@@ -229,7 +229,7 @@ void measure_gradients(const Given& given, const NamedCage& cage) {
     const auto lines = lines_near_skin(cage.mesh, given.count);
     const auto finest = gradients_of(solved(cage, given.accuracies.back()), points);
     demand(finest.evaluation.status);
-    std::printf(" taken as exact\n");
+    std::printf(" used as reference\n");
     for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
         const auto coordinates = solved(cage, given.accuracies[n]);
         const auto found = gradients_of(coordinates, points);
@@ -258,7 +258,7 @@ void measure_weights(const Given& given, const NamedCage& cage) {
     const auto inside = cageform_tests::points_anywhere(cage.mesh, given.points, 18);
     const auto finest = solved(cage, given.accuracies.back());
     const auto finest_skin = bound(finest, skin), finest_inside = bound(finest, inside);
-    std::printf(" taken as exact\n");
+    std::printf(" used as reference\n");
     for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
         const auto coordinates = solved(cage, given.accuracies[n]);
         const auto print_errors = [&](const char* what, const Points& points, const auto& right) {
@@ -271,7 +271,7 @@ void measure_weights(const Given& given, const NamedCage& cage) {
             }
             print(what, std::move(errors));
         };
-        print_errors("below faces off by", skin, finest_skin);
+        print_errors("errors below faces", skin, finest_skin);
         print_errors("inside", inside, finest_inside);
         end_row();
     }
@@ -422,8 +422,8 @@ void measure_plates(const Given& given) {
                 if (last.size() == n) last.push_back(row);
                 apart.push_back(off(last[n]));
             }
-            print("far from the rim off by", std::move(errors));
-            if (k + 1 < given.accuracies.size()) print("from the last", std::move(apart));
+            print("errors far from the rim", std::move(errors));
+            if (k + 1 < given.accuracies.size()) print("difference to the last", std::move(apart));
             end_row();
         }
     }
@@ -504,7 +504,7 @@ int main(int argc, char** argv) {
     if (measure == measures.end()) {
         std::string names;
         for (const Measure& known : measures) names += ' ' + known.name;
-        line.refuse("name a measure, one of" + names);
+        line.refuse("missing measure, one of" + names);
     }
     if (given.points == 0) given.points = measure->points;
     if (given.count == 0) given.count = measure->count;

@@ -12,13 +12,13 @@ count() { # WHAT FOUND MOST: fails where there is more than MOST
 }
 included=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp') # by users
 public=$(printf '%s\n' "$included"; find include -path '*/types/*.hpp')
-# A column is a character, whatever awk takes for one: continuation bytes do not count.
+# Columns are characters in any locale: continuation bytes do not count.
 long=$(find include examples bench \( -name '*.hpp' -o -name '*.cpp' \) -exec env LC_ALL=C "$awk" '
   /R"\($/ { raw = 1 } { text = $0; gsub(/[\200-\277]/, "", text) } length(text) > 110 && !raw { print FILENAME ":" FNR }
   /^\)"/ { raw = 0 }' {} +)
 printf '%s\n' "$long"
 count 'lines over 110 columns' "$(printf '%s' "$long" | grep -c .)" 0
-# Words that windows.h or what it includes defines as macros; min and max are function-like macros there.
+# Macros defined by windows.h and its includes; min and max are function-like macros there.
 words="near|far|small|hyper|interface|pascal|cdecl|ABSOLUTE|ALTERNATE|CALLBACK|CONST|DELETE|DIFFERENCE|DOMAIN|DUPLICATE|ERROR|FALSE|FAR|IGNORE|IN|INFINITE|INTERFACE|NEAR|OPAQUE|OPTIONAL|OUT|OVERFLOW|PLANES|PURE|REGISTERED|RELATIVE|RGB|STRICT|THIS|TRANSPARENT|TRUE|UNDERFLOW|VOID|WINDING|CreateFont|DrawText|FindText|GetMessage|GetObject|LoadImage|MoveMemory|SendMessage|Yield"
 macros=$(find include -name '*.hpp' -exec env LC_ALL=C "$awk" -v words="$words" '
   /R"[a-z]*\(/ { raw = 1 }
@@ -28,7 +28,7 @@ macros=$(find include -name '*.hpp' -exec env LC_ALL=C "$awk" -v words="$words" 
 printf '%s\n' "$macros"
 count 'words that windows.h defines' "$(printf '%s' "$macros" | grep -c .)" 0
 count 'headers that a user includes' "$(printf '%s\n' "$included" | grep -c .)" 79 # one more for each coordinate type and kind of cage; fit_lattice; fit_skeleton; find_parts
-# They hold no machinery: that is in headers of a folder below.
+# Public headers contain no implementation; it is in subfolders.
 # shellcheck disable=SC2086 # the lists are meant to be split
 machinery=$(grep -lE 'namespace (.*[: ])?detail([: ].*)?\{' $included)
 printf '%s\n' "$machinery"
