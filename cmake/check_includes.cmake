@@ -1,8 +1,8 @@
 # cmake -DROOT=<project> -P check_includes.cmake
-# The table of what each room of include/cageform may include. Includes only ever point left in
+# Table of the includes allowed for each room of include/cageform. Includes point only to the left in
 #   core -> cage -> grid -> coordinates -> binding -> clone -> pose        core -> animate -> binding/figure.hpp
 #   binding/types/skin_weights.hpp, animate/curves/rigid_motion.hpp -> skeleton
-# Nothing includes the rooms pose, enclose, fields, papers, exchange and skeleton, but for the C interface.
+# Only the C interface includes pose, enclose, fields, papers, exchange and skeleton.
 set(allowed_core core config)
 set(allowed_adapt core)
 set(allowed_cage core config cage)
@@ -11,7 +11,7 @@ set(allowed_coordinates core config cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/figure.hpp clone)
 set(allowed_pose core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp clone pose)
-# Headers that make samples for a PoseSolver bind, and a PoseSolver does not include them.
+# Bind-time headers of pose/: they make samples for a PoseSolver, which does not include them.
 set(pose_bind_time pose/pose_samples.hpp pose/types/pose_sample_options.hpp pose/detail/pose_sampler.hpp
                    pose/detail/sample_lattice.hpp pose/detail/sample_clusters.hpp pose/detail/sample_sums.hpp
                    pose/detail/column_products.hpp pose/detail/column_products.impl.hpp)
@@ -27,13 +27,13 @@ set(allowed_skeleton core config cage/triangle_mesh.hpp binding/types/skin_weigh
                      animate/curves/rigid_motion.hpp skeleton)
 set(allowed_exchange core animate exchange)
 set(allowed_c core version cage grid coordinates binding clone pose animate enclose skeleton c)
-# The waist: what a game ships may not pull in how it was made.
-set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp
+# Run-time headers must not include bind-time ones.
+set(runtime_headers binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp
           binding/detail/figure_opener.hpp binding/types/no_vectors.hpp binding/figure.hpp)
-foreach(header IN LISTS waist)
-  set(allowed_${header} core ${waist})
+foreach(header IN LISTS runtime_headers)
+  set(allowed_${header} core ${runtime_headers})
 endforeach()
-foreach(header IN ITEMS binding/figure.hpp binding/detail/figure_opener.hpp) # a figure is shipped with its clips
+foreach(header IN ITEMS binding/figure.hpp binding/detail/figure_opener.hpp) # figures contain clips
   list(APPEND allowed_${header} animate/clip_blob.hpp)
 endforeach()
 # Third-party headers, by folder.
@@ -43,9 +43,9 @@ set(third_party_skeleton Eigen/)
 set(third_party_pose/detail/column_products.impl.hpp Eigen/)
 set(third_party_fields/detail/graph_factors.hpp Eigen/)
 set(third_party_fields/detail/elimination.hpp Eigen/)
-# Standard headers that preprocess to 27,000 lines and more, kept out of run time.
+# Standard headers with 27,000 preprocessed lines or more, forbidden at run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
-set(light_folders core clone ${waist} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
+set(light_folders core clone ${runtime_headers} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
                   animate/detail/extrapolation.hpp animate/curves/track.hpp animate/curves/rigid_motion.hpp animate/clip.hpp
                   animate/clip_blob.hpp animate/detail/clip_tables.hpp animate/types/clip_header.hpp
                   pose/pose_solver.hpp pose/detail/pose_solver.impl.hpp pose/types/pose_solver.hpp pose/types/pose_samples.hpp pose/types/pose_blob.hpp
@@ -104,14 +104,14 @@ foreach(header IN LISTS headers)
     endif()
   endforeach()
 endforeach()
-# Files of one job are short.
+# Limits the length of files.
 file(GLOB_RECURSE headers RELATIVE ${ROOT} ${ROOT}/include/cageform/*.hpp)
 foreach(header IN LISTS headers)
   file(READ ${ROOT}/${header} text)
   string(REGEX REPLACE "[^\n]" "" line_ends "${text}")
   string(LENGTH "${line_ends}" lines)
   if(lines GREATER 450)
-    message(SEND_ERROR "${header} has ${lines} lines: divide what does more than one job")
+    message(SEND_ERROR "${header} has ${lines} lines: split it by job")
   endif()
 endforeach()
 
@@ -133,6 +133,6 @@ foreach(room IN ITEMS io svg files splats cli pictures)
 endforeach()
 
 if(checked LESS 50)
-  message(FATAL_ERROR "only ${checked} includes found: this check checks nothing")
+  message(FATAL_ERROR "only ${checked} includes found: the check does not work")
 endif()
 message(STATUS "${checked} includes follow the table")
