@@ -10,17 +10,9 @@
 //   4  space/part_finder.hpp    keeps compatible joints and numbers the parts
 #pragma once
 
-#include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/result.hpp>
-#include <cageform/enclose/types/cage_parts.hpp>
+#include <cageform/enclose/detail/make_cage_into.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
-/// Defined in enclose/space/part_finder.hpp.
-template <class T>
-CageParts parts_of_cage(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
-} // namespace detail
 
 /// Assigns the faces and vertices of a 3D cage to parts.
 ///

@@ -1,4 +1,4 @@
-// Declares the implementations of make_cage.
+// Declares the implementations of make_cage, pair_faces and find_parts.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -40,5 +40,9 @@ template <class T>
 Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> vertices,
                        std::span<const MeshFace> faces, const MakeCageOptions& options,
                        Result<PolyhedralMesh<T>, MakeCageReport>& made);
+
+/// Finds the parts of a valid cage; defined in enclose/space/part_finder.hpp.
+template <class T>
+CageParts parts_of_cage(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
