@@ -306,37 +306,28 @@ private:
 /// Returns the cage in the figure's coordinates; a half is completed by its image.
 template <Scalar T>
 TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
+    const WholeShell whole(shell);
     std::vector<Vec<T, 3>> vertices;
-    std::vector<std::array<std::uint32_t, 3>> faces;
-    for (const bool image : {false, true}) {
-        if (image && !shell.half) break;
-        static constexpr std::uint32_t none = ~std::uint32_t{0};
-        std::vector<std::uint32_t> number(shell.points.size(), none);
-        std::uint32_t next_on_rim = 0;
-        for (std::size_t v = 0; v < shell.points.size(); ++v) {
-            if (shell.star[v].empty()) continue;
-            auto p = shell.points[v];
-            if (image) p[0] = -p[0];
-            const auto position = vec_cast<T>(frame.from_local(p));
-            if (shell.half && shell.on_rim[v]) { // rim vertices come first; the image shares them
-                if (!image) vertices.insert(vertices.begin() + next_on_rim, position);
-                number[v] = next_on_rim++;
-            }
+    std::vector<std::uint32_t> number(whole.points.size());
+    const auto add = [&](std::uint32_t v) {
+        number[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(vec_cast<T>(frame.from_local(whole.points[v])));
+    };
+    enum Pass { rim, own, image };
+    for (const Pass pass : {rim, own, image}) {
+        for (std::uint32_t v = 0; v < shell.points.size(); ++v) {
+            const bool is_on_rim = shell.half && shell.on_rim[v];
+            if (shell.star[v].empty() || is_on_rim != (pass == rim)) continue;
+            if (pass != image)
+                add(v);
+            else if (shell.half)
+                add(whole.image[v]);
         }
-        for (std::size_t v = 0; v < shell.points.size(); ++v) {
-            if (shell.star[v].empty() || number[v] != none) continue;
-            auto p = shell.points[v];
-            if (image) p[0] = -p[0];
-            number[v] = static_cast<std::uint32_t>(vertices.size());
-            vertices.push_back(vec_cast<T>(frame.from_local(p)));
-        }
-        for (std::size_t f = 0; f < shell.faces.size(); ++f) {
-            if (!shell.is_face(f)) continue;
-            std::array<std::uint32_t, 3> face{};
-            for (std::size_t k = 0; k < 3; ++k) face[k] = number[shell.faces[f][k]];
-            if (image != frame.reverses_orientation()) std::swap(face[1], face[2]);
-            faces.push_back(face);
-        }
+    }
+    std::vector<MeshFace> faces;
+    for (const auto& [a, b, c] : whole.faces) {
+        faces.push_back({number[a], number[b], number[c]});
+        if (frame.reverses_orientation()) std::swap(faces.back()[1], faces.back()[2]);
     }
     return {vertices, faces};
 }

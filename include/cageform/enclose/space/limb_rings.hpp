@@ -31,9 +31,7 @@ struct WholeShell {
         for (std::size_t f = 0, own = faces.size(); shell.half && f < own; ++f)
             faces.push_back({image[faces[f][0]], image[faces[f][2]], image[faces[f][1]]});
     }
-    double area(std::size_t f) const noexcept {
-        return 0.5 * length(area_normal({points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]}));
-    }
+    double area(std::size_t f) const noexcept { return 0.5 * length(area_normal(points, faces[f])); }
 };
 
 /// Cuts a shell along rings around limbs. Each plane is searched near the joint that find_parts returns, for

@@ -18,19 +18,17 @@ public:
     EdgeCosts(std::span<const Vec<double, 3>> points, std::span<const std::array<std::uint32_t, 3>> faces,
               const MirrorImages& images) {
         std::vector<Vec<double, 3>> normals;
-        for (const auto& [a, b, c] : faces)
-            normals.push_back(cross(points[b] - points[a], points[c] - points[a]));
+        for (const auto& face : faces) normals.push_back(area_normal(points, face));
         const auto sides = edge_sides(faces);
         double longest = 0;
         for (std::size_t e = 0; e + 1 < sides.size(); e += 2) {
-            const auto edge = points[sides[e].b] - points[sides[e].a];
-            edges_.push_back({sides[e].face, sides[e + 1].face, std::sqrt(dot(edge, edge)), 0});
+            const double size = length(points[sides[e].b] - points[sides[e].a]);
+            edges_.push_back({sides[e].face, sides[e + 1].face, size, 0});
             longest = (std::max)(longest, edges_.back().length);
         }
         for (std::size_t e = 0; e < edges_.size(); ++e) {
             const auto &one = normals[edges_[e].one], &other = normals[edges_[e].other];
-            const auto turn = cross(one, other);
-            const double bend = std::atan2(std::sqrt(dot(turn, turn)), dot(one, other));
+            const double bend = std::atan2(length(cross(one, other)), dot(one, other));
             const bool is_hollow = dot(one, points[sides[2 * e + 1].third] - points[sides[2 * e].a]) > 0;
             constexpr double units = 1 << 24; // per longest edge
             edges_[e].cost =

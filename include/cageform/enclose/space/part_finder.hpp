@@ -8,8 +8,6 @@
 #include <cageform/enclose/space/part_labels.hpp>
 #include <cageform/enclose/space/part_sweep.hpp>
 
-#include <numeric>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Selects regions of a cage that are cut off by a joint, or are a whole shell. Selected regions are nested
@@ -28,10 +26,7 @@ public:
             adjacent_[edge.one].push_back(edge.other);
             adjacent_[edge.other].push_back(edge.one);
         }
-        for (const auto& [a, b, c] : faces) {
-            const Point across = cross(points[b] - points[a], points[c] - points[a]);
-            areas_.push_back(std::sqrt(dot(across, across)) / 2);
-        }
+        for (const auto& face : faces) areas_.push_back(length(area_normal(points, face)) / 2);
     }
 
     CageParts find() {
@@ -146,12 +141,9 @@ private:
                 continue;
             }
             auto found = regions_in(shell, image == whole);
-            std::vector<std::size_t> order(found.size());
-            std::iota(order.begin(), order.end(), std::size_t{0});
-            std::stable_sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
-                return found[p].compactness > found[q].compactness;
-            });
-            for (const std::size_t n : order) add_if_compatible(std::move(found[n]), shell, image == whole);
+            std::stable_sort(found.begin(), found.end(),
+                             [](const Region& p, const Region& q) { return p.compactness > q.compactness; });
+            for (Region& region : found) add_if_compatible(std::move(region), shell, image == whole);
         }
     }
 

@@ -1,7 +1,7 @@
 // find_parts, step 1: a refined shell of a cage, and geodesic distances on it.
 #pragma once
 
-#include <cageform/core/vec.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +16,12 @@
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Normal of a mesh face; its length is twice the area.
+inline Vec<double, 3> area_normal(std::span<const Vec<double, 3>> points,
+                                  const std::array<std::uint32_t, 3>& face) noexcept {
+    return area_normal({points[face[0]], points[face[1]], points[face[2]]});
+}
 
 /// A side of an edge: its vertices in ascending order, a face, and the third vertex of the face.
 struct EdgeSide {
@@ -66,9 +72,7 @@ public:
         link();
         areas_.assign(points_.size(), 0);
         for (const Face& face : faces_) {
-            const Point across =
-                cross(points_[face[1]] - points_[face[0]], points_[face[2]] - points_[face[0]]);
-            const double area = std::sqrt(dot(across, across)) / 2;
+            const double area = length(area_normal(points_, face)) / 2;
             total_area_ += area;
             for (const auto v : face) areas_[v] += area / 3;
         }
@@ -146,17 +150,17 @@ private:
     /// does not cross the edge.
     std::optional<double> way_across(const EdgeSide& one, const EdgeSide& other) const {
         const Point edge = points_[one.b] - points_[one.a];
-        const double length = std::sqrt(dot(edge, edge));
+        const double edge_length = length(edge);
         std::array<double, 2> along{}, off{};
         for (std::size_t k = 0; k < 2; ++k) {
             const Point tip = points_[k == 0 ? one.third : other.third] - points_[one.a];
-            along[k] = dot(tip, edge) / length;
+            along[k] = dot(tip, edge) / edge_length;
             off[k] = std::sqrt((std::max)(0.0, dot(tip, tip) - along[k] * along[k]));
         }
         const double both = off[0] + off[1];
         if (!(both > 0)) return std::nullopt;
         const double at = along[0] + (along[1] - along[0]) * off[0] / both;
-        if (!(at > 0 && at < length)) return std::nullopt;
+        if (!(at > 0 && at < edge_length)) return std::nullopt;
         return std::hypot(along[0] - along[1], both);
     }
 
@@ -167,16 +171,16 @@ private:
             double length;
         };
         std::vector<Link> all;
-        const auto add = [&](std::uint32_t v, std::uint32_t w, bool across, double length) {
-            all.push_back({v, w, across, length});
-            all.push_back({w, v, across, length});
+        const auto add = [&](std::uint32_t v, std::uint32_t w, bool across, double distance) {
+            all.push_back({v, w, across, distance});
+            all.push_back({w, v, across, distance});
         };
         const auto sides = edge_sides(faces_);
         for (std::size_t e = 0; e < sides.size(); e += 2) {
-            const Point edge = points_[sides[e].b] - points_[sides[e].a];
-            add(sides[e].a, sides[e].b, false, std::sqrt(dot(edge, edge)));
+            const auto [a, b, face, third] = sides[e];
+            add(a, b, false, length(points_[b] - points_[a]));
             if (const auto way = way_across(sides[e], sides[e + 1]))
-                add(sides[e].third, sides[e + 1].third, true, *way);
+                add(third, sides[e + 1].third, true, *way);
         }
         std::sort(all.begin(), all.end(), [](const Link& p, const Link& q) {
             if (p.from != q.from) return p.from < q.from;

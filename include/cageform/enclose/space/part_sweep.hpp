@@ -129,8 +129,7 @@ inline SweptArea swept_area(const PartSurface& surface, const std::vector<double
             ends[count++] = surface[v] + t * (surface[w] - surface[v]);
         }
         if (count < 2 || !is_here) continue;
-        const auto across = ends[1] - ends[0];
-        swept.border += std::sqrt(dot(across, across));
+        swept.border += length(ends[1] - ends[0]);
     }
     return swept;
 }

@@ -163,11 +163,6 @@ inline std::ptrdiff_t shell_count(const Shell& shell) {
     return count;
 }
 
-/// Normal of a triangle; its length is twice the area.
-inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
-    return cross(corner[1] - corner[0], corner[2] - corner[0]);
-}
-
 /// 1 for an equilateral triangle, near 0 for needles: altitude over longest side, times 2/sqrt(3).
 inline double triangle_quality(double twice_area, double longest2) noexcept {
     return longest2 > 0 ? twice_area / longest2 * (2 / std::numbers::sqrt3) : 0;

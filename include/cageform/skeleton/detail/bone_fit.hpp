@@ -90,12 +90,7 @@ public:
             for (std::size_t g = begin; g < end; ++g) fit_bone(bone, g, alone);
         });
         if (owns) {
-            for (const std::uint32_t i : vertices) {
-                for (std::size_t k = 0; k < weights_.width; ++k) {
-                    weights_.joints[i * weights_.width + k] = k == 0 ? std::uint32_t(bone) : 0;
-                    weights_.weights[i * weights_.width + k] = k == 0 ? 1 : 0;
-                }
-            }
+            for (const std::uint32_t i : vertices) weights_.set_single(i, std::uint32_t(bone));
         }
         return bone;
     }
@@ -137,8 +132,7 @@ public:
                 }
             }
         });
-        error_ = 0;
-        for (const double e : errors_) error_ += e;
+        error_ = std::accumulate(errors_.begin(), errors_.end(), 0.0);
         removals_.assign(b, 0);
         for (std::size_t k = 0; k < removal.size(); ++k) removals_[weights_.joints[k]] += removal[k];
     }

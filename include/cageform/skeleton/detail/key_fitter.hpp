@@ -138,13 +138,18 @@ private:
         return true;
     }
 
-    static void normalise(NodeTransform& local, const Range& range) {
+    template <class Visit>
+    static void for_each_rotation(const Range& range, const Visit& visit) {
         for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at < range.begin || at >= range.end) continue;
+            if (at >= range.begin && at < range.end) visit(at);
+        }
+    }
+    static void normalise(NodeTransform& local, const Range& range) {
+        for_each_rotation(range, [&](std::size_t at) {
             double square = 0;
             for (std::size_t k = 0; k < 4; ++k) square += local.values[at + k] * local.values[at + k];
             for (std::size_t k = 0; k < 4; ++k) local.values[at + k] /= std::sqrt(square);
-        }
+        });
     }
     /// Cubic segment through its end frames with least-squares tangents for the frames between. Regularised
     /// by finite differences.
@@ -204,12 +209,11 @@ private:
     /// and nlerp differ too much.
     static bool exceeds_angle(const NodeTransform& a, const NodeTransform& b, const Range& range,
                               double cosine = cosine_of_45) {
-        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at >= range.begin && at < range.end &&
-                std::fabs(cosine_of_half(a.turn(at), b.turn(at))) < cosine)
-                return true;
-        }
-        return false;
+        bool exceeds = false;
+        for_each_rotation(range, [&](std::size_t at) {
+            exceeds = exceeds || std::fabs(cosine_of_half(a.turn(at), b.turn(at))) < cosine;
+        });
+        return exceeds;
     }
     /// Bisects between two frames until slerp and nlerp agree; both have the same midpoint. Stores the
     /// midpoints.
@@ -238,15 +242,14 @@ private:
             if (!cubic) local.values[c] = a.values[c] + u * (b.values[c] - a.values[c]);
         }
         if (cubic) return normalise(local, range);
-        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at < range.begin || at >= range.end) continue;
+        for_each_rotation(range, [&](std::size_t at) {
             const Quaternion<double> begin = a.turn(at), end = b.turn(at);
             Quaternion<double> turn = slerp(begin, end, u);
             const double sign = cosine_of_half(begin, end) < 0 ? -1 : 1;
             for (std::size_t k = 0; how == Play::nlerp && k < 4; ++k)
                 turn[k] = v * begin[k] + u * sign * end[k];
             local.set_turn(at, turn);
-        }
+        });
         if (how == Play::nlerp) normalise(local, range);
     }
     /// Segments from frame to frame, as long as possible.

@@ -170,18 +170,16 @@ private:
             if (fit_.bones() == bones) break;
             const auto& cluster = clusters[j];
             if (cluster.size() < 2 * min_cluster) continue;
-            std::uint32_t a = cluster[0];
-            for (const std::uint32_t i : cluster) {
-                if (fit_.errors()[i] > fit_.errors()[a]) a = i;
-            }
+            const auto by_error = [&](std::uint32_t i, std::uint32_t k) {
+                return fit_.errors()[i] < fit_.errors()[k];
+            };
+            const std::uint32_t a = *std::max_element(cluster.begin(), cluster.end(), by_error);
             std::uint32_t b = a;
             double farthest = 0;
             for (const std::uint32_t i : cluster) {
                 const double d = path_distance(i, a);
-                if (d > farthest) {
-                    farthest = d;
-                    b = i;
-                }
+                if (d > farthest) b = i;
+                farthest = (std::max)(farthest, d);
             }
             std::vector<std::uint32_t> nearer;
             for (const std::uint32_t i : cluster) {

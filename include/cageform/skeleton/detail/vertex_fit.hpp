@@ -41,6 +41,14 @@ struct VertexWeights {
     std::size_t width = 0;
     std::vector<std::uint32_t> joints;
     std::vector<double> weights;
+
+    /// Gives all weight of vertex i to one bone.
+    void set_single(std::size_t i, std::uint32_t bone) noexcept {
+        for (std::size_t k = i * width; k < (i + 1) * width; ++k) {
+            joints[k] = k == i * width ? bone : 0;
+            weights[k] = k == i * width ? 1 : 0;
+        }
+    }
 };
 
 /// Computes the weights of vertices, one at a time; one object per thread.
@@ -99,16 +107,10 @@ private:
     static constexpr std::size_t nearest = 10;
 
     double take_nearest(std::size_t i, VertexWeights& to) {
-        std::size_t best = 0;
-        for (std::size_t j = 1; j < own_.size(); ++j) {
-            if (own_[j] < own_[best]) best = j;
-        }
-        for (std::size_t k = 0; k < to.width; ++k) {
-            to.joints[i * to.width + k] = k == 0 ? std::uint32_t(best) : 0;
-            to.weights[i * to.width + k] = k == 0 ? 1 : 0;
-        }
+        const auto best = std::min_element(own_.begin(), own_.end());
+        to.set_single(i, std::uint32_t(best - own_.begin()));
         used_ = 0;
-        return own_[best];
+        return *best;
     }
     void take(std::uint32_t bone, double weight) {
         if (problem_.count == SimplexWeights::max_candidates || taken_[bone] != 0) return;
