@@ -92,10 +92,10 @@ public:
     Cage best() {
         auto found = answer();
         if (found == tried_.end())
-            found = std::min_element(tried_.begin(), tried_.end(), [](const auto& a, const auto& b) {
+            found = std::min_element(tried_.cbegin(), tried_.cend(), [](const auto& a, const auto& b) {
                 return a.second.result.excess < b.second.result.excess;
             });
-        return std::move(found->second.cage);
+        return std::move(tried_.at(found->first).cage);
     }
     std::vector<MakeCageReport::Attempt> attempts() const {
         std::vector<MakeCageReport::Attempt> all;
@@ -104,25 +104,20 @@ public:
     }
 
 private:
-    using Tried = std::map<std::size_t, Attempt>;
-
     /// Index of the largest count up to `vertices`, or 0.
     std::size_t index_of(std::size_t vertices) const noexcept {
         const auto above = std::upper_bound(counts_.begin(), counts_.end(), vertices);
         return above == counts_.begin() ? 0 : std::size_t(above - counts_.begin()) - 1;
     }
-    template <class Self>
-    static auto answer_in(Self& tried, double looseness) {
-        return std::find_if(tried.begin(), tried.end(),
-                            [&](const auto& entry) { return entry.second.result.excess <= looseness; });
+    auto answer() const {
+        return std::find_if(tried_.begin(), tried_.end(),
+                            [&](const auto& entry) { return entry.second.result.excess <= looseness_; });
     }
-    auto answer() const { return answer_in(tried_, looseness_); }
-    auto answer() { return answer_in(tried_, looseness_); }
 
     std::vector<std::size_t> counts_;
     std::size_t first_;
     double looseness_;
-    Tried tried_; ///< keys are indices into counts_
+    std::map<std::size_t, Attempt> tried_; ///< keys are indices into counts_
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

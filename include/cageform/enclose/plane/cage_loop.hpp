@@ -100,9 +100,9 @@ class Obstacles {
 public:
     using Point = Vec<double, 2>;
 
-    Obstacles(const DistanceLattice<2>& distances, double distance, const Bounds<double, 2>& bounds)
+    Obstacles(const DistanceLattice<2>& distances, double loop_margin, const Bounds<double, 2>& bounds)
         : lattice(&distances)
-        , margin(distance)
+        , margin(loop_margin)
         , box_(bounds) {}
 
     void add(const CageLoop& other) {

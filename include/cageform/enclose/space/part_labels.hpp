@@ -22,7 +22,7 @@ inline bool part_precedes(int a, int b) noexcept {
 /// Numbers parts 1, 2, … by decreasing area; mirrored parts get n and -n.
 ///
 ///   images    mirror image of each part, or the part itself
-///   right     moment about the mirror plane; the part with the larger moment gets n
+///   moments   moment about the mirror plane; the part with the larger moment gets n
 ///   is_trunk  is_trunk(n): whether part n may be number 1; the largest such part is, if any
 template <class IsTrunk>
 std::vector<int> part_numbers(std::span<const double> areas, std::span<const std::size_t> images,

@@ -67,8 +67,8 @@ public:
 
     /// Computes the weights of vertex i.
     ///
-    ///   against  #bones · 4: Σ_t of the columns of a bone's maps times the vertex's positions
-    ///   returns  the sum over the frames of squared distances
+    ///   correlations  #bones · 4: Σ_t of the columns of a bone's maps times the vertex's positions
+    ///   returns       the sum over the frames of squared distances
     double fit(std::size_t i, const double* correlations, VertexWeights& to) {
         v_ = products_of(motion_.rest[i]);
         square_ = motion_.squares[i];
