@@ -199,7 +199,8 @@ private:
         return best;
     }
 
-    /// Path of a plane through a face and its successors; without faces if the plane misses the face.
+    /// The path along which a plane cuts the shell, starting in a face; without faces if the plane misses
+    /// that face.
     ///
     ///   above  height of each vertex above the plane
     Cut path_through(std::uint32_t start, const std::vector<double>& above, std::vector<bool>& seen) const {

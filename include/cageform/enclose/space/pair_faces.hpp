@@ -73,7 +73,7 @@ struct FacePair {
     Bounds<double, 3> bounds() const noexcept { return bounds_of(std::span<const Point>(corner)); }
 };
 
-/// Finds the valid quads of a cage and selects the most.
+/// Finds all valid quads of a cage and selects a largest compatible set.
 class FacePairing {
 public:
     using Point = Vec<double, 3>;

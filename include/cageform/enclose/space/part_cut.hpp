@@ -45,10 +45,10 @@ private:
     std::vector<Edge> edges_;
 };
 
-enum class CutSide : std::uint8_t { limb, rest, open };
+enum class CutSide : std::uint8_t { limb, rest, undecided };
 
-/// Assigns the open faces to limb or rest by a minimum cut (Dinic's maximum flow). Of several minimum cuts,
-/// the limb with the fewest faces is chosen; it is the intersection of all limbs.
+/// Assigns the undecided faces to limb or rest by a minimum cut (Dinic's maximum flow). Of several minimum
+/// cuts, the limb with the fewest faces is chosen; it is the intersection of all limbs.
 class CheapestCut {
 public:
     CheapestCut(std::span<const EdgeCosts::Edge> edges, std::vector<CutSide> sides)
@@ -56,7 +56,7 @@ public:
         , sides_(std::move(sides))
         , incident_(sides_.size()) {
         for (std::size_t e = 0; e < edges.size(); ++e) {
-            if (sides_[edges[e].one] == sides_[edges[e].other] && sides_[edges[e].one] != CutSide::open)
+            if (sides_[edges[e].one] == sides_[edges[e].other] && sides_[edges[e].one] != CutSide::undecided)
                 continue;
             incident_[edges[e].one].push_back(e);
             incident_[edges[e].other].push_back(e);

@@ -231,7 +231,9 @@ private:
         }
         std::vector<CutSide> sides(faces_.size(), CutSide::rest);
         for (const auto f : whole)
-            sides[f] = swept[f] || has_tip[f] ? CutSide::limb : passed[f] ? CutSide::rest : CutSide::open;
+            sides[f] = swept[f] || has_tip[f] ? CutSide::limb
+                       : passed[f]            ? CutSide::rest
+                                              : CutSide::undecided;
         const CheapestCut cheapest(costs_.edges(), sides);
         Faces limb(faces_.size());
         for (const auto f : whole) limb[f] = cheapest.is_limb(f);

@@ -286,7 +286,7 @@ private:
         return clear_.are_clear(faces.size(),
                                 [&](std::size_t k) { return shell_.corners(shell_.faces[faces[k]]); });
     }
-    /// True if some changed faces touch no other face and not each other.
+    /// True if the changed faces touch neither other faces nor each other.
     bool are_apart_from_all(std::span<const std::uint32_t> faces) {
         fresh_.clear();
         for (const auto f : faces) fresh_.push_back(shell_.faces[f]);

@@ -54,7 +54,8 @@ public:
         const float z = dot(off, z_);
         if (z * z > limit2) return beyond;
         const float x = dot(off, x_), y = dot(off, y_);
-        // The angles at the longest side are at most right angles, so below it that side is nearest.
+        // For points below the longest side (y <= 0), that side is nearest, because both of its angles are at
+        // most 90 degrees.
         float least = 0;
         if (y <= 0 || height_ == 0) {
             const float to_x = x - clamped(x, along_);
@@ -219,7 +220,7 @@ private:
         }
     }
 
-    /// Tests the triangles of the two, four or eight adjacent even nodes at each node with an odd index.
+    /// At each node with an odd index, tests the triangles of the two, four or eight adjacent even nodes.
     void fill_between(float band) {
         const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();

@@ -10,9 +10,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Bones and weights. The sum of squared distances falls in each step, except for the smoothing of weights.
-/// Each step sums over the frames once, so that the weights of a vertex cost the same for any number of
-/// frames. It also sums over the vertices once, so that the bones of a frame cost the same for any number of
-/// vertices.
+/// Steps of weights sum over the frames once, so the cost of a vertex does not depend on their number. Steps
+/// of bones sum over the vertices once, so the cost of a frame does not depend on their number.
 class BoneFit {
 public:
     BoneFit(const Motion& motion, BoneKind kind, std::size_t influences)
@@ -62,14 +61,14 @@ public:
         return squares;
     }
 
-    /// Weights vertices by their error in later steps of bones: factors from 1 to `most`.
+    /// Sets the importance of each vertex in later steps of bones, from 1 to `most`, by its error.
     void reweight_by_error(double most) {
         const double mean = error_ / double(errors_.size());
         for (std::size_t i = 0; i < errors_.size(); ++i)
             importance_[i] = mean > 0 ? 1 + (std::fmin)(errors_[i] / mean, most - 1) : 1;
     }
 
-    /// Multiplies these weights by factors above 1, up to `most`.
+    /// Multiplies the importance of vertices by factors above 1, up to `most`.
     void reweight(const std::vector<double>& factors, double most) {
         for (std::size_t i = 0; i < factors.size(); ++i)
             importance_[i] = (std::fmin)(importance_[i] * (std::fmax)(factors[i], 1.0), most);

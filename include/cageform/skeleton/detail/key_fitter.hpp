@@ -8,12 +8,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Processes bones in order, parents first, channel by channel. Each channel gets a share of the distance: a
-/// vertex may use the share that the weights of the bones so far have of all its weights. Keys are as far
-/// apart as this allows. Local transforms are relative to the parent as it is played, so errors do not
-/// accumulate along a chain. Rotations without tangents keep the distance by slerp, and per bone also by
-/// nlerp. Neighbouring keys are at most 90° apart. Keys are added between neighbouring frames where slerp and
-/// nlerp differ by more than the distance.
+/// Processes bones in order, parents first, channel by channel. The tolerance of a vertex is the distance
+/// times (the sum of its weights of finished bones + share · its weight of the current bone); the share grows
+/// from channel to channel. Keys are as far apart as this allows. Local transforms are relative to the parent
+/// as played, so errors do not accumulate along a chain. Rotations without tangents keep the distance by
+/// slerp, and per bone also by nlerp. Neighbouring keys are at most 90° apart. Keys are added between
+/// neighbouring frames where slerp and nlerp differ by more than the distance.
 class KeyFitter {
 public:
     using Map = FittedSkeleton<double>::Map;

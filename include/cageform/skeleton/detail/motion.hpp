@@ -1,4 +1,4 @@
-// A motion as the fit reads it.
+// The input motion in the layout of the fit.
 #pragma once
 
 #include <cageform/core/detail/bounds.hpp>

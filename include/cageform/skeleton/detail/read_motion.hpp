@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A sequence of point ranges.
+/// A sequence of point ranges, one per frame.
 template <class Frames, std::size_t D>
 concept FramesIn = PointRangeIn<std::remove_cvref_t<decltype(std::declval<const Frames&>()[0])>, D>;
 

@@ -42,12 +42,12 @@ public:
         return rounds(first_rounds);
     }
     void weights() { weights(false, smoothing_); }
-    /// Weights vertices by their error and refits the bones.
+    /// Sets the importance of vertices from their errors and refits the bones.
     bool reweight_by_error() {
         fit_.reweight_by_error(max_importance);
         return move_bones();
     }
-    /// Multiplies the weights of vertices by factors and refits the bones.
+    /// Multiplies the importance of vertices by factors and refits the bones.
     bool reweight(const std::vector<double>& factors, bool first) {
         if (first) fit_.reweight_by_error(max_importance);
         fit_.reweight(factors, 10 * max_importance);
@@ -108,10 +108,10 @@ private:
         }
         return true;
     }
-    /// Rounds with vertices weighted by error. Later rounds extrapolate the weights, with momentum that grows
-    /// while the error falls (Ang and Gillis, Accelerating nonnegative matrix factorization algorithms using
-    /// extrapolation, Neural Computation 31(2), 2019; restarts as in O'Donoghue and Candès, Adaptive restart
-    /// for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
+    /// Rounds with vertices weighted by importance. Later rounds extrapolate the weights, with momentum that
+    /// grows while the error falls (Ang and Gillis, Accelerating nonnegative matrix factorization algorithms
+    /// using extrapolation, Neural Computation 31(2), 2019; restarts as in O'Donoghue and Candès, Adaptive
+    /// restart for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
     bool last_rounds() {
         VertexWeights last;
         double error = 0;

@@ -131,7 +131,7 @@ private:
         return std::sqrt(*std::max_element(squares.begin(), squares.end()));
     }
 
-    /// Cost of some rounds, relative; a constant part does not depend on the bones.
+    /// Relative cost of rounds: linear in the number of bones, with a constant part.
     static double cost(std::size_t rounds, std::size_t bones) noexcept {
         return double(rounds) * double(bones + 12);
     }
