@@ -328,7 +328,7 @@ TEST_CASE("parts do not depend on scale, position, vertex order or rotations by 
     }
 }
 
-TEST_CASE("each shell has its own parts; invalid cages have none") {
+TEST_CASE("each shell has its own parts, and invalid cages have none") {
     Boxes two = lopsided;
     two.push_back({{{20, 0, 0}, {22, 2, 2}}});
     const CageParts parts = border_of(two).parts();

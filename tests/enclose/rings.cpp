@@ -209,7 +209,7 @@ TEST_CASE("rings of a mirrored cage are symmetric, also those across the mirror 
     }
 }
 
-TEST_CASE("no rings without limbs; few vertices allow few rings") {
+TEST_CASE("without limbs there are no rings, and few vertices allow few rings") {
     Figure ball;
     ball.add_bar({0, 0, -1}, {0, 0, 1}, 1);
     MakeCageOptions options{.vertices = 60};

@@ -182,7 +182,8 @@ TEST_CASE("each kind of bone reproduces its motions: rigid, similar, affine", "[
     CHECK(largest(affine, BoneKind::rigid) > 1e-2);
 }
 
-TEST_CASE("planted skeletons are recovered; more rounds, weights and bones lower the error", "[skeleton]") {
+TEST_CASE("planted skeletons are recovered, and more rounds, weights and bones lower the error",
+          "[skeleton]") {
     const int seed = GENERATE(seeds(effort(6, 1)));
     CAPTURE(seed);
     const Sequence given = planted(4, 20, std::uint64_t(seed) + 100);
@@ -796,7 +797,7 @@ TEST_CASE("constant channels have one key, linear ones two", "[skeleton]") {
     CHECK(child.rotation.times.size() == 1);
 }
 
-TEST_CASE("keys in float, at any scale; progress; invalid input", "[skeleton]") {
+TEST_CASE("keys in float, at any scale, with progress and invalid input", "[skeleton]") {
     Random random(6);
     const auto rest = tube(6, 6).rest;
     const auto skeleton = random_skeleton(random, rest, 4, 12, BoneKind::similar);
