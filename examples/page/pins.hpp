@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/binding/any_coordinates.hpp>
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
 #include <Eigen/Cholesky>

@@ -3,9 +3,9 @@
 #include "support/cages.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/curves/curve_bank.hpp>
-#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/detail/quantised_cubic.hpp>
+#include <cageform/clip/curves/curve_bank.hpp>
+#include <cageform/clip/curves/track.hpp>
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #include "../support/cages.hpp"
 
 #include <cageform/core/detail/parallel.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <chrono>

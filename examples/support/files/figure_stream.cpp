@@ -2,7 +2,7 @@
 
 #include "io/input_file.hpp"
 
-#include <cageform/binding/figure.hpp>
+#include <cageform/figure/figure.hpp>
 
 #include <algorithm>
 #include <cerrno>

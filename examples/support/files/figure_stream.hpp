@@ -1,13 +1,13 @@
 #pragma once
 
 // Packed figures that are written piece by piece, in the memory of one piece: a figure of any number of
-// points (cageform/binding/figure.hpp). Beside its points it holds a part of our own:
+// points (cageform/figure/figure.hpp). Beside its points it holds a part of our own:
 //
 //     TILE  TileRecord
 
 #include "io/atomic_file.hpp"
 
-#include <cageform/binding/types/blob.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 #include <array>
 #include <cstdint>

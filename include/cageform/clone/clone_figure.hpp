@@ -1,9 +1,9 @@
 // Moves a whole figure every frame: points, normals and tangents in one call.
 #pragma once
 
-#include <cageform/binding/figure.hpp>
 #include <cageform/clone/detail/check_figure_clone.hpp>
 #include <cageform/clone/normals.hpp>
+#include <cageform/figure/figure.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

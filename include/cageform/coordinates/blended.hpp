@@ -4,7 +4,7 @@
 #include <cageform/cage/detail/depth.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -5,7 +5,8 @@
 #include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/types/handles.hpp>
-#include <cageform/core/types/solver_report.hpp>
+#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

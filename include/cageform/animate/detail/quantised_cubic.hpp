@@ -1,7 +1,7 @@
 // A piecewise cubic with 16-bit coefficients; for run time, like piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/curves/piecewise_cubic.hpp>
+#include <cageform/clip/curves/piecewise_cubic.hpp>
 
 #include <array>
 #include <cmath>

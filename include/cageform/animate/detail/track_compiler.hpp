@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cageform/animate/curves/key.hpp>
-#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/fit/fewest_pieces.hpp>
 #include <cageform/animate/fit/tolerances.hpp>
 #include <cageform/animate/types/track_options.hpp>
+#include <cageform/clip/curves/track.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/core/types/scalar_range.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <algorithm>
 #include <cmath>

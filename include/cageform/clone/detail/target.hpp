@@ -1,9 +1,9 @@
 // Writes the points of a clone, a block at a time, to any range; fast if its numbers are contiguous.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/core/view.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <utility>
 

@@ -8,7 +8,7 @@
 //
 // Functions that run every frame (clone/) take such a loop as their last argument. Functions that
 // may run long (binding/ and the folders it builds on) take a Running instead, which adds progress
-// and cancellation: core/running.hpp includes <functional>, which is too heavy for run time.
+// and cancellation: parallel/running.hpp includes <functional>, which is too heavy for run time.
 #pragma once
 
 #include <cageform/config.hpp>

@@ -10,8 +10,8 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/corners/corner.hpp>
+#include <cageform/grid/types/solver_report.hpp>
 
 #include <cstdint>
 #include <span>

@@ -8,9 +8,9 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cmath>
 #include <cstdlib>

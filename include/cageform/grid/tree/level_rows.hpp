@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // The options and pins that a PoseSolver takes, and its report.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <array>
 #include <span>

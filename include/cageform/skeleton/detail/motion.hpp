@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/core/detail/bounds.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/vec.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <array>
 #include <numeric>

@@ -25,9 +25,9 @@
 // An empty table is absent, and its offset is 0.
 #pragma once
 
-#include <cageform/animate/clip.hpp>
-#include <cageform/animate/detail/clip_tables.hpp>
-#include <cageform/animate/types/clip_header.hpp>
+#include <cageform/clip/clip.hpp>
+#include <cageform/clip/detail/clip_tables.hpp>
+#include <cageform/clip/types/clip_header.hpp>
 #include <cageform/core/detail/packed_memory.hpp>
 #include <cageform/core/result.hpp>
 

@@ -3,7 +3,7 @@
 
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <algorithm>
 #include <atomic>

@@ -7,7 +7,7 @@
 //
 //     FigureHeader
 //     table    #parts × FigurePart, by ascending offset
-//     PNTS     a blob (binding/types/blob.hpp): the points
+//     PNTS     a blob (figure/types/blob.hpp): the points
 //     TAN1     a blob: unit tangents; only if there are normals
 //     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in 3D, with TAN1
 //     HAND     #points × int8: 1 or −1, the handedness of the texture; only if the tangents are the
@@ -15,7 +15,7 @@
 //     LABL     (#handles + 1) × uint32, ascending: where the label of a handle begins in the
 //              characters that follow, and where the last one ends; only if there are labels
 //     CLPS     uint64 #clips, #clips × FigureClip, the characters of all names, and packed clips
-//              (animate/clip_blob.hpp) that begin at multiples of 64; only if there are clips
+//              (clip/clip_blob.hpp) that begin at multiples of 64; only if there are clips
 //     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
 //     ORIG     D × double, optional: the place from which points, handles and clips count
 //     …        the user's, under tags of their own
@@ -25,10 +25,10 @@
 // LVL9 belong to the user.
 #pragma once
 
-#include <cageform/animate/clip_blob.hpp>
-#include <cageform/binding/detail/figure_opener.hpp>
-#include <cageform/binding/detail/figure_parts.hpp>
-#include <cageform/binding/types/no_vectors.hpp>
+#include <cageform/clip/clip_blob.hpp>
+#include <cageform/figure/detail/figure_opener.hpp>
+#include <cageform/figure/types/figure_parts.hpp>
+#include <cageform/figure/types/no_vectors.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -1,4 +1,4 @@
-// The header of a packed clip, and its rigid motion; animate/clip_blob.hpp has the layout.
+// The header of a packed clip, and its rigid motion; clip/clip_blob.hpp has the layout.
 #pragma once
 
 #include <cageform/core/vec.hpp>

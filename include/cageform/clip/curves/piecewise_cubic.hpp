@@ -96,7 +96,7 @@ private:
 };
 
 /// Consecutive cubic pieces, in the units of their keys; six scalars per piece. Outside its range,
-/// a curve keeps its nearest value; `Track` (animate/curves/track.hpp) extrapolates.
+/// a curve keeps its nearest value; `Track` (clip/curves/track.hpp) extrapolates.
 template <Scalar T>
 class PiecewiseCubic {
 public:

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
-#include <cageform/core/running.hpp>
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,7 @@
 //     p' = p + s Σ q_i d_i + Σ_r e_r a_r,   d_i = C'_i − C_i,   a = Σ_i F_i d_i
 #pragma once
 
-#include <cageform/binding/binding.hpp>
+#include <cageform/figure/binding.hpp>
 
 #include <cstdint>
 #include <cstring>

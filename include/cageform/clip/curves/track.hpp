@@ -1,8 +1,8 @@
 // A curve with its extrapolation; for run time, like piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/curves/piecewise_cubic.hpp>
-#include <cageform/animate/detail/extrapolation.hpp>
+#include <cageform/clip/curves/piecewise_cubic.hpp>
+#include <cageform/clip/types/extrapolation.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -1,7 +1,7 @@
 // Products of the gradients of samples, by Eigen.
 #pragma once
 
-#include <cageform/pose/detail/column_products.hpp>
+#include <cageform/binding/pose_samples/column_products.hpp>
 
 #include <Eigen/Core>
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/pose_samples/sample_clusters.hpp>
+#include <cageform/binding/pose_samples/sample_lattice.hpp>
+#include <cageform/binding/pose_samples/sample_sums.hpp>
+#include <cageform/binding/types/pose_sample_options.hpp>
 #include <cageform/core/detail/face_handles.hpp>
-#include <cageform/pose/detail/sample_clusters.hpp>
-#include <cageform/pose/detail/sample_lattice.hpp>
-#include <cageform/pose/detail/sample_sums.hpp>
-#include <cageform/pose/types/pose_sample_options.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,7 +1,7 @@
 // The sums of PoseSamples over samples and spokes.
 #pragma once
 
-#include <cageform/pose/detail/column_products.hpp>
+#include <cageform/binding/pose_samples/column_products.hpp>
 #include <cageform/pose/types/pose_samples.hpp>
 
 #include <array>

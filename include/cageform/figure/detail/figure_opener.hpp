@@ -1,13 +1,13 @@
 // Opens the parts of a packed figure, and checks that they belong together.
 #pragma once
 
-#include <cageform/animate/clip_blob.hpp>
-#include <cageform/binding/detail/figure_parts.hpp>
+#include <cageform/clip/clip_blob.hpp>
+#include <cageform/figure/types/figure_parts.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
-struct PackedFigureView; // in binding/figure.hpp
+struct PackedFigureView; // in figure/figure.hpp
 struct OpenReport;       // there too
 
 namespace detail {

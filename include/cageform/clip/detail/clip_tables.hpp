@@ -1,8 +1,8 @@
 // Finds and checks the tables of a packed clip.
 #pragma once
 
-#include <cageform/animate/clip.hpp>
-#include <cageform/animate/types/clip_header.hpp>
+#include <cageform/clip/clip.hpp>
+#include <cageform/clip/types/clip_header.hpp>
 #include <cageform/core/status.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

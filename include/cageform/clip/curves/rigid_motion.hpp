@@ -1,7 +1,7 @@
 // Rotates and moves a cage as a whole; for run time, like piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/curves/track.hpp>
+#include <cageform/clip/curves/track.hpp>
 
 #include <array>
 #include <cmath>

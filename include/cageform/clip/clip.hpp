@@ -1,12 +1,12 @@
 // The motion of a cage: gives the pose of all its vertices at a time; for run time, like piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/curves/curve_bank.hpp>
-#include <cageform/animate/curves/rigid_motion.hpp>
+#include <cageform/clip/curves/curve_bank.hpp>
+#include <cageform/clip/curves/rigid_motion.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view of a clip stored elsewhere: in a `CageClip`, or in packed memory (animate/clip_blob.hpp).
+/// A view of a clip stored elsewhere: in a `CageClip`, or in packed memory (clip/clip_blob.hpp).
 /// Both are played by the same code. Owns nothing.
 template <Scalar T, std::size_t D>
 struct CageClipView {

@@ -1,7 +1,7 @@
 // Tests reports of solvers: sums and maxima over parts, and reasons in words.
 #include "../catch.hpp"
 
-#include <cageform/core/types/solver_report.hpp>
+#include <cageform/grid/types/solver_report.hpp>
 
 #include <set>
 #include <string>

@@ -1,7 +1,7 @@
 // Declares the products of the gradients of samples.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <span>
 
@@ -17,5 +17,5 @@ void add_column_products(std::span<S> matrix, std::span<const S> columns, std::s
 } // namespace cageform::inline CAGEFORM_ABI::detail
 
 #if !defined(CAGEFORM_COMPILED)
-#include <cageform/pose/detail/column_products.impl.hpp>
+#include <cageform/binding/pose_samples/column_products.impl.hpp>
 #endif

@@ -1,7 +1,7 @@
 // Samples the inside of a cage for a PoseSolver: bind time.
 #pragma once
 
-#include <cageform/pose/detail/pose_sampler.hpp>
+#include <cageform/binding/pose_samples/pose_sampler.hpp>
 #include <cageform/pose/types/pose_blob.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

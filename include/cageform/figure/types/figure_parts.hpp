@@ -1,7 +1,7 @@
-// The table of a packed figure (binding/figure.hpp): its header, and the tags of its parts.
+// The table of a packed figure (figure/figure.hpp): its header, and the tags of its parts.
 #pragma once
 
-#include <cageform/binding/types/blob.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 #include <array>
 #include <string_view>

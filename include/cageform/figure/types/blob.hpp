@@ -25,9 +25,9 @@
 // (clone/glsl.hpp).
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/detail/packed_memory.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -1,8 +1,8 @@
 // Divides samples into clusters of about one size.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/vec.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <cmath>
 #include <limits>

@@ -3,7 +3,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/core/detail/bounds.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <cmath>
 #include <cstddef>
