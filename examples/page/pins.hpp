@@ -274,7 +274,7 @@ public:
 
 private:
     static constexpr std::size_t none = cageform::PoseSolverReport::none;
-    static constexpr double lever = cageform::detail::PinRows<T, D>::lever;
+    static constexpr double lever = cageform::turn_lever;
 
     Status set_handles(std::span<const Target> pose) {
         const auto view = binding_.handle_view();

@@ -20,8 +20,8 @@ using cageform::epsilon;
 using cageform::Extrapolation;
 using cageform::fold_time;
 using cageform::PiecewiseCubic;
-using cageform::QuantisedCubic;
 using cageform::Track;
+using cageform::detail::QuantisedCubic;
 
 namespace {
 

@@ -75,7 +75,7 @@ private:
     AtomicFile figure_, rest_;
     std::array<std::vector<Section>, arrays> sections_; // by array and piece
     cageform::BlobHeader header_;                       // of all pieces so far
-    cageform::detail::MemoryHash points_;
+    cageform::MemoryHash points_;
     std::uint64_t bytes_ = 0, bytes_of_rest_ = 0;
     std::string error_;
     bool may_pass_ = false;

@@ -9,6 +9,7 @@
 #include <cageform/fields/types/graph.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cmath>
 #include <cstdint>

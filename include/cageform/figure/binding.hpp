@@ -2,7 +2,7 @@
 // used at run time.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 #include <cageform/core/types/handles.hpp>
 
 #include <utility>
@@ -38,7 +38,7 @@ struct BindingView {
 ///
 ///     p' = p + Σ w_i (C'_i − C_i) = Σ w_i C'_i + (p − Σ w_i C_i)
 ///
-/// Memory: (#handles + D) scalars a point, in blocks of one cache line (core/detail/blocks.hpp).
+/// Memory: (#handles + D) scalars a point, in blocks of one cache line (core/types/blocks.hpp).
 template <Scalar T, std::size_t D>
 class Binding {
 public:

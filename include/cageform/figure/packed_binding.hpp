@@ -1,6 +1,6 @@
 // The layout of a packed binding: sparse, quantised, reordered, in one relocatable piece of memory.
 //
-// Points lie in blocks as in core/detail/blocks.hpp. A block has a row of weights for every handle
+// Points lie in blocks as in core/types/blocks.hpp. A block has a row of weights for every handle
 // of which any of its points has a weight (compressed rows), or for every handle (dense). The error
 // that a format leaves in Σ w and Σ w c is stored per point, as D + 1 numbers. They are multiplied
 // by the best affine fit to the handles' displacements, which is computed once a frame. So rest and

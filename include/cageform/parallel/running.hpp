@@ -2,8 +2,8 @@
 // argument.
 #pragma once
 
-#include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/core/types/parallel_for.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -11,9 +11,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The type of body(begin, end); see core/detail/parallel.hpp.
+/// The type of body(begin, end); see core/types/parallel_for.hpp.
 using RangeBody = std::function<void(std::size_t, std::size_t)>;
-/// The type of parallel_for(count, grain, body); see core/detail/parallel.hpp.
+/// The type of parallel_for(count, grain, body); see core/types/parallel_for.hpp.
 using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
 /// Called on the calling thread with the fraction done, in [0, 1] and never decreasing; returning
 /// false cancels. It must not throw. A computation that ends with Status::ok has reported 1.

@@ -2,7 +2,7 @@
 // standard library with threads; for mingw-w64 that is the variant with the posix thread model.
 #pragma once
 
-#include <cageform/core/detail/parallel.hpp>
+#include <cageform/core/types/parallel_for.hpp>
 
 #include <atomic>
 #include <exception>

@@ -5,10 +5,10 @@
 #include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/piece_measures.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
-#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/figure/binding.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 

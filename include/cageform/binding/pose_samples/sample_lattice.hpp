@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <cmath>

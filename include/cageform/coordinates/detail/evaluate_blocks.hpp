@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/types/report.hpp>
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 #include <cageform/grid/types/solver_report.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 

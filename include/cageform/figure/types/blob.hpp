@@ -64,6 +64,27 @@ struct BlobReport {
     std::size_t bytes = 0; ///< size of the blob; the next one may begin there
 };
 
+/// Visits the arrays of a blob: visit(offset, size in bytes, whether the array is wanted).
+template <Scalar T, std::size_t D, class Header, class Visit>
+void for_each_blob_array(Header& header, const Visit& visit) noexcept {
+    const std::uint64_t points = header.points, rows = header.rows, handles = header.handles;
+    const std::uint64_t lanes = lane_count<T>, blocks = (points + lanes - 1) / lanes;
+    const auto format = static_cast<WeightFormat>(header.format);
+    const bool sparse = header.row_begin != 0, rounded = format != WeightFormat::scalar;
+    visit(header.weights, rows * (lanes * weight_bytes<T>(format)), true);
+    visit(header.row_begin, (blocks + 1) * 4, sparse);
+    visit(header.row_handle, rows * 2, sparse);
+    visit(header.order, points * 4, header.order != 0);
+    visit(header.scale, blocks * sizeof(T), rounded);
+    visit(header.residual, blocks * ((D + 1) * sizeof(Lanes<T>)), rounded);
+    visit(header.affine_fit, handles * ((D + 1) * sizeof(T)), rounded);
+    visit(header.rest, blocks * (D * sizeof(Lanes<T>)), true);
+    visit(header.rest_handles, handles * (D * sizeof(T)), true);
+    visit(header.handle_kinds, handles, header.handle_kinds != 0);
+    visit(header.handle_faces, header.vectors * (D * sizeof(std::uint32_t)), header.handle_faces != 0);
+    visit(header.handle_loops, std::uint64_t{header.loop_numbers} * 4, header.handle_loops != 0);
+}
+
 namespace detail {
 
 template <Scalar T, std::size_t D>
@@ -88,27 +109,6 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     find(view.handle_faces, header.handle_faces);
     find(view.handle_loops, header.handle_loops);
     return view;
-}
-
-/// Visits the arrays of a blob: visit(offset, size in bytes, whether the array is wanted).
-template <Scalar T, std::size_t D, class Header, class Visit>
-void for_each_blob_array(Header& header, const Visit& visit) noexcept {
-    const std::uint64_t points = header.points, rows = header.rows, handles = header.handles;
-    const std::uint64_t lanes = lane_count<T>, blocks = (points + lanes - 1) / lanes;
-    const auto format = static_cast<WeightFormat>(header.format);
-    const bool sparse = header.row_begin != 0, rounded = format != WeightFormat::scalar;
-    visit(header.weights, rows * (lanes * weight_bytes<T>(format)), true);
-    visit(header.row_begin, (blocks + 1) * 4, sparse);
-    visit(header.row_handle, rows * 2, sparse);
-    visit(header.order, points * 4, header.order != 0);
-    visit(header.scale, blocks * sizeof(T), rounded);
-    visit(header.residual, blocks * ((D + 1) * sizeof(Lanes<T>)), rounded);
-    visit(header.affine_fit, handles * ((D + 1) * sizeof(T)), rounded);
-    visit(header.rest, blocks * (D * sizeof(Lanes<T>)), true);
-    visit(header.rest_handles, handles * (D * sizeof(T)), true);
-    visit(header.handle_kinds, handles, header.handle_kinds != 0);
-    visit(header.handle_faces, header.vectors * (D * sizeof(std::uint32_t)), header.handle_faces != 0);
-    visit(header.handle_loops, std::uint64_t{header.loop_numbers} * 4, header.handle_loops != 0);
 }
 
 /// Checks that a table of `numbers` numbers holds loops, none of them empty, of handles that are points.
@@ -247,11 +247,10 @@ public:
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
         std::uint64_t end = sizeof(BlobHeader);
-        detail::for_each_blob_array<T, D>(header,
-                                          [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
-                                              offset = wanted ? end : 0;
-                                              if (wanted) end += (bytes + 63) / 64 * 64;
-                                          });
+        for_each_blob_array<T, D>(header, [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
+            offset = wanted ? end : 0;
+            if (wanted) end += (bytes + 63) / 64 * 64;
+        });
         header.bytes = end;
         memory_.resize(end);
         std::memcpy(memory_.data(), &header, sizeof(header));

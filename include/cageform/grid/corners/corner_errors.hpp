@@ -9,7 +9,7 @@
 // estimate.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/corner.hpp>
 #include <cageform/grid/types/solver_report.hpp>
 

@@ -7,7 +7,7 @@
 // the domain that are one node wide are preserved on every level.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 #include <cageform/parallel/running.hpp>

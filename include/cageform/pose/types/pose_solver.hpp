@@ -45,6 +45,10 @@ struct PosePins {
 template <std::size_t D>
 using PoseTurn = Vec<double, D == 2 ? 1 : 3>;
 
+/// The length of the axes by which a pin turns, in units of PoseSamples::size. It weights turns against
+/// targets.
+inline constexpr double turn_lever = 0.03;
+
 /// How a frame went. Energies are those of PoseSamples, lengths in the units of the cage.
 struct PoseSolverReport {
     static constexpr std::size_t none = ~std::size_t{0};

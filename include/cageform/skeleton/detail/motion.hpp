@@ -1,7 +1,7 @@
 // A figure's motion as the fit of a skeleton reads it.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/core/vec.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
