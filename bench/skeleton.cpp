@@ -14,7 +14,7 @@
 // random vertices; each vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40 frames
 // each bone rotates about two random axes by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, with a random shift
 // of 0.05 size along each axis. A fit of 12 bones can be exact.
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
 #include <cstdio>

@@ -5,8 +5,8 @@
 // equations: Eigen's LDLT (used by libigl's harmonic functions), and CHOLMOD if installed (single-threaded
 // with OMP_THREAD_LIMIT=1, like the others). Limits for any solver with this elimination order: its
 // multiplications as one dense matrix product, and reading the factors forwards and backwards per 16 bones.
-#include <cageform/core/threads.hpp>
 #include <cageform/fields/skin.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>

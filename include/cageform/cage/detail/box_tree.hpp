@@ -1,7 +1,7 @@
 // A tree of bounding boxes, for queries about segments, rays and the nearest of many items.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 
 #include <algorithm>
 #include <array>

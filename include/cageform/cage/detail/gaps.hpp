@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// An edge in the direction in which one of its faces runs along it.
 struct HalfEdge {
@@ -51,8 +51,6 @@ void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
         f(half_edges.subspan(begin, end - begin));
     }
 }
-
-namespace detail {
 
 using MeshLoop = std::vector<std::uint32_t>; ///< vertices in order; the first follows the last
 
@@ -164,6 +162,4 @@ private:
     std::vector<HalfEdge> half_edges_;
 };
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Builds the parts of a cage from the part number of each face.
+// Order, hierarchy and adjacency of the parts of a cage.
 #pragma once
 
 #include <cageform/enclose/types/cage_parts.hpp>

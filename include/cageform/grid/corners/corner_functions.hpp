@@ -12,7 +12,7 @@
 #include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/multigrid/multigrid.hpp>

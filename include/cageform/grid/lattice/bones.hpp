@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 
 #include <algorithm>
@@ -29,12 +29,12 @@ public:
 
     std::size_t size() const noexcept { return bones_.size(); }
 
-    const PlacedBone<D>& operator[](std::size_t n) const noexcept { return bones_[n]; }
+    const detail::PlacedBone<D>& operator[](std::size_t n) const noexcept { return bones_[n]; }
 
     /// Returns a handle of a bone thinner than a cell, which has too few nodes near it; none if
     /// there is no such bone.
     std::optional<std::uint32_t> too_thin() const noexcept {
-        for (const PlacedBone<D>& bone : bones_) {
+        for (const detail::PlacedBone<D>& bone : bones_) {
             if (bone.radius < 0.5) return bone.i;
         }
         return std::nullopt;
@@ -44,7 +44,7 @@ public:
     /// · bones).
     void add_crossings(Crossings<D>& all) const {
         for (std::size_t axis = 0; axis < D; ++axis) {
-            for (const PlacedBone<D>& bone : bones_) {
+            for (const detail::PlacedBone<D>& bone : bones_) {
                 for_each_node_about(bone, axis, [&](const Index& index) {
                     auto p = node_position<D>(index);
                     const Interval chord = chord_of(bone, p, axis);
@@ -62,7 +62,7 @@ public:
     /// Returns the nodes within bones, each once. O(nodes in the bones' boxes · bones).
     Buffer<FixedNode<D>> nodes() const {
         Buffer<FixedNode<D>> all;
-        for (const PlacedBone<D>& bone : bones_) {
+        for (const detail::PlacedBone<D>& bone : bones_) {
             for_each_node_about(bone, D, [&](const Index& index) {
                 if (const auto hit = nearest(node_position<D>(index), on_boundary_distance))
                     all.push_back({index, hit->value});
@@ -77,9 +77,10 @@ public:
 
     /// Returns the distance and the value of the bones at a point, if it is at most `reach` from
     /// the surface of one. O(bones).
-    std::optional<BoneHit<D>> nearest(const Vec<double, D>& p, double reach) const noexcept {
-        return nearest_bone<D>(
-            bones_.size(), [&](std::size_t n) -> const PlacedBone<D>& { return bones_[n]; }, p, reach);
+    std::optional<detail::BoneHit<D>> nearest(const Vec<double, D>& p, double reach) const noexcept {
+        return detail::nearest_bone<D>(
+            bones_.size(), [&](std::size_t n) -> const detail::PlacedBone<D>& { return bones_[n]; }, p,
+            reach);
     }
 
     /// Returns where a ray meets bone `n`; if it begins within the bone, its beginning.
@@ -98,7 +99,7 @@ public:
     /// its box).
     template <class F>
     void for_each_cell(std::size_t n, F&& f) const {
-        const PlacedBone<D>& bone = bones_[n];
+        const detail::PlacedBone<D>& bone = bones_[n];
         // Slightly more than half a diagonal.
         const double reach = bone.radius + 0.51 * std::sqrt(double(D));
         for_each_node_about(bone, D, [&](const Index& index) {
@@ -122,15 +123,15 @@ private:
 
     /// Returns the value at a point on or in a bone. Where bones overlap, it is a mean of all of
     /// them.
-    BoundaryValue<D> value_on(const PlacedBone<D>& bone, const Vec<double, D>& p) const noexcept {
+    BoundaryValue<D> value_on(const detail::PlacedBone<D>& bone, const Vec<double, D>& p) const noexcept {
         const auto hit = nearest(p, on_boundary_distance);
-        return hit ? hit->value : bone_value(bone, p);
+        return hit ? hit->value : detail::bone_value(bone, p);
     }
 
     /// Calls f(node) for the nodes of the lattice in a box about a bone: one for each line along
     /// `axis`, or all if `axis` is D.
     template <class F>
-    void for_each_node_about(const PlacedBone<D>& bone, std::size_t axis, F&& f) const {
+    void for_each_node_about(const detail::PlacedBone<D>& bone, std::size_t axis, F&& f) const {
         Index low{}, high{};
         const Index counts = lattice_.counts();
         for (std::size_t k = 0; k < D; ++k) {
@@ -155,7 +156,8 @@ private:
     /// Returns the interval of the line through `p` along an axis that lies in a bone. A capsule is
     /// convex, so this interval is spanned by those in the balls about the ends and in the cylinder
     /// between them.
-    static Interval chord_of(const PlacedBone<D>& bone, const Vec<double, D>& p, std::size_t axis) noexcept {
+    static Interval chord_of(const detail::PlacedBone<D>& bone, const Vec<double, D>& p,
+                             std::size_t axis) noexcept {
         Interval chord;
         for (const auto& end : {bone.a, bone.b}) {
             auto across = p - end;
@@ -166,7 +168,7 @@ private:
         chord.extend(chord_of_cylinder(bone, p, axis));
         return chord;
     }
-    static Interval chord_of_cylinder(const PlacedBone<D>& bone, const Vec<double, D>& p,
+    static Interval chord_of_cylinder(const detail::PlacedBone<D>& bone, const Vec<double, D>& p,
                                       std::size_t axis) noexcept {
         const auto e = bone.b - bone.a;
         const double e2 = dot(e, e), across2 = e2 - e[axis] * e[axis];
@@ -191,7 +193,7 @@ private:
     }
 
     Lattice<double, D> lattice_;
-    Buffer<PlacedBone<D>> bones_;
+    Buffer<detail::PlacedBone<D>> bones_;
 };
 
 } // namespace grid

@@ -2,7 +2,7 @@
 // its ends.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 

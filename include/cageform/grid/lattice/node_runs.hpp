@@ -1,7 +1,7 @@
 // The unknown nodes of a lattice, stored as runs along the rows, so other nodes cost nothing.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 // boundary.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/bones.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>

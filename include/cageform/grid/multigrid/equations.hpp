@@ -8,7 +8,7 @@
 // Cheng and Kang, J. Comput. Phys. 176 (2002), sec. 2).
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/cut_link.hpp>
 #include <cageform/grid/multigrid/stencil.hpp>
 

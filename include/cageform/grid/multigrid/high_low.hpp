@@ -2,7 +2,7 @@
 // about twice float's digits.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/level.hpp>
 #include <cageform/grid/multigrid/node_values.hpp>
 

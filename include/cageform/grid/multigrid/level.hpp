@@ -2,7 +2,7 @@
 // and irregular ones in a list.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/coarsen.hpp>
 
 #include <optional>

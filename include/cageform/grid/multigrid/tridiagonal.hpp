@@ -2,7 +2,7 @@
 // algorithm).
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
 #include <cageform/grid/multigrid/node_values.hpp>
 

@@ -47,7 +47,7 @@
 // coordinates/harmonic/tree_solver.hpp puts them together.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <array>

@@ -2,8 +2,8 @@
 // inside.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/grid/tree/boundary.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {

@@ -1,7 +1,7 @@
 // Drops keys of a skeleton's motion within a distance tolerance.
 #pragma once
 
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 #include <cageform/skeleton/detail/transform_path.hpp>
 
 #include <algorithm>
