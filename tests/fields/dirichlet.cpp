@@ -191,7 +191,7 @@ TEST_CASE("mirrored rims and cells outside: the exact fields", "[grid][dirichlet
     CHECK(solved >= 17);
 }
 
-TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part without is named",
+TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given, a part without is named",
                    "[grid][dirichlet][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     using cageform::Cell;

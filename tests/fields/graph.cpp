@@ -168,7 +168,7 @@ TEST_CASE("solve_graph: conductances may be far apart", "[fields][graph]") {
     }
 }
 
-TEST_CASE("solve_graph: the exact graphs; negative conductances only when asked for",
+TEST_CASE("solve_graph: the exact graphs, negative conductances only when asked for",
           "[grid][puzzle][oracle]") {
     std::size_t negative = 0;
     const auto cases = cageform_tests::read_json("puzzles");

@@ -422,7 +422,7 @@ TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
     CHECK(cotangent_weights(bad.vertices, cageform_tests::Faces{}).report.status == Status::ok);
 }
 
-TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surface][errors]") {
+TEST_CASE("solve_surface: what is refused, by name, nothing is written", "[surface][errors]") {
     MeshData mesh = cageform_tests::sphere(1);
     const std::size_t size = mesh.vertices.size();
     for (const Point& v : {Point{5, 0, 0}, Point{6, 0, 0}, Point{5, 1, 0}, Point{9, 9, 9}})

@@ -393,7 +393,7 @@ TEST_CASE("strokes that cannot be drawn are refused, and change nothing", "[grid
     CHECK(status_of(unit_square, 2) == Status::ok);
 }
 
-TEST_CASE("fields have the same bits on four threads; strokes that are crowded are counted",
+TEST_CASE("fields have the same bits on four threads, strokes that are crowded are counted",
           "[grid][strokes]") {
     const auto draw = [](std::size_t channels) {
         Diffusion<double> field(unit_square, 40, channels);
