@@ -200,7 +200,8 @@ def public_headers():
     for folder, _, names in sorted(os.walk(root)):
         for name in sorted(names):
             path = os.path.relpath(os.path.join(folder, name), root)
-            if name.endswith(".hpp") and path not in public and not path.startswith(SOLVERS):
+            if name.endswith(".hpp") and path not in public and (
+                    "/types/" in path or not path.startswith(SOLVERS)):
                 text = without_machinery(read("include/cageform/" + path))
                 declared = re.findall(r"^(?:enum class|struct|class) (\w+)[^;\n]*\{", text, flags=re.M)
                 if used.intersection(declared):
