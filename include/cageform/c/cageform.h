@@ -517,7 +517,7 @@ typedef struct cageform_make_cage_options {
     int fill_tunnels; /* in space */
     double regular;   /* weight of regular shapes against a tight fit; 0: 1 */
 } cageform_make_cage_options;
-enum { CAGEFORM_SHAPE_FIGURE = 0, CAGEFORM_SHAPE_HULL = 1, CAGEFORM_SHAPE_BOX = 2 };
+enum cageform_shape { CAGEFORM_SHAPE_FIGURE = 0, CAGEFORM_SHAPE_HULL = 1, CAGEFORM_SHAPE_BOX = 2 };
 
 /* Makes a cage around a figure.
  *
@@ -597,7 +597,11 @@ CAGEFORM_API cageform_status cageform_coordinates_solve(cageform_coordinates* co
 
 /* ---- Bind and pack ------------------------------------------------------------------------------------- */
 
-enum cageform_outside_points { CAGEFORM_EXTEND = 0, CAGEFORM_KEEP_IN_PLACE = 1, CAGEFORM_NEAREST_BOUNDARY = 2 };
+enum cageform_outside_points {
+    CAGEFORM_EXTEND = 0,
+    CAGEFORM_KEEP_IN_PLACE = 1,
+    CAGEFORM_NEAREST_BOUNDARY = 2
+};
 
 typedef struct cageform_bind_options {
     size_t size;
@@ -674,7 +678,7 @@ CAGEFORM_API cageform_status cageform_pack(const cageform_binding* binding,
 CAGEFORM_API cageform_status cageform_bytes_view(const cageform_bytes* bytes, const void** data,
                                                  size_t* size);
 
-enum { CAGEFORM_SMOOTH = 0, CAGEFORM_LINEAR = 1, CAGEFORM_HOLD = 2 };
+enum cageform_keys { CAGEFORM_SMOOTH = 0, CAGEFORM_LINEAR = 1, CAGEFORM_HOLD = 2 };
 enum {
     CAGEFORM_STAY = 0,
     CAGEFORM_GO_STRAIGHT_ON = 1,
@@ -698,7 +702,7 @@ CAGEFORM_API cageform_status cageform_compile_clip(const double* times, size_t c
 
 /* ---- Skeletons ----------------------------------------------------------------------------------------- */
 
-enum {
+enum cageform_bone_kind {
     CAGEFORM_RIGID = 0,    /* bones turn and move: every engine plays these */
     CAGEFORM_SIMILAR = 1,  /* one scale besides; the children of a bone scale with it */
     CAGEFORM_STRETCHED = 2 /* any affine map: only players that multiply matrices show these */
