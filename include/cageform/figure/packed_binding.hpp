@@ -16,8 +16,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-// X(name, NAME, "description"): the enumerators of WeightFormat, and of C: CAGEFORM_FORMAT_NAME. New ones stand at
-// the end: files hold the number.
+// X(name, NAME, "description"): the enumerators here, and of C: CAGEFORM_FORMAT_NAME. Files hold the number:
+// add new ones at the end.
 // clang-format off
 #define CAGEFORM_WEIGHT_FORMATS(X)                                                                           \
     X(scalar, SCALAR, "as the binding's scalar")                                                             \

@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-// X(name, NAME, "description"): the enumerators of OutsidePoints, and of C: CAGEFORM_NAME. New ones stand at the end.
+// X(name, NAME, "description"): the enumerators here, and of C: CAGEFORM_NAME. Add new ones at the end.
 // clang-format off
 #define CAGEFORM_OUTSIDE_POINTS(X)                                                                           \
     X(extend, EXTEND, "by the coordinate type's own extension; kept in place if it has none")                \
