@@ -10,7 +10,7 @@ count() { # WHAT FOUND MOST: fails where there is more than MOST
   printf '%s: %d of at most %d\n' "$1" "$2" "$3"
   [ "$2" -le "$3" ] || failed=1
 }
-# By users. The headers of coordinate types do not count: a new type needs no higher limit.
+# By users. A coordinate type needs no higher limit: its header does not count, and tables of types have a row for it.
 types=$(sed -n 's|^#include <\(cageform/coordinates/.*\)>|include/\1|p' include/cageform/coordinates/types.hpp)
 included=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp' | grep -vxF "$types")
 # A column is a character, whatever awk takes for one: continuation bytes do not count.
@@ -36,7 +36,7 @@ printf '%s\n' "$machinery"
 count 'of them that declare into namespace detail' "$(printf '%s' "$machinery" | grep -c .)" 0
 # Public names are those in namespace cageform, wherever their header lies, but none in a folder detail/. A .impl.hpp
 # defines functions that other headers declare.
-names=$(find include -name '*.hpp' ! -name '*.impl.hpp' -exec "$awk" -f tests/public_names.awk {} +)
+names=$(find include -name '*.hpp' ! -name '*.impl.hpp' -exec "$awk" -f tests/public_names.awk {} + | grep -vF "$types")
 count 'public names' "$(printf '%s\n' "$names" | sed 's/.*://' | sort -u | grep -c .)" 469
 hidden=$(printf '%s\n' "$names" | grep '/detail/')
 printf '%s\n' "$hidden"
@@ -44,8 +44,10 @@ count 'of them in folders detail/' "$(printf '%s' "$hidden" | grep -c .)" 8 # of
 private=$(grep -rnE 'include <cageform/.*detail/|cageform::detail' examples --include='*.hpp' --include='*.cpp' --include='*.md')
 printf '%s\n' "$private"
 count 'uses of detail in examples/' "$(printf '%s' "$private" | grep -c .)" 1 # of papers/
-count 'lines of README.md' "$(grep -c '' README.md)" 196 # three rooms of run time and of threads
+rows=$(printf '%s\n' "$types" | grep -c .)
+count 'lines of README.md' "$(grep -c '' README.md)" $((187 + rows))
 for document in include/cageform/*/README.md bench/README.md tests/README.md; do
-  [ ! -f "$document" ] || count "lines of $document" "$(grep -c '' "$document")" 80
+  [ "$document" = include/cageform/coordinates/README.md ] && most=$((71 + rows)) || most=80
+  [ ! -f "$document" ] || count "lines of $document" "$(grep -c '' "$document")" $most
 done
 exit $failed
