@@ -33,26 +33,6 @@ enum class WeightFormat : std::uint8_t {
 #undef CAGEFORM_DETAIL_FORMAT
 };
 
-namespace detail {
-
-#define CAGEFORM_DETAIL_ONE(...) +1
-inline constexpr std::uint32_t weight_format_count = 0 CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_ONE);
-#undef CAGEFORM_DETAIL_ONE
-
-/// Calls use.operator()<Format>() with the format as a constant, and returns its result.
-template <class Use>
-auto with_format(WeightFormat format, const Use& use) noexcept {
-    switch (format) {
-#define CAGEFORM_DETAIL_FORMAT(name, ...)                                                                    \
-    case WeightFormat::name: return use.template operator()<WeightFormat::name>();
-        CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_FORMAT)
-#undef CAGEFORM_DETAIL_FORMAT
-    }
-    return decltype(use.template operator()<WeightFormat::scalar>())();
-}
-
-} // namespace detail
-
 template <Scalar T>
 constexpr std::size_t weight_bytes(WeightFormat format) noexcept {
     return format == WeightFormat::scalar ? sizeof(T) : format == WeightFormat::int8 ? 1 : 2;
