@@ -2,9 +2,9 @@
 // plane.hpp, space.hpp and polygons.hpp.
 #pragma once
 
-#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/checked_cage.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
@@ -26,16 +26,13 @@ CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const M
 /// such points are evaluated one by one in a wider scalar, in units of their distance from the
 /// boundary, so that nothing overflows.
 template <class Cage>
-class MeanValueEvaluation {
+class MeanValueEvaluation : public CheckedCage<Cage> {
 public:
+    using CheckedCage<Cage>::CheckedCage;
     using scalar = typename Cage::scalar;
     static constexpr std::size_t dimension = Cage::dimension;
-    static constexpr bool has_extension = true;
-    static constexpr bool closed_form = true;
 
-    const Cage& cage() const noexcept { return cage_; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return cage_.vertices(); }
-    const CageReport& cage_report() const noexcept { return report_; }
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
@@ -49,27 +46,11 @@ public:
         return nearest_boundary_weights(cage_, p, row, data_);
     }
 
-protected:
-    explicit MeanValueEvaluation(Cage cage)
-        : cage_(std::move(cage)) {
-        prepare();
-    }
-    /// Uses only the boundary of a cell complex.
-    explicit MeanValueEvaluation(const CellComplex<scalar, dimension>& complex) {
-        report_.status = guard_memory([&] {
-            cage_ = complex.boundary();
-            return complex.status();
-        });
-        if (report_.status != Status::ok) return;
-        prepare();
-        detail::refuse_interior_cells(complex, report_);
-    }
-
-    Cage cage_;
-    CageReport report_;
-
 private:
-    void prepare();
+    using CheckedCage<Cage>::cage_;
+    using CheckedCage<Cage>::report_;
+
+    Status prepare();
     void fill_tables() {
         const auto bounds = bounds_of(surface().vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
@@ -278,6 +259,7 @@ private:
     MomentTest<double, D> gradient_test_;
     double tolerance_ = 0, scale_ = 1;
     Vec<T, D> origin_{};
+    Status prepared_ = prepare(); // declared last: its initialiser fills the other members
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
