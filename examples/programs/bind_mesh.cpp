@@ -32,6 +32,7 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/pose_samples.hpp>
 
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -64,8 +65,8 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
     return normals;
 }
 
-/// The curves of x, y and z of every vertex. Fails where single precision does not hold them.
-Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
+/// The motion, packed exactly; it begins again at its end. Fails where single precision does not hold it.
+Expected<cageform::PackedClip<float, 3>> packed_clip(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
     for (std::size_t n = 0; n < 3 * clip.keys[0].places.size(); ++n) {
@@ -82,7 +83,8 @@ Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip&
         }
         curves.emplace_back(std::move(pieces), float(clip.length));
     }
-    return curves;
+    constexpr auto cycle = cageform::Extrapolation::cycle;
+    return cageform::PackedClip<float, 3>(cageform::CageClip<float, 3>(curves, cycle, cycle).view());
 }
 
 constexpr double of_vectors =
@@ -151,7 +153,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    std::vector<cageform::PiecewiseCubic<float>> curves;
+    cageform::PackedClip<float, 3> clip;
     PoseClip motion;
     SampledPoses poses;
     auto clip_given = given.moves.motion(cage_of_file);
@@ -159,9 +161,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     if (!clip_given->keys.empty()) {
         motion = std::move(*clip_given);
         for (PoseKey& key : motion.keys) key.places = counted_from(origin, key.places);
-        auto made = curves_of(motion);
-        if (!made) return fail(to_string(made.error()));
-        curves = std::move(*made);
+        auto packed = packed_clip(motion);
+        if (!packed) return fail(to_string(packed.error()));
+        clip = std::move(*packed);
         poses = sample_poses(motion);
     }
     const auto bind_options = given.outside.bind_options(coordinates);
@@ -204,7 +206,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     options.weights.poses = *posed;
     const double size = size_of(figure);
     options.weights.tolerance = given.weights.distance * size;
-    const std::vector<std::byte> clip = clip_part(curves);
+    const std::string clip_name = std::filesystem::path(motion.name).stem().string();
+    const cageform::FigureClipData clips[] = {{clip_name, clip.bytes()}};
+    if (!clip.bytes().empty()) options.clips = clips;
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
         auto packed = packed_samples(coordinates, cage.name, given.report);
@@ -225,7 +229,6 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
              detail::short_number(origin[2]) + ", for single precision; clone_figure adds this place");
     }
     const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
-                                              {"CLIP", clip},
                                               {"PINS", samples.bytes()},
                                               {"NRM1", across.bytes()},
                                               {"ORIG", place}};

@@ -2,10 +2,10 @@
 // Wachspress and discrete harmonic coordinates.
 #pragma once
 
-#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/checked_cage.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/three_point/formula.hpp>
 
@@ -71,42 +71,29 @@ inline constexpr bool is_homogeneous<F> = true;
 ///              Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold as exactly
 ///   faults   those of `check`, vertex_not_convex, interior_cells_not_supported
 template <Scalar T, class F>
-class ThreePointCoordinates {
+class ThreePointCoordinates : public detail::CheckedCage<Polygon<T>> {
+    using Base = detail::CheckedCage<Polygon<T>>;
+
 public:
-    using scalar = T;
-    static constexpr std::size_t dimension = 2;
     static constexpr bool has_extension = false;
-    static constexpr bool closed_form = true;
 
-    explicit ThreePointCoordinates(Polygon<T> cage, F f = {})
-        : cage_(std::move(cage))
+    /// Takes a Polygon, its vertices, or a cell complex without cells inside.
+    template <class Cage>
+        requires std::constructible_from<Base, const Cage&>
+    explicit ThreePointCoordinates(const Cage& cage, F f = {})
+        : Base(cage)
         , f_(std::move(f)) {
-        prepare();
+        if (report_.status != Status::ok) return;
+        report_.status = detail::guard_memory([&] {
+            fill_tables();
+            return report_.status;
+        });
     }
-
-    template <PointRange R>
-        requires(range_dimension<R> == 2)
-    explicit ThreePointCoordinates(const R& vertices, F f = {})
-        : ThreePointCoordinates(Polygon<T>(vertices), std::move(f)) {}
     template <UnknownPointRange R>
     explicit ThreePointCoordinates(const R&, F = {}, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Uses only the loops of a cell complex: interior_cells_not_supported if there are cells inside.
-    explicit ThreePointCoordinates(const CellComplex<T, 2>& cage, F f = {})
-        : f_(std::move(f)) {
-        report_.status = detail::guard_memory([&] {
-            cage_ = cage.boundary();
-            return cage.status();
-        });
-        if (report_.status != Status::ok) return;
-        prepare();
-        detail::refuse_interior_cells(cage, report_);
-    }
-
-    const Polygon<T>& cage() const noexcept { return cage_; }
     std::span<const Vec<T, 2>> handles() const noexcept { return cage_.vertices(); }
-    const CageReport& cage_report() const noexcept { return report_; }
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
@@ -123,16 +110,10 @@ public:
     }
 
 private:
+    using Base::cage_;
+    using Base::report_;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
 
-    void prepare() {
-        report_ = check(cage_);
-        if (report_.status != Status::ok) return;
-        report_.status = detail::guard_memory([&] {
-            fill_tables();
-            return report_.status;
-        });
-    }
     void fill_tables() {
         const auto bounds = bounds_of(cage_.vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
@@ -280,8 +261,6 @@ private:
         return p + (Wide(step) / Wide(scale_)) * way;
     }
 
-    Polygon<T> cage_;
-    CageReport report_;
     F f_;
     detail::ThreePointFrame<T> frame_;
     detail::ThreePointFrame<double> gradient_frame_;
