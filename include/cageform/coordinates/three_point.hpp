@@ -180,7 +180,8 @@ private:
         Vec<X, 2> p;
         for (std::size_t k = 0; k < 2; ++k)
             p[k] = X(S(scale_)) * detail::load_lanes<S>(batch.points.block(b)[k], first);
-        const auto result = weigh<N>(frame<N>(), near_distance<N>(), p, memory);
+        const auto& frame = detail::for_number<N>(frame_, gradient_frame_);
+        const auto result = weigh<N>(frame, near_distance<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
             detail::for_each_component(
@@ -205,13 +206,6 @@ private:
         }
     }
 
-    template <class N>
-    const auto& frame() const noexcept {
-        if constexpr (detail::has_gradient<N>)
-            return gradient_frame_;
-        else
-            return frame_;
-    }
     /// Returns the distance from the line of an edge above which registers suffice, in units of the
     /// frame. Next to the boundary gradients in double lose accuracy in proportion to 1/distance.
     template <class N, class S = detail::ScalarOf<detail::ValueOf<N>>>
@@ -239,16 +233,8 @@ private:
         std::vector<N> memory(cage_.size());
         const auto result = weigh<N>(frame_about<Wide>(q, unit), Wide(0), Vec<Wide, 2>{}, memory);
         if (detail::value_of(result.sum) == 0) return PointState::unreached;
-        const N inverse = Wide(1) / result.sum;
-        bool finite = true;
-        for (std::size_t i = 0; i < cage_.size(); ++i) {
-            detail::for_each_component(memory[i] * inverse, i, cage_.size(), Wide(scale_),
-                                       [&](std::size_t row, Wide x) {
-                                           rows[row][lane] = static_cast<T>(x);
-                                           finite = finite && is_finite(rows[row][lane]);
-                                       });
-        }
-        if (!finite) return PointState::unreached;
+        if (!detail::store_weights<N>(memory, Wide(1) / result.sum, Wide(scale_), rows, lane))
+            return PointState::unreached;
         return on_boundary ? PointState::on_boundary : PointState::inside;
     }
 

@@ -135,7 +135,8 @@ private:
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k)
             p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
-        const WeightSum<N> result = weigh_registers<N>(frame<N>(), limits<N>(), p, memory);
+        const WeightSum<N> result =
+            weigh_registers<N>(for_number<N>(frame_, gradient_frame_), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < points(); ++i) {
             for_each_component(memory.weights[i] * inverse, i, points(), S(scale_),
@@ -146,7 +147,7 @@ private:
         // 4.1).
         X special = result.special;
         if (any(value_of(result.sum) < X(S(1))))
-            special += test<N>().failed(p, memory.weights, value_of(result.sum));
+            special += for_number<N>(test_, gradient_test_).failed(p, memory.weights, value_of(result.sum));
 
         Lanes<S> sums, specials;
         value_of(result.sum).store(sums);
@@ -161,22 +162,6 @@ private:
                 batch.states[i] = sums[lane] > S(0) ? PointState::inside : PointState::outside;
             }
         }
-    }
-
-    template <class N>
-    const auto& frame() const noexcept {
-        if constexpr (has_gradient<N>)
-            return gradient_frame_;
-        else
-            return frame_;
-    }
-
-    template <class N>
-    const auto& test() const noexcept {
-        if constexpr (has_gradient<N>)
-            return gradient_test_;
-        else
-            return test_;
     }
 
     /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
@@ -197,16 +182,8 @@ private:
         const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
                                   : weigh_about(vec_cast<Wide>(p), unit, memory);
         if (value_of(sum) == 0) return PointState::unreached;
-        bool finite = true;
-        const N inverse = Wide(1) / sum;
-        for (std::size_t i = 0; i < points(); ++i) {
-            for_each_component(memory.weights[i] * inverse, i, points(), 1 / unit,
-                               [&](std::size_t row, Wide x) {
-                                   rows[row][lane] = static_cast<T>(x);
-                                   finite = finite && is_finite(rows[row][lane]);
-                               });
-        }
-        if (!finite) return PointState::unreached;
+        if (!store_weights<N>(memory.weights, Wide(1) / sum, 1 / unit, rows, lane))
+            return PointState::unreached;
         // Near thin cages and far away rounding can change the sign of the sum, so it does not decide.
         return on_boundary ? PointState::on_boundary : locate(cage_, p, T(0));
     }
