@@ -468,6 +468,15 @@ class Figures(unittest.TestCase):
             with self.assertRaises(FileNotFoundError):
                 cageform.open(os.path.join(folder, 'none'))
 
+    def test_file_of_bind_mesh(self):
+        """A figure of `bind_mesh --move 3:0,0,0.5 --seconds 0.5`: its clip is one of the library's."""
+        path = os.path.join(os.path.dirname(__file__), '../../../tests/data/figures/clip.figure')
+        if not os.path.exists(path):
+            self.skipTest('only in the repository')
+        clip = cageform.open(path).clip('pose')
+        self.assertEqual((clip.begin, clip.end, clip.vertices), (0, 1, 4))
+        np.testing.assert_array_equal(clip.sample(0.5)[3], (0, 0, 1.5))
+
     def test_normals(self):
         points, normals = inside(30, 3), rng.normal(size=(30, 3))
         tangents = np.concatenate([np.cross(normals, rng.normal(size=(30, 3))), np.sign(rng.normal(size=(30, 1)))], axis=1)
