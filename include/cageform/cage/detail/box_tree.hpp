@@ -65,11 +65,10 @@ public:
     bool any_on_segment(const Vec<double, D>& p, const Vec<double, D>& q, const F& f) const {
         constexpr double least = 1e-290; // keeps the inverse finite
         constexpr double slack = 1e-9;   // in segment lengths, far above rounding
-        Box segment;
+        Box segment{p, p};
+        segment.include({q, q});
         Vec<double, D> inverse{}; // 0 along axes that the segment hardly moves along
         for (std::size_t k = 0; k < D; ++k) {
-            segment.lower[k] = (std::min)(p[k], q[k]);
-            segment.upper[k] = (std::max)(p[k], q[k]);
             if (segment.upper[k] - segment.lower[k] > least) inverse[k] = 1 / (q[k] - p[k]);
         }
         const auto may_meet = [&](const Box& box) {
@@ -105,13 +104,7 @@ private:
 
     std::uint32_t divide(const std::vector<Box>& boxes, std::uint32_t begin, std::uint32_t end) {
         Box box = boxes[order_[begin]];
-        for (std::uint32_t n = begin + 1; n < end; ++n) {
-            const auto& more = boxes[order_[n]];
-            for (std::size_t k = 0; k < D; ++k) {
-                box.lower[k] = (std::min)(box.lower[k], more.lower[k]);
-                box.upper[k] = (std::max)(box.upper[k], more.upper[k]);
-            }
-        }
+        for (std::uint32_t n = begin + 1; n < end; ++n) box.include(boxes[order_[n]]);
         const auto number = std::uint32_t(nodes_.size());
         nodes_.push_back({box, begin, end, 0});
         if (end - begin <= leaf) return number;

@@ -178,12 +178,7 @@ inline double triangle_quality(const Corners<3>& corner) noexcept {
 
 /// Bounds of a triangle with finite corners.
 inline Bounds<double, 3> box_of(const Corners<3>& corner) noexcept {
-    Bounds<double, 3> box{corner[0], corner[0]};
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = (std::min)({corner[0][k], corner[1][k], corner[2][k]});
-        box.upper[k] = (std::max)({corner[0][k], corner[1][k], corner[2][k]});
-    }
-    return box;
+    return bounds_of(std::span<const Vec<double, 3>>(corner));
 }
 
 /// Spatial hash of faces by the grid cells that intersect their bounds. Cells may share a bucket.
