@@ -24,14 +24,14 @@ public:
     /// Makes the cage from the arguments of its constructor: vertices, in space with faces.
     template <PointRange R, class... More>
         requires std::constructible_from<Cage, const R&, const More&...>
-    explicit CheckedCage(const R& vertices, const More&... more)
+    explicit(sizeof...(More) == 0) CheckedCage(const R& vertices, const More&... more)
         : CheckedCage(Cage(vertices, more...)) {}
     template <UnknownPointRange R>
     explicit CheckedCage(const R&, PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
     template <UnknownPointRange R, class F>
-    explicit CheckedCage(const R&, const F&, PointTraitsNotSpecialisedForThesePoints = {}) =
-        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
+    CheckedCage(const R&, const F&,
+                PointTraitsNotSpecialisedForThesePoints = {}) = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// Uses only the boundary of a cell complex: interior_cells_not_supported if there are cells inside.
     explicit CheckedCage(const CellComplex<scalar, dimension>& complex) {
