@@ -32,12 +32,12 @@ struct SolutionHeader {
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
     std::uint32_t endian = 0x01020304u;
-    std::uint64_t bytes = 0;    ///< in all, a multiple of 64
-    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
+    std::uint64_t bytes = 0;                       ///< in all, a multiple of 64
+    std::uint64_t checksum = 0;                    ///< `hash_memory` of all that follows this field
     std::uint32_t dimension = 0, scalar_bytes = 0; ///< the latter always 0
-    std::uint64_t cage_hash = 0; ///< of vertices and faces, in double
-    std::uint64_t grid_hash = 0; ///< of the grid's cells and the boundary data on it
-    double accuracy = 0;         ///< HarmonicOptions::accuracy
+    std::uint64_t cage_hash = 0;                   ///< of vertices and faces, in double
+    std::uint64_t grid_hash = 0;                   ///< of the grid's cells and the boundary data on it
+    double accuracy = 0;                           ///< HarmonicOptions::accuracy
     std::uint64_t group_count = 0, nodes = 0, groups = 0;
     std::uint64_t grid_errors = 0, grid_error_count = 0;
     // The report of the solve.
