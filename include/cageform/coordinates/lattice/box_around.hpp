@@ -1,8 +1,8 @@
 // The box of a lattice about a figure.
 #pragma once
 
-#include <cageform/core/types/bounds.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/core/types/handles.hpp>
 #include <cageform/core/view.hpp>
 
