@@ -1,5 +1,4 @@
-// Imports samplers of glTF 2.0 animations with any interpolation, and exports curves as
-// CUBICSPLINE.
+// Imports glTF 2.0 animation samplers of any interpolation, and exports curves as CUBICSPLINE.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -13,19 +12,19 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The arrays of a sampler.
 struct GltfTrack {
     std::vector<float> times;  ///< the sampler's input, in seconds
-    std::vector<float> values; ///< its output: in-tangents, values and out-tangents of each key
+    std::vector<float> values; ///< the sampler's output: in-tangent, value and out-tangent of each key
 };
 
-/// Imports a Bézier curve for every interval and component. Handles lie at thirds of the interval, on
-/// the tangents, which are in units per second. The conversion is lossless. A rotation's four
-/// components must still be normalised after evaluation.
+/// Imports one Bézier curve per interval and component, without loss. Handles lie at thirds of the
+/// interval, on the tangents, which are in units per second. Normalise the four components of a rotation
+/// after evaluation.
 ///
 ///   times       #K, in seconds, ascending
 ///   values      3 · #K · components: in-tangents, values and out-tangents of each key
 ///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
-///   fails       input_malformed if the sizes do not match, for fewer than two keys or no components;
-///               value_not_finite, even for the first in- and the last out-tangent, which are unused;
-///               keys_not_ascending if times do not ascend; out_of_memory
+///   fails       input_malformed if the sizes do not match, or for fewer than two keys or no components;
+///               value_not_finite, also for the unused first in- and last out-tangent; keys_not_ascending;
+///               out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<std::vector<BezierCurve>, ExchangeReport>
 from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
@@ -53,14 +52,14 @@ from_gltf_cubicspline(std::span<const float> times, std::span<const float> value
 /// A sampler's `interpolation`.
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 
-/// Reads the arrays of a sampler as keys to be compiled, one curve for each component. The curves of
-/// CUBICSPLINE are those of `from_gltf_cubicspline`, LINEAR gives straight lines, STEP held values.
+/// Imports the arrays of a sampler as keys, one curve per component. CUBICSPLINE gives the curves of
+/// `from_gltf_cubicspline`, LINEAR straight lines, STEP held values.
 ///
 ///   times, components  as for `from_gltf_cubicspline`; a single key is allowed
-///   values             #K · components; for CUBICSPLINE 3 · #K · components, with tangents per
-///                      second. The components of a rotation must be normalised after evaluation;
-///                      for LINEAR this is not the slerp that glTF prescribes
-///   fails              as `from_gltf_cubicspline`, except that a single key is allowed
+///   values             #K · components; for CUBICSPLINE 3 · #K · components, with tangents per second.
+///                      Normalise a rotation after evaluation. For LINEAR rotations this is not the slerp
+///                      of the glTF standard
+///   fails              as `from_gltf_cubicspline`
 /// glTF 2.0, sec. 3.11 and appendix C.
 inline Result<std::vector<std::vector<Key>>, ExchangeReport>
 keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,
@@ -92,22 +91,20 @@ keys_from_gltf(std::span<const float> times, std::span<const float> values, std:
     return result;
 }
 
-/// Exports curves as the sampler of a track. Works for curves fitted by this library and curves of
-/// `from_gltf_cubicspline`. Other curves, in which time is not linear in the parameter, must be
-/// fitted first.
+/// Exports curves as one sampler. Time must be linear in the parameter, as in curves fitted by this library
+/// and those of `from_gltf_cubicspline`; fit other curves first.
 ///
-///   curves      #I · components, at least one interval, curves[interval * components + component]; the
-///               intervals follow
-///               each other in time, the same for all components, and a curve's last value is the
-///               next one's first
+///   curves      #I · components, #I ≥ 1: curves[interval · components + component]. All components have
+///               the same consecutive intervals, and each curve begins at the value where the curve before
+///               it ends
 ///   components  at least 1
-///   tangents    scaled by the interval's length in single precision, so that handles keep their
-///               values; the first in- and the last out-tangent are 0
-///   fails       as `check`; input_malformed if the sizes, or the intervals or values of
-///               neighbours, do not match, or time begins before 0; interval_empty if times
-///               coincide in single precision; handle_not_allowed if a handle is off its third by
-///               more than 1e-7 of the interval; value_not_finite and slope_unbounded if a value or
-///               tangent is too large for single precision; out_of_memory
+///   tangents    scaled by the single-precision length of the interval, so that handles keep their values;
+///               the first in- and the last out-tangent are 0
+///   fails       as `check`; input_malformed if the sizes do not match, if neighbouring intervals or values
+///               do not meet, or if time begins before 0; interval_empty if times coincide in single
+///               precision; handle_not_allowed if a handle is off its third by more than 1e-7 of the
+///               interval; value_not_finite and slope_unbounded if a value or tangent is too large for
+///               single precision; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<GltfTrack, ExchangeReport> to_gltf_cubicspline(std::span<const BezierCurve> curves,
                                                              std::size_t components) noexcept {
