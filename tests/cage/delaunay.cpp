@@ -143,7 +143,7 @@ TEST_CASE("facets of a hull that are flat to rounding are one", "[cage][delaunay
     const auto delaunay = triangulated<3>(sites);
     check_sound(delaunay);
     Points<3> at;
-    for (std::uint32_t v = 0; v < delaunay.size(); ++v) at.push_back(lattice.seen(delaunay.point(v)));
+    for (std::uint32_t v = 0; v < delaunay.size(); ++v) at.push_back(lattice.to_extents(delaunay.point(v)));
     const detail::HullFacets<3> hull(delaunay, at, 0x1p-49);
     CHECK(hull.facets.size() == 6);
     for (const auto& facet : hull.facets) {

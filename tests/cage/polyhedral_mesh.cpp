@@ -43,10 +43,10 @@ TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedra
             polygon.push_back(next + (double(n) / double(of)) * (base[k] - next));
         size = cageform_tests::larger(size, cageform::detail::length(next - base[k]));
     }
-    const cageform::detail::PolygonCutter cutter(polygon);
-    REQUIRE(cutter.triangles().size() == polygon.size() - 2);
+    const cageform::detail::PolygonTriangulation triangulation(polygon);
+    REQUIRE(triangulation.triangles().size() == polygon.size() - 2);
     double sum = 0;
-    for (const auto& [a, b, c] : cutter.triangles()) {
+    for (const auto& [a, b, c] : triangulation.triangles()) {
         const double own = 0.5 * cross(polygon[b] - polygon[a], polygon[c] - polygon[a]);
         CHECK(own > 1e-6 * size * size / double(polygon.size()) / double(polygon.size()));
         sum += own;

@@ -1,4 +1,4 @@
-// The fault of a cell complex given to a coordinate type that does not support cells inside.
+// The fault of a cell complex in a coordinate type that does not support interior cells.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>

@@ -390,7 +390,7 @@ namespace grid {
 ///         point of the boundary; no weight is negative
 ///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or
 ///               NoNearField; runs of nodes have copies of it
-template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
+template <std::size_t D, class Data = detail::LinearBoundaryData<D>, class Near = detail::NoNearField>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
                    const Near& near_field = {}, const Running& running = {}) {
     TreeLinks links = detail::joined_runs<TreeLinks>(running, nodes.count(), 2048, [&] {
