@@ -37,6 +37,6 @@ count 'of them that declare into namespace detail' "$(printf '%s' "$machinery" |
 count 'public names' "$("$awk" -f tests/public_names.awk $public | sort -u | grep -c .)" 293 # find_parts, the parts that it returns, and one of them; pair_faces; fit_skeleton, what it returns, its options, report and kinds of bones; fit_skeleton_keys, the keys, their options and report
 count 'lines of README.md' "$(grep -c '' README.md)" 190
 for document in include/cageform/*/README.md bench/README.md tests/README.md; do
-  [ ! -f "$document" ] || count "lines of $document" "$(grep -c '' "$document")" 80
+  [ ! -f "$document" ] || count "lines of $document" "$(grep -c '' "$document")" 100
 done
 exit $failed

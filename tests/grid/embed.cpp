@@ -204,7 +204,7 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
                                              {1, 0.56}, {1, 1}, {0, 1}};
     const Polygon<double> cage(spiked);
     const auto unseen = [&](double cells) {
-        const auto seen = cageform::grid::seen_handles<2>(
+        const auto seen = cageform::grid::resolved_handles<2>(
             SimplexBoundary<2>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size(),
             [](const cageform::BoundaryValue<2>& value, const auto& see) {
                 for (std::size_t n = 0; n < 2; ++n) {

@@ -2,8 +2,9 @@
 // flags.
 #pragma once
 
-#include <bit>
 #include <cageform/config.hpp>
+
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

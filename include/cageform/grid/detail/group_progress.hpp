@@ -1,4 +1,4 @@
-// The progress and the end of groups that are solved on several threads.
+// Progress and termination of groups that are solved on several threads.
 #pragma once
 
 #include <cageform/core/detail/in_parallel.hpp>
@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The progress of groups that are solved on several threads. Construct it on the calling thread;
-/// only that thread calls the caller's progress function.
+/// Progress of groups that are solved on several threads. Construct it on the calling thread; only that
+/// thread calls the caller's progress function.
 class GroupProgress {
 public:
     GroupProgress(const Progress& progress, std::size_t groups)
@@ -20,7 +20,7 @@ public:
     bool stopped() const noexcept { return stopped_; }
     void stop() noexcept { stopped_ = true; } ///< stops every thread
 
-    /// Reports that the fraction `element` of the current group is done. Returns false to stop.
+    /// Reports the completed fraction of the current group. Returns false to stop.
     bool keep_going(double element) {
         if (this_thread() == caller_ && progress_ && !stopped_) {
             reported_ = (std::max)(reported_, (double(done_) + element) / double(groups_));
@@ -42,7 +42,7 @@ private:
     double reported_ = 0;
 };
 
-/// Stops the other threads if this one leaves by an exception.
+/// Stops the other threads if this thread leaves by an exception.
 struct StopUnlessDone {
     explicit StopUnlessDone(GroupProgress& all) noexcept
         : progress(all) {}

@@ -1,4 +1,4 @@
-// A mutex, also where the standard library has none.
+// A mutex, also for standard libraries without std::mutex.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -11,9 +11,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 #if defined(__STDCPP_THREADS__) && (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
 using Mutex = std::mutex;
 #else
-/// A spin lock for standard libraries without std::mutex: WebAssembly without threads, and
-/// mingw-w64 with the win32 thread model, where a job system may still have threads. The guarded
-/// code takes well below a microsecond.
+/// A spin lock for standard libraries without std::mutex: WebAssembly without threads, and mingw-w64 with
+/// the win32 thread model, where a job system may still have threads. The guarded code takes well below a
+/// microsecond.
 class Mutex {
 public:
     void lock() noexcept {
