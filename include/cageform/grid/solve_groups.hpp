@@ -6,7 +6,6 @@
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/detail/group_progress.hpp>
-#include <cageform/grid/detail/mutex.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
 
 #include <atomic>
@@ -14,9 +13,7 @@
 #include <mutex>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The context of a solve of one group.
 struct GroupWork {
@@ -105,6 +102,4 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
     return running.end(status);
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

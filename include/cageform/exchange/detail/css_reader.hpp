@@ -11,9 +11,7 @@
 #include <limits>
 #include <string_view>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Reads tokens of CSS Syntax Module Level 3, sec. 4, from ASCII text.
 class CssReader {
@@ -116,6 +114,4 @@ inline BezierCurve unit_curve(double x1, double y1, double x2, double y2) noexce
     return {{{{0, 0}, {x1, y1}, {x2, y2}, {1, 1}}}};
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -8,9 +8,7 @@
 #include <cstddef>
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Checks that each key has `rows` values of each component, all numbers are finite, and times ascend.
 inline ExchangeReport check_gltf(std::span<const float> times, std::span<const float> values,
@@ -68,6 +66,4 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
     return std::fabs(before.points[3][1] - curve.points[0][1]) <= double(epsilon<float>) * size;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -6,9 +6,7 @@
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
 #include <cageform/fields/types/cotangent_weights.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns the positions of vertices in 3D; a 2D mesh is in the plane of the first two axes.
 template <class R>
@@ -102,6 +100,4 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
     return Status::ok;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -13,9 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport& report) {
     // The ordering stores links in both directions, and additional entries, with 32-bit indices.
@@ -168,6 +166,4 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
     return status;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -7,9 +7,7 @@
 #include <cageform/fields/surface.hpp>
 #include <cageform/fields/types/surface_skin.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The bones nearest to a point.
 struct NearestBones {
@@ -240,6 +238,4 @@ surface_skin(const R& points, const F& faces, std::span<const BoneSegment> bones
     return skin;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -8,9 +8,7 @@
 #include <cageform/fields/types/dirichlet_options.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The connected components of nodes, as sets of runs.
 template <std::size_t D>
@@ -142,6 +140,4 @@ Status solve_cells(const UnknownCells<D>& unknown, std::span<T> values, const Di
     return Status::ok;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -4,8 +4,7 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/detail/loop_sides.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// Inserts j into the neighbours of i counter-clockwise. A vertex with one edge lists its neighbour
 /// twice, because the inside is all around the edge.
@@ -68,6 +67,4 @@ double free_radius(std::size_t i, const Cage& cage, std::span<const Vec<double, 
     return radius;
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

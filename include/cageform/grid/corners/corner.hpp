@@ -17,8 +17,7 @@
 #include <cstddef>
 #include <numbers>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The singular functions of one corner. Lengths are in units of the lattice.
 class Corner {
@@ -122,6 +121,4 @@ private:
     std::size_t count_ = 0;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -15,8 +15,7 @@
 #include <cstdint>
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// Estimates the error near corners in 2D or edges in 3D. Corners are added one by one before the solve,
 /// each with nodes to measure the solution at; after the solve `measure` makes the report. Takes about 40
@@ -119,6 +118,4 @@ private:
     Buffer<Node> nodes_;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -15,8 +15,7 @@
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/multigrid/multigrid.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The corners of a polygon on a lattice, and their corrections to the equations and to sampling.
 class CornerFunctions {
@@ -391,6 +390,4 @@ private:
     std::uint32_t coefficients_ = 0; ///< number of coefficients of all corners per function
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

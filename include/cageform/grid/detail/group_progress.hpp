@@ -1,4 +1,4 @@
-// Progress and termination of groups that are solved on several threads.
+// Progress, termination and locking of groups that are solved on several threads.
 #pragma once
 
 #include <cageform/core/detail/in_parallel.hpp>
@@ -6,8 +6,27 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <mutex>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
+
+#if defined(__STDCPP_THREADS__) && (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
+using Mutex = std::mutex;
+#else
+/// A spin lock for standard libraries without std::mutex: WebAssembly without threads, and mingw-w64 with
+/// the win32 thread model, where a job system may still have threads. The guarded code takes well below a
+/// microsecond.
+class Mutex {
+public:
+    void lock() noexcept {
+        while (taken_.test_and_set(std::memory_order_acquire)) {}
+    }
+    void unlock() noexcept { taken_.clear(std::memory_order_release); }
+
+private:
+    std::atomic_flag taken_;
+};
+#endif
 
 /// Progress of groups that are solved on several threads. Construct it on the calling thread; only that
 /// thread calls the caller's progress function.

@@ -7,8 +7,7 @@
 
 #include <algorithm>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The bones of a cage: discs or balls around points, capsules around edges. All positions and distances
 /// are in units of the lattice.
@@ -191,6 +190,4 @@ private:
     Buffer<PlacedBone<D>> bones_;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

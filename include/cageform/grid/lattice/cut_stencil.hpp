@@ -7,8 +7,7 @@
 
 #include <optional>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The value at a point as a weighted sum of values at nodes and on the boundary, for any function.
 template <std::size_t D>
@@ -69,6 +68,4 @@ struct Hit {
     BoundaryValue<D> value;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

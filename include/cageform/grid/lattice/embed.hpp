@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/grid/lattice/cut_link.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 

@@ -12,8 +12,7 @@
 #include <optional>
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// A point where a lattice line meets the boundary, in units of the lattice: node i of an axis is at i.
 template <std::size_t D>
@@ -92,6 +91,4 @@ concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<dou
 template <class B>
 concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -1,4 +1,4 @@
-// The unknown nodes of a lattice, stored as runs along the rows.
+// The unknown nodes of a lattice, stored as runs along the rows, and their links to the boundary.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -12,8 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The unknown nodes, numbered row by row (rows are parallel to axis 0). Converts between the index in this
 /// order and the position on the lattice.
@@ -173,6 +172,11 @@ private:
     std::uint32_t count_ = 0;
 };
 
-} // namespace grid
+/// A link that the boundary cuts before the neighbouring node.
+struct CutLink {
+    std::uint32_t node;     ///< index of the unknown
+    std::uint8_t direction; ///< 2·axis, + 1 towards larger indices
+    double weight;          ///< 1/θ, where θ in (0, 1] is the fraction of the link before the boundary
+};
 
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -8,7 +8,6 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/grid/lattice/cut_link.hpp>
 #include <cageform/grid/multigrid/stencil.hpp>
 
 #include <span>

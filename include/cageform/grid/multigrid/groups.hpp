@@ -6,8 +6,7 @@
 
 #include <functional>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The stopping criteria of the cycles.
 struct CycleGoal {
@@ -84,6 +83,4 @@ struct MultigridGroups {
 template <std::size_t D, class Fill>
 MultigridGroups(const Multigrid<D>&, CycleGoal, Fill) -> MultigridGroups<D, Fill>;
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

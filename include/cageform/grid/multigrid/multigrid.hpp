@@ -48,8 +48,7 @@
 #include <cageform/grid/multigrid/relax.hpp>
 #include <cageform/grid/multigrid/tridiagonal.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The levels for one set of unknowns, for any number of right-hand sides and threads.
 template <std::size_t D>
@@ -420,6 +419,4 @@ private:
     Buffer<Nearest> inner_neighbours_; ///< parallel to the last source nodes, those without cut links
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

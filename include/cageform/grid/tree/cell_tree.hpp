@@ -52,8 +52,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// A tree over a cube of 2^depth units. All coordinates are in units. The children of a cell have
 /// consecutive indices. Child n is the upper one along the axes of the set bits of n.
@@ -192,6 +191,4 @@ void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) 
     }
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -4,8 +4,7 @@
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/grid/tree/boundary.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 enum class CellState : std::uint8_t {
     out,     ///< outside, without facets
@@ -183,6 +182,4 @@ void balance(CutTree<D>& tree, const Running& running = {}) {
     balance(tree.cells(), counts, [&](const typename CellTree<D>::Cell& leaf) { tree.split(leaf); });
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

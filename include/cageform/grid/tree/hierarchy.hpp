@@ -8,8 +8,7 @@
 
 #include <cageform/grid/tree/links.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// One level: its equations, and the prolongation from the next coarser level to it.
 struct TreeLevel {
@@ -175,6 +174,4 @@ private:
     unsigned level_ = 0;
 };
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

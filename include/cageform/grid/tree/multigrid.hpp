@@ -22,8 +22,7 @@
 
 #include <functional>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The equations of a tree's nodes on all levels, and the cycles that solve them in float. `refine` adds
 /// the solution to one in double and makes the residual the new right-hand side, so any tolerance can be
@@ -435,6 +434,4 @@ private:
     std::vector<detail::TreeLevel> levels_; ///< the finest first
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid
