@@ -30,8 +30,7 @@ public:
         if (status_ != Status::ok) sites_.clear();
     }
 
-    /// Returns out_of_memory if the sites did not fit in memory; the set is then empty. `check`
-    /// reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty set, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return sites_.size(); }
     std::span<const Vec<T, D>> sites() const noexcept { return sites_; }

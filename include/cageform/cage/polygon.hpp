@@ -35,7 +35,6 @@ public:
 
     Polygon() = default;
 
-    /// Makes a single loop.
     template <PointRange R>
         requires(range_dimension<R> == 2)
     explicit Polygon(const R& vertices)
@@ -50,8 +49,7 @@ public:
         if (status_ != Status::ok) *this = Polygon(status_);
     }
 
-    /// Returns out_of_memory if the vertices did not fit in memory; the polygon is then empty.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty polygon, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 2>> vertices() const noexcept { return vertices_; }
@@ -59,7 +57,6 @@ public:
     std::span<const Loop> loops() const noexcept { return loops_; }
     bool loops_match() const noexcept { return loops_match_; }
 
-    /// Calls `f(i, j)` for the edges of all loops.
     template <class F>
     void for_each_edge(F&& f) const {
         for (const Loop& loop : loops_) loop.for_each_edge(f);

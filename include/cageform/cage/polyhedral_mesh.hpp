@@ -78,8 +78,7 @@ public:
     PolyhedralMesh(const R& vertices, const F& faces, T off_plane)
         : PolyhedralMesh(vertices, faces, PolyhedralOptions{.off_plane = double(off_plane)}) {}
 
-    /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty mesh, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return size_; }
     std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices().first(size_); }
@@ -108,7 +107,6 @@ public:
     /// Returns the maximum distance of a corner from its face's plane.
     double off_plane() const noexcept { return off_plane_; }
     const PolyhedralOptions& options() const noexcept { return options_; }
-    /// Whether a face is bound as a fan.
     bool is_fan(std::size_t f) const noexcept { return is_fan_[f]; }
     /// Returns the vertices of `triangles()` that follow those of the mesh.
     const detail::FanPoints& fan_points() const noexcept { return fan_points_; }
@@ -159,7 +157,6 @@ private:
         return detail::FarthestCorner(positions, detail::FacePlane(positions)).distance > off_plane_;
     }
 
-    /// Triangulates a face and adds its triangles.
     static void cut(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at,
                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
         if (loop.size() == 3) return triangles.push_back({loop[0], loop[1], loop[2]});
@@ -187,11 +184,9 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Deduces the scalar from the points.
 template <PointRange R, LoopRange F>
 PolyhedralMesh(const R&, const F&, const PolyhedralOptions& = {}) -> PolyhedralMesh<range_scalar_t<R>>;
 
-/// Calls f(triangle) with arrays of vertices.
 template <Scalar T, class F>
 void for_each_facet(const PolyhedralMesh<T>& mesh, F&& f) {
     for_each_facet(mesh.triangles(), f);

@@ -45,8 +45,7 @@ public:
         if (status_ != Status::ok) *this = TriangleMesh(status_);
     }
 
-    /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty mesh, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
@@ -86,7 +85,6 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Deduces the scalar from the points.
 template <PointRange R, FaceRange F>
 TriangleMesh(const R&, const F&) -> TriangleMesh<range_scalar_t<R>>;
 

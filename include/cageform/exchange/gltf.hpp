@@ -9,7 +9,6 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The arrays of a sampler.
 struct GltfTrack {
     std::vector<float> times;  ///< the sampler's input, in seconds
     std::vector<float> values; ///< the sampler's output: in-tangent, value and out-tangent of each key
@@ -49,7 +48,6 @@ from_gltf_cubicspline(std::span<const float> times, std::span<const float> value
     return result;
 }
 
-/// A sampler's `interpolation`.
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 
 /// Imports the arrays of a sampler as keys, one curve per component. CUBICSPLINE gives the curves of

@@ -268,7 +268,6 @@ private:
     static bool is_rim(const BoundaryValue<D>& at) noexcept {
         return std::all_of(at.weight.begin(), at.weight.end(), [](double w) { return w == 0; });
     }
-    /// Returns the stroke or wall of a handle.
     std::size_t stroke_of(std::uint32_t handle) const noexcept {
         const auto point = std::uint32_t(handle % drawing_.points.size());
         return std::size_t(std::upper_bound(strokes_.begin(), strokes_.end(), point) - strokes_.begin()) - 1;
@@ -328,7 +327,6 @@ private:
         return Status::ok;
     }
 
-    /// Solves for the nodes' values, channel after channel.
     Status solve_nodes(const grid::EmbeddedProblem<D>& problem, const DiffusionOptions& options,
                        std::vector<T>& solved, SolverReport& report, const Running& running) const {
         const std::uint32_t count = problem.nodes.count();

@@ -179,7 +179,6 @@ private:
             }
         }
     }
-    /// `loop` is the loop of edge a.
     bool edges_touch(std::size_t a, std::size_t b, const Loop& loop, CurvesTouch& touch) const {
         std::array<Vec<double, 2>, 2> common{};
         std::size_t count = 0;

@@ -9,7 +9,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A curve e: [0, 1] → R² given by its control points.
 struct PlaneCurve {
     static constexpr std::size_t most_degree = 3;
 

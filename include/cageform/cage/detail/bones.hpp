@@ -47,7 +47,6 @@ struct BoneHit {
 
 namespace detail {
 
-/// Returns a bone of a complex with the positions of its vertices.
 template <Scalar T, std::size_t D>
 PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
     return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};

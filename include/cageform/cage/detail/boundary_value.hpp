@@ -14,7 +14,6 @@ struct BoundaryValue {
     std::array<double, most> weight{};
 };
 
-/// Returns the boundary data at the point of a facet with these barycentric weights.
 template <std::size_t D>
 BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
                                 const std::array<double, D>& weight) noexcept {

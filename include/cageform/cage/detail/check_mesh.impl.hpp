@@ -181,7 +181,6 @@ private:
     Buffer<Facet<3>> facets_;
 };
 
-/// Checks the numbers of vertices and faces, the indices, and that vertices are finite.
 template <Scalar T>
 void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
     if (mesh.size() < 4) report.add(CageFaultKind::too_few_vertices, 0, mesh.size());

@@ -10,7 +10,6 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Checks the numbers of vertices, and that all vertices are finite.
 template <Scalar T>
 void check_loops(const Polygon<T>& polygon, CageReport& report) {
     const auto loops = polygon.loops();
@@ -48,7 +47,6 @@ inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tol
     }
 }
 
-/// Runs the steps of `check`.
 template <Scalar T>
 void check_polygon(const Polygon<T>& polygon, CageReport& report) {
     check_loops(polygon, report);

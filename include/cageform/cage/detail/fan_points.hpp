@@ -29,7 +29,6 @@ public:
     std::span<const std::uint32_t> corners(std::size_t point) const noexcept {
         return {corners_.data() + begin(point), ends_[point] - begin(point)};
     }
-    /// Calls f(vertex, weight) for the corners of a point.
     template <class F>
     void for_each_corner(std::size_t point, F&& f) const {
         for (std::size_t n = begin(point); n < ends_[point]; ++n) f(corners_[n], weights_[n]);

@@ -13,7 +13,6 @@ namespace cageform::inline CAGEFORM_ABI {
 struct HalfEdge {
     std::uint32_t from, to, face;
 
-    /// Returns the edge regardless of direction.
     auto edge() const noexcept { return std::pair((std::min)(from, to), (std::max)(from, to)); }
 };
 

@@ -23,7 +23,6 @@ MeshFace checked_face(const F& face, std::size_t count) noexcept {
     return checked;
 }
 
-/// Whether a corner of a facet is no_vertex.
 template <std::size_t D>
 bool has_missing_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
     return std::find(facet.begin(), facet.end(), no_vertex) != facet.end();

@@ -39,11 +39,9 @@ inline bool is_enclosed(double winding_number) noexcept {
 
 // ---- facets: edges in 2D, triangles in 3D -------------------------------------------------------
 
-/// The positions of a facet's corners.
 template <std::size_t D>
 using Corners = std::array<Vec<double, D>, D>;
 
-/// A facet: its vertices and their positions.
 template <std::size_t D>
 struct Facet {
     std::array<std::uint32_t, D> vertex;
@@ -132,7 +130,6 @@ inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Cor
     return best;
 }
 
-/// Returns the point with these barycentric weights on a facet.
 template <std::size_t D>
 Vec<double, D> point_on_facet(const std::array<double, D>& weights, const Corners<D>& corner) noexcept {
     Vec<double, D> x{};

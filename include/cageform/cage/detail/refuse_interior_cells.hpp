@@ -5,7 +5,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Reports interior cells as a fault, for coordinate types that do not support them.
 template <Scalar T, std::size_t D>
 void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
     const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();

@@ -12,7 +12,6 @@ class TriangleMesh; // in cage/triangle_mesh.hpp
 
 namespace detail {
 
-/// The connected components of a closed mesh.
 struct Shells {
     std::vector<std::uint32_t> of_face;    ///< the shell of every face
     std::vector<std::uint32_t> first_face; ///< of every shell

@@ -106,7 +106,6 @@ bool is_flat_set(std::span<const Vec<double, D>> sites, double tolerance) noexce
     return false;
 }
 
-/// Runs the steps of `check`.
 template <Scalar T, std::size_t D>
 void check_point_set(const PointSet<T, D>& set, CageReport& report) {
     if (set.size() < D + 1) return report.add(CageFaultKind::too_few_vertices, 0, set.size());

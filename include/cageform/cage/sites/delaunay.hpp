@@ -288,7 +288,6 @@ private:
         }
         search.last_ = added_.front();
     }
-    /// Adds the simplex of `v` and the facet of `s` opposite to vertex `k`.
     void add_simplex(std::uint32_t v, std::uint32_t s, std::size_t k) {
         Simplex fresh = simplices_[s];
         const std::uint32_t beyond = fresh.neighbour[k];

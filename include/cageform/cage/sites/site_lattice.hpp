@@ -147,7 +147,6 @@ int certain_sign(const Square<double, N>& m) noexcept {
     return 2;
 }
 
-/// Returns the rows a_1 − a_0, …, a_D − a_0.
 template <class X, std::size_t D>
 Square<X, D> edge_rows(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     Square<X, D> rows;

@@ -18,7 +18,6 @@ struct Bone {
     double radius = 0;          ///< in the units of the cage
 };
 
-/// The interior cells of a cage, given by handle indices.
 template <std::size_t D>
 struct InteriorCells {
     std::vector<std::array<std::uint32_t, D>> facets; ///< edges of chains in 2D, faces in 3D

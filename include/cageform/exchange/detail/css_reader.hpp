@@ -22,7 +22,6 @@ public:
     std::size_t at() const noexcept { return at_; }
     bool ended() const noexcept { return at_ == text_.size(); }
 
-    /// Skips whitespace and closed comments.
     void skip_space() noexcept {
         while (!ended()) {
             const char c = text_[at_];

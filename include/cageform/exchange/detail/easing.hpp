@@ -23,7 +23,6 @@ struct KeyInterval {
     BezierCurve curve{};
 };
 
-/// The result of an import or export.
 struct ExchangeReport {
     Status status = Status::ok;
     std::size_t culprit = 0; ///< index of the key or curve that failed; for an interval, of its first key
@@ -92,7 +91,6 @@ inline bool fits_float(double x) noexcept {
     return is_finite(x) && std::fabs(x) <= double((std::numeric_limits<float>::max)());
 }
 
-/// Whether a fraction of an interval is a third in single precision.
 inline bool is_third(double fraction) noexcept {
     return std::fabs(fraction) < 1 && static_cast<float>(fraction) == 1.0f / 3;
 }
@@ -144,7 +142,6 @@ inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
     return {unit, status};
 }
 
-/// Returns the time and value of a key.
 template <class K>
 Vec<double, 2> position_of(const K& key) noexcept {
     if constexpr (requires { key.co; })

@@ -26,7 +26,6 @@ inline ExchangeReport check_gltf(std::span<const float> times, std::span<const f
     return {};
 }
 
-/// The interval of a curve in single precision.
 struct GltfInterval {
     Status status = Status::ok;
     float begin = 0, end = 0;

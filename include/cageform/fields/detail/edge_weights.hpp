@@ -56,7 +56,6 @@ inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<co
     }
 }
 
-/// Adds the links of a mesh, one for each edge.
 inline void add_links(const IntrinsicMesh& mesh, Result<CotangentWeights, SurfaceReport>& result) {
     result.value.links.reserve(mesh.sides() / 2 + 1);
     for (std::uint32_t side = 0; side < mesh.sides(); ++side) {

@@ -56,7 +56,6 @@ public:
     std::span<const std::uint32_t> nodes(const Group& group) const noexcept {
         return std::span(nodes_).subspan(group.begin, group.end - group.begin);
     }
-    /// Returns the position of every node in the order.
     std::span<const std::uint32_t> positions() const noexcept { return position_; }
 
 private:

@@ -51,7 +51,6 @@ public:
         return true;
     }
 
-    /// Returns the memory of the factors.
     std::size_t bytes() const noexcept {
         std::size_t sum = 0;
         for (const Front& front : fronts_)

@@ -97,7 +97,6 @@ public:
     std::size_t sides() const noexcept { return twin_.size(); }
     /// Returns the side of the other triangle at the same edge, or `rim`.
     std::uint32_t twin(std::uint32_t side) const noexcept { return twin_[side]; }
-    /// Returns the end vertices of a side.
     std::array<std::uint32_t, 2> ends(std::uint32_t side) const noexcept {
         const auto& corner = corner_[side / 3];
         return {corner[(side + 1) % 3], corner[(side + 2) % 3]};

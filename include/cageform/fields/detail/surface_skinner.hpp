@@ -9,7 +9,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The bones nearest to a point.
 struct NearestBones {
     double distance = std::numeric_limits<double>::infinity();
     std::vector<std::uint32_t> bones; ///< all bones at this distance up to rounding, ascending

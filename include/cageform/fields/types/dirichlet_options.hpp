@@ -7,14 +7,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The role of a grid cell in the problem.
 enum class Cell : std::uint8_t {
     unknown, ///< the mean of its neighbours
     given,   ///< keeps its value
     outside, ///< not part of the problem and not a neighbour
 };
 
-/// The boundary condition at the end of the grid.
 enum class Rim : std::uint8_t {
     given,    ///< cells there must not be unknown
     mirrored, ///< no neighbours beyond, so there is no flux through the boundary

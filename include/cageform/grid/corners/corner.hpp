@@ -53,7 +53,6 @@ public:
     /// Returns the m whose s_m appears in w: the one with exponent closest to 1. With fewer functions the
     /// result would depend on the choice of the first edge.
     std::size_t least_count() const noexcept { return angle_ < 1.5 * std::numbers::pi ? 1 : 2; }
-    /// Drops all s_k beyond the first `count`.
     void limit(std::size_t count) noexcept { count_ = (std::min)(count_, count); }
     /// Whether finite differences are accurate at this corner without singular functions.
     bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }

@@ -4,8 +4,8 @@
 // (grid/corners/corner.hpp). Within one or two cells, finite differences and interpolation miss a fraction
 // of these functions. Their size is measured as the deviation of the solution from the extended data at the
 // nodes around the corner. The constants are fitted to true errors, computed on finer grids, of about 340
-// binds of random cages: in 19 of 20 binds the largest estimate was 1.2 to 18 times the largest error, at
-// least 1 and at most 65 times in all. Bones have no estimate.
+// binds of random cages. The largest estimate was 1.2 to 65 times the largest error, in 19 of 20 binds at
+// most 18 times. Bones have no estimate.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -26,7 +26,6 @@ public:
     /// Number of handles that determine the boundary data near a corner or edge.
     static constexpr std::size_t data_handles = D + 1;
 
-    /// A node near a corner.
     struct Node {
         std::uint32_t node;
         /// The weight of each handle in the extended data at the node.

@@ -204,7 +204,6 @@ private:
             numbers.shrink_to_fit();
         }
     };
-    /// A treated corner with its tables.
     struct Treated {
         Corner corner;
         std::array<std::size_t, 3> handles; ///< the vertices at the corner, before it and after it

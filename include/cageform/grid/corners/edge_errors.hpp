@@ -16,7 +16,6 @@ namespace detail {
 struct EdgeSector {
     using Point = Vec<double, 3>;
 
-    /// A face at the edge.
     struct AdjacentFace {
         Point across;    ///< unit vector in the face, perpendicular to the edge
         double distance; ///< from the edge's line to the face's third vertex

@@ -57,7 +57,6 @@ public:
         }
     }
 
-    /// Returns the nodes within bones, each once. O(nodes in the bones' boxes · bones).
     Buffer<FixedNode<D>> nodes() const {
         Buffer<FixedNode<D>> all;
         for (const PlacedBone<D>& bone : bones_) {

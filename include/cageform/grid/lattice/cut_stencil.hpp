@@ -61,7 +61,6 @@ struct AxisRay {
     }
 };
 
-/// The intersection of a ray with a boundary.
 template <std::size_t D>
 struct Hit {
     double position; ///< on the ray's axis

@@ -59,7 +59,6 @@ struct NodesAround {
     }
 };
 
-/// The steps of `embed`.
 template <grid::EmbeddableBoundary B>
 class Embedding {
 public:

@@ -38,7 +38,6 @@ void sort_along_lines(Buffer<Crossing<D>>& crossings) {
 /// A node closer to a crossing than this (in spacings) is on the boundary and not an unknown.
 inline constexpr double on_boundary_distance = 1e-9;
 
-/// A node with a given value.
 template <std::size_t D>
 struct FixedNode {
     typename NodeRuns<D>::Index index;
@@ -62,7 +61,6 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 
-/// The location of a point.
 template <std::size_t D>
 struct Located {
     PointState state;       ///< inside, outside, on_boundary

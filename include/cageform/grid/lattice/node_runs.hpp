@@ -90,7 +90,6 @@ public:
                                                     : none;
     }
 
-    /// Returns the position of a node.
     Index index(std::uint32_t number) const noexcept {
         const auto run = std::partition_point(runs_.begin(), runs_.end(),
                                               [&](const Run& a) { return a.first <= number; }) -
@@ -105,7 +104,6 @@ public:
         return index;
     }
 
-    /// Calls f(index, number) for every node in order.
     template <class F>
     void for_each(F&& f) const {
         for_each_of_rows(0, rows(), f);

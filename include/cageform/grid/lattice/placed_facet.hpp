@@ -120,7 +120,6 @@ inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>
     return onto_facet(*w);
 }
 
-/// Returns the intersection of a ray with a facet.
 template <std::size_t D>
 std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay<D>& ray) noexcept {
     const auto weights = meeting_weights(facet, ray);

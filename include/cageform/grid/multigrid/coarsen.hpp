@@ -29,7 +29,7 @@ template <std::size_t D>
 struct Coarsening {
     using Index = typename grid::NodeRuns<D>::Index;
 
-    std::vector<std::uint32_t> slot; ///< by node: an index into `irregular`, or none for multilinear
+    std::vector<std::uint32_t> slot; ///< per node: index into `irregular`, or none for multilinear
     Buffer<CornerWeights<D>> irregular;
     Equations<D> coarse;
 
@@ -293,8 +293,8 @@ private:
         }
         return row;
     }
-    /// Adds a node's row of A P to the equations of the coarse nodes of its interpolation.
     using CoarseRows = std::array<std::uint32_t, power(2, D)>; ///< into `coarse.irregular`, or none
+    /// Adds a node's row of A P to the equations of the coarse nodes of its interpolation.
     void add_restricted(const CornerWeights<D>& weights, const typename Equations<D>::Stencil& row,
                         const CoarseRows& to) noexcept {
         std::array<std::size_t, P::count> positions;

@@ -11,7 +11,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A dense Cholesky factorisation of a level's matrix.
 class DenseSolver {
 public:
     DenseSolver() = default;

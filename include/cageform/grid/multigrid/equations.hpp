@@ -14,7 +14,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The rows of A, and the unknown nodes.
 template <std::size_t D>
 struct Equations {
     using Stencil = std::array<double, StencilPositions<D>::count>; ///< a row of A

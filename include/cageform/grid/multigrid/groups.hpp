@@ -8,7 +8,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The stopping criteria of the cycles.
 struct CycleGoal {
     std::size_t functions;
     double tolerance; ///< maximum error of each function, by its estimate

@@ -31,7 +31,6 @@ public:
         });
     }
 
-    /// Adds factor · value at a node to `sum`.
     void add_to(NodeValues& sum, std::uint32_t node, double factor) const noexcept {
         for (const auto* half : {&high_, &low_}) {
             if (half->empty()) return;

@@ -34,14 +34,12 @@ struct RegularRun {
     }
 };
 
-/// The equations and the interpolation of one level.
 template <std::size_t D>
 struct Level {
     struct Entry {
         std::uint32_t node;
         float weight;
     };
-    /// A node with an irregular stencil or interpolation.
     struct Irregular {
         std::uint32_t node;
         std::uint32_t entries_end; ///< end in `entries`; the begin is the end of the node before
@@ -69,7 +67,6 @@ struct Level {
     Buffer<Entry> from_coarse; ///< the interpolation of irregular nodes
 
     std::size_t slabs() const noexcept { return (rows.size() - 1) / slab_rows; }
-    /// Returns the runs of consecutive rows.
     std::span<const RegularRun<D>> runs_of(Range r) const noexcept {
         return {runs.data() + rows[r.begin].runs, runs.data() + rows[r.end].runs};
     }

@@ -63,7 +63,6 @@ public:
     /// The solution of sixteen right-hand sides and the working memory. The caller writes `source`, also
     /// between cycles.
     struct Block {
-        /// Returns the solution at a node.
         Values value(std::uint32_t node) const noexcept {
             if constexpr (D == 1) return exact_[node];
             Values v;

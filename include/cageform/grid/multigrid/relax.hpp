@@ -91,7 +91,6 @@ private:
     }
 };
 
-/// The steps on any coarser level.
 template <std::size_t D>
 struct CoarseLevel {
     using Vector = Simd<float>;

@@ -61,7 +61,6 @@ constexpr std::array<std::int32_t, D> corner_offset(std::size_t corner) noexcept
     return o;
 }
 
-/// Returns index + factor · by.
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
                                               const std::array<std::int32_t, D>& by,

@@ -41,7 +41,6 @@ public:
         , between_((x & 1) != 0)
         , share_(1.0f / float(run.coarse_rows)) {}
 
-    /// Adds the residual of the next node.
     CAGEFORM_DETAIL_INLINE void add(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {

@@ -7,7 +7,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The equations after elimination.
 class TridiagonalSolver {
 public:
     TridiagonalSolver() = default;

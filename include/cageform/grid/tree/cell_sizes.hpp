@@ -25,7 +25,7 @@ struct RefinementOptions {
     /// 2D: extra halvings at a vertex where functions decrease linearly with the distance. At a vertex of
     /// interior angle ω they decrease like the power π/ω of the distance, and the number is divided by π/ω.
     double corner_levels = 0.67;
-    double corner_gradation = 1; ///< near such a vertex, at least the distance from it / cell size
+    double corner_gradation = 1; ///< minimum ratio of distance to cell size near such a vertex
     double edge_levels = 1;      ///< 3D: extra halvings at reflex edges and boundaries of walls
     /// 3D: extra halvings at the ends of such edges. The number is divided by λ if functions decrease like
     /// the power λ < 1 of the distance from the end, and is then at most 10.

@@ -109,7 +109,6 @@ public:
     Cell cell(std::uint32_t number) const noexcept {
         return number == 0 ? root() : child(parent_of(number), (number - 1) % children);
     }
-    /// Returns the parent of a cell other than the root.
     const Cell& parent_of(std::uint32_t number) const noexcept { return families_[(number - 1) / children]; }
 
     /// Splits a leaf of at least two units into a family of children.
@@ -138,7 +137,6 @@ public:
             n |= std::size_t{doubled[k] >= 2 * parent.low[k] + parent.size ? 1u : 0u} << k;
         return child(parent, n);
     }
-    /// Calls f(leaf) for all leaves in Morton order.
     template <class F>
     void for_each_leaf(F&& f) const {
         visit(root(), f);

@@ -11,7 +11,7 @@ template <std::size_t D>
 struct Feature {
     Vec<double, D> begin, end;
     double size;      ///< of the cells at the feature, in units
-    double gradation; ///< near the feature, at least the distance from it / cell size
+    double gradation; ///< minimum ratio of distance to cell size near the feature
     SizeReason reason;
 
     /// Returns the size that the feature allows for a cell with a given middle.

@@ -24,7 +24,6 @@ struct TreeLevel {
     }
 };
 
-/// Builds the levels, from the finest to the coarsest.
 template <std::size_t D>
 class TreeCoarsener {
 public:

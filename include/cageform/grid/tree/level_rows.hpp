@@ -28,7 +28,6 @@ struct LevelRows {
         return {entries.data() + begin[row], begin[row + 1] - begin[row]};
     }
     void end_row() { begin.push_back(std::uint32_t(entries.size())); }
-    /// Appends the rows of another matrix.
     void append(const LevelRows& other) {
         const auto before = std::uint32_t(entries.size());
         for (std::size_t row = 0; row < other.rows(); ++row) begin.push_back(before + other.begin[row + 1]);

@@ -9,18 +9,18 @@
 // 3D (Collatz, The Numerical Treatment of Differential Equations, table VI). The mean is exact for harmonic
 // polynomials up to degree seven, so the order for the Laplace equation is six.
 //
-// 2. 2D, otherwise, if it succeeds: generalised finite differences. The star of the node consists of the
-// corners of the leaves around it and, in the directions where a facet hides them, of points on the
+// 2. Other nodes in 2D, if the weights exist: generalised finite differences. The star of the node consists
+// of the corners of the leaves around it and, in the directions where a facet hides them, of points on the
 // boundary (grid/tree/star.hpp). Non-negative weights make the mean exact for harmonic polynomials up to
 // degree three or four (grid/tree/harmonic_mean.hpp). These equations limit the order of the solution in 2D
 // to four.
 //
-// 3. Otherwise: along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9 (1938)),
-// which allows two links of different lengths. A link ends on the boundary or at a node. A node on a face
-// of a larger leaf that is not one of its corners is a hanging node. Its link through that leaf may end
-// inside the opposite face, where there is no node. The end then has a ghost value, interpolated in that
-// face by LeafGather (grid/tree/leaf_gather.hpp). A ghost value adds error terms along the other axes. The
-// second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput.
+// 3. All other nodes: along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9
+// (1938)), which allows two links of different lengths. A link ends on the boundary or at a node. A node on
+// a face of a larger leaf that is not one of its corners is a hanging node. Its link through that leaf may
+// end inside the opposite face, where there is no node. The end then has a ghost value, interpolated in
+// that face by LeafGather (grid/tree/leaf_gather.hpp). A ghost value adds error terms along the other axes.
+// The second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput.
 // Phys. 218 (2006); here the error terms are second moments of the interpolation, which includes
 // interpolation up to the boundary). Linear functions are exact, and the order at these nodes is two.
 //
@@ -47,7 +47,6 @@ struct TreeLinks {
     Buffer<float> volume;   ///< per node: the product over the axes of the mean link length
     double least_share = 1; ///< the smallest factor of a second difference (shares_of_axes)
 
-    /// Appends the equations of other nodes.
     void append(const TreeLinks& other) {
         equations.append(other.equations);
         data.append(other.data.begin(), other.data.end());

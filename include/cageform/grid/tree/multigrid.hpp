@@ -93,7 +93,6 @@ public:
         for (const auto& level : levels_) sum += level.bytes();
         return sum;
     }
-    /// Returns the memory of a block, refined or not.
     std::size_t block_bytes(bool refined) const noexcept {
         std::size_t rows = 0;
         for (const auto& level : levels_) rows += level.nodes();
@@ -347,7 +346,6 @@ private:
 
     // ---- cycles, on the active nodes ------------------------------------------------------------------
 
-    /// Returns b + neighbours · u at a node.
     CAGEFORM_DETAIL_INLINE Simd sum_about(const typename Block::Level& at, std::size_t l,
                                           std::uint32_t n) const noexcept {
         const auto row = levels_[l].neighbours.of(n);

@@ -18,7 +18,6 @@ struct RefinementPlan {
     double leaves = 0; ///< estimate, within a factor of two on the measured cages
 };
 
-/// The finest cells of a tree.
 template <std::size_t D>
 struct FinestCells {
     double size = std::numeric_limits<double>::infinity(); ///< in units
@@ -30,7 +29,6 @@ struct FinestCells {
 
 namespace detail {
 
-/// Refines a tree of one cell.
 template <std::size_t D>
 class Refiner {
 public:
@@ -118,7 +116,6 @@ private:
         }
         return least;
     }
-    /// Splits a cell if it is larger than allowed.
     void split_if_too_large(const Cell& cell, const Demand& allowed) {
         if (cell.size == 1 || cell.size <= allowed.size) return;
         const Range features = ranges_[cell.number];
