@@ -113,11 +113,41 @@ IntegerPolygon random_integer_polygon(Random& random) {
     return polygon;
 }
 
+struct Edge {
+    std::size_t i, j;
+};
+
+/// The warnings of a polygon without faults.
+Faults warnings_of(const IntegerPolygon& polygon, const std::vector<Edge>& edges) {
+    Faults faults;
+    const auto& p = polygon.corners;
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k < polygon.sizes.size(); begin += polygon.sizes[k++]) {
+        const std::size_t size = polygon.sizes[k];
+        int area = 0;
+        for (std::size_t n = 0; n < size; ++n) {
+            const auto& a = p[begin + (n + size - 1) % size];
+            const auto& b = p[begin + n];
+            const auto& c = p[begin + (n + 1) % size];
+            if (turn(a, b, c) == 0) faults.emplace(CageFaultKind::collinear_vertex, begin + n, 0);
+            area += b[0] * c[1] - b[1] * c[0];
+        }
+        // For at most two loops: a loop is a hole if the other one winds around its first vertex.
+        double winding = 0;
+        for (const Edge& e : edges) {
+            if (e.i >= begin && e.i < begin + size) continue;
+            const Vec<double, 2> u{double(p[e.i][0] - p[begin][0]), double(p[e.i][1] - p[begin][1])};
+            const Vec<double, 2> v{double(p[e.j][0] - p[begin][0]), double(p[e.j][1] - p[begin][1])};
+            winding += std::atan2(cross(u, v), dot(u, v));
+        }
+        if ((area < 0) != (std::fabs(winding) > 1))
+            faults.emplace(CageFaultKind::loop_orientation_reversed, k, 0);
+    }
+    return faults;
+}
+
 /// Tests every pair of edges and every vertex in integers.
 Faults brute_force(const IntegerPolygon& polygon) {
-    struct Edge {
-        std::size_t i, j;
-    };
     Faults faults;
     std::vector<Edge> edges;
     std::size_t begin = 0;
@@ -152,29 +182,7 @@ Faults brute_force(const IntegerPolygon& polygon) {
     }
     if (!faults.empty()) return faults;
 
-    begin = 0;
-    for (std::size_t k = 0; k < polygon.sizes.size(); begin += polygon.sizes[k++]) {
-        const std::size_t size = polygon.sizes[k];
-        int area = 0;
-        for (std::size_t n = 0; n < size; ++n) {
-            const auto& a = p[begin + (n + size - 1) % size];
-            const auto& b = p[begin + n];
-            const auto& c = p[begin + (n + 1) % size];
-            if (turn(a, b, c) == 0) faults.emplace(CageFaultKind::collinear_vertex, begin + n, 0);
-            area += b[0] * c[1] - b[1] * c[0];
-        }
-        // For at most two loops: a loop is a hole if the other one winds around its first vertex.
-        double winding = 0;
-        for (const Edge& e : edges) {
-            if (e.i >= begin && e.i < begin + size) continue;
-            const Vec<double, 2> u{double(p[e.i][0] - p[begin][0]), double(p[e.i][1] - p[begin][1])};
-            const Vec<double, 2> v{double(p[e.j][0] - p[begin][0]), double(p[e.j][1] - p[begin][1])};
-            winding += std::atan2(cross(u, v), dot(u, v));
-        }
-        if ((area < 0) != (std::fabs(winding) > 1))
-            faults.emplace(CageFaultKind::loop_orientation_reversed, k, 0);
-    }
-    return faults;
+    return warnings_of(polygon, edges);
 }
 
 /// Facets of all sizes: scattered, slivers at a few common points, parallel slivers.

@@ -57,6 +57,36 @@ struct WithFixedNodes : SimplexBoundary<2> {
     std::vector<cageform::grid::FixedNode<2>> fixed;
 };
 
+/// Samples are means that reproduce linear functions at every point inside.
+void check_samples(const Polygon<double>& cage, const Lattice<double, 2>& lattice,
+                   SimplexBoundary<2>& boundary, const NodeRuns<2>& nodes) {
+    boundary.index_cells(1e-6);
+    Random random(3);
+    double missed = 0, sum_off = 0, least = 1;
+    for (int n = 0; n < 300; ++n) {
+        const auto p = random_inside(cage, random, 1e-6);
+        const auto stencil = boundary.sample(lattice.in_cells(p), nodes);
+        Vec<double, 2> q{};
+        double sum = 0;
+        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
+            const auto at = nodes.index(stencil.nodes[i].node);
+            q = q + stencil.nodes[i].share * place(lattice, at[0], at[1]);
+            sum += stencil.nodes[i].share;
+            least = std::min(least, stencil.nodes[i].share);
+        }
+        for (std::uint32_t i = 0; i < stencil.boundary_count; ++i) {
+            q = q + stencil.boundary_points[i].share * place(cage, stencil.boundary_points[i].value);
+            sum += stencil.boundary_points[i].share;
+            least = std::min(least, stencil.boundary_points[i].share);
+        }
+        missed = cageform_tests::larger(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
+        sum_off = cageform_tests::larger(sum_off, std::fabs(sum - 1));
+    }
+    CHECK(missed <= 1e-6);
+    CHECK(sum_off <= 1e-12);
+    CHECK(least >= 0);
+}
+
 void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& lattice) {
     SimplexBoundary<2> boundary(cage, lattice);
     const auto problem = cageform::grid::embed(boundary, boundary.crossings());
@@ -98,33 +128,7 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
         }
     });
     CHECK(open == 0);
-
-    // Samples are means that reproduce linear functions at every point inside.
-    boundary.index_cells(1e-6);
-    Random random(3);
-    double missed = 0, sum_off = 0, least = 1;
-    for (int n = 0; n < 300; ++n) {
-        const auto p = random_inside(cage, random, 1e-6);
-        const auto stencil = boundary.sample(lattice.in_cells(p), problem.nodes);
-        Vec<double, 2> q{};
-        double sum = 0;
-        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
-            const auto& at = index[stencil.nodes[i].node];
-            q = q + stencil.nodes[i].share * place(lattice, at[0], at[1]);
-            sum += stencil.nodes[i].share;
-            least = std::min(least, stencil.nodes[i].share);
-        }
-        for (std::uint32_t i = 0; i < stencil.boundary_count; ++i) {
-            q = q + stencil.boundary_points[i].share * place(cage, stencil.boundary_points[i].value);
-            sum += stencil.boundary_points[i].share;
-            least = std::min(least, stencil.boundary_points[i].share);
-        }
-        missed = cageform_tests::larger(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
-        sum_off = cageform_tests::larger(sum_off, std::fabs(sum - 1));
-    }
-    CHECK(missed <= 1e-6);
-    CHECK(sum_off <= 1e-12);
-    CHECK(least >= 0);
+    check_samples(cage, lattice, boundary, problem.nodes);
 }
 
 } // namespace

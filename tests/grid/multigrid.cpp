@@ -175,7 +175,34 @@ void check_linear(int seed) {
     CHECK(error <= 1e-10);
 }
 
-/// Against a direct solution of the same equations.
+/// Assembles the equations link by link and solves them directly. `data` has `width` values per cut.
+template <std::size_t D>
+Eigen::MatrixXd direct_solution(const Domain<D>& domain, std::span<const double> data) {
+    const auto n = Eigen::Index(domain.nodes.count());
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(width));
+    std::vector<unsigned> cut_mask(domain.nodes.count());
+    for (std::size_t c = 0; c < domain.cuts.size(); ++c) {
+        const auto& cut = domain.cuts[c];
+        cut_mask[cut.node] |= 1u << cut.direction;
+        entries.emplace_back(int(cut.node), int(cut.node), cut.weight);
+        for (std::size_t k = 0; k < width; ++k)
+            right(Eigen::Index(cut.node), Eigen::Index(k)) += cut.weight * data[c * width + k];
+    }
+    for (std::uint32_t node = 0; node < domain.nodes.count(); ++node) {
+        for (std::size_t direction = 0; direction < 2 * D; ++direction) {
+            if (((cut_mask[node] >> direction) & 1u) != 0) continue;
+            auto there = domain.index[node];
+            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
+            entries.emplace_back(int(node), int(node), 1.0);
+            entries.emplace_back(int(node), int(domain.nodes.find(there)), -1.0);
+        }
+    }
+    Eigen::SparseMatrix<double> a(n, n);
+    a.setFromTriplets(entries.begin(), entries.end());
+    return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(a).solve(right);
+}
+
 template <std::size_t D>
 void check_estimate_and_bound(int seed) {
     Random random(std::uint64_t(seed) + 3);
@@ -191,31 +218,7 @@ void check_estimate_and_bound(int seed) {
     const Multigrid<D> multigrid(domain.nodes, domain.cuts, {});
     auto block = multigrid.make_block();
     set_data(multigrid, domain, block, [&](std::size_t c, std::size_t k) { return data[c * width + k]; });
-
-    // Assembles the equations link by link and solves them directly.
-    const auto n = Eigen::Index(multigrid.unknowns());
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(width));
-    std::vector<unsigned> cut_mask(multigrid.unknowns());
-    for (std::size_t c = 0; c < domain.cuts.size(); ++c) {
-        const auto& cut = domain.cuts[c];
-        cut_mask[cut.node] |= 1u << cut.direction;
-        entries.emplace_back(int(cut.node), int(cut.node), cut.weight);
-        for (std::size_t k = 0; k < width; ++k)
-            right(Eigen::Index(cut.node), Eigen::Index(k)) += cut.weight * data[c * width + k];
-    }
-    for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
-        for (std::size_t direction = 0; direction < 2 * D; ++direction) {
-            if (((cut_mask[node] >> direction) & 1u) != 0) continue;
-            auto there = domain.index[node];
-            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
-            entries.emplace_back(int(node), int(node), 1.0);
-            entries.emplace_back(int(node), int(domain.nodes.find(there)), -1.0);
-        }
-    }
-    Eigen::SparseMatrix<double> a(n, n);
-    a.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::MatrixXd exact = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(a).solve(right);
+    const Eigen::MatrixXd exact = direct_solution(domain, data);
 
     auto error = multigrid.start(block);
     for (int cycle = 0; cycle < 8; ++cycle) {

@@ -21,8 +21,8 @@ concept LoopRange = requires(const F& faces, std::size_t i) {
 /// of a corner is 1 there, 1/n at m, and linear on each triangle. So the weight of m is distributed to the
 /// corners: w_c = ω_c + Σ ω_m/n over the faces at c, where ω are the weights on the triangle mesh. This
 /// preserves sums, linear precision, signs and the maximum principle, and does not depend on a choice of
-/// diagonal or first corner. The distance of a fan from the bilinear patch of its corners is at most |c₀ −
-/// c₁ + c₂ − c₃|/16; for two triangles it is at most a quarter.
+/// diagonal or first corner. The distance from the bilinear patch of the corners is at most
+/// |c₀ − c₁ + c₂ − c₃|/16 for a fan, and |c₀ − c₁ + c₂ − c₃|/4 for two triangles.
 struct PolyhedralOptions {
     enum class NonPlanar : std::uint8_t {
         refuse, ///< face_not_planar

@@ -14,51 +14,20 @@ struct GltfTrack {
     std::vector<float> values; ///< the sampler's output: in-tangent, value and out-tangent of each key
 };
 
-/// Imports one Bézier curve per interval and component, without loss. Handles lie at thirds of the
-/// interval, on the tangents, which are in units per second. Normalise the four components of a rotation
-/// after evaluation.
+enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
+
+/// Imports the arrays of a sampler as keys, one curve per component. CUBICSPLINE gives handles at thirds of
+/// the interval, on the tangents; LINEAR gives straight lines, STEP held values.
 ///
-///   times       #K, in seconds, ascending
-///   values      3 · #K · components: in-tangents, values and out-tangents of each key
+///   times       #K, in seconds, ascending; a single key is allowed
+///   values      #K · components; for CUBICSPLINE 3 · #K · components: in-tangent, value and out-tangent of
+///               each key, with tangents per second. Normalise a rotation after evaluation. For LINEAR
+///               rotations this is not the slerp of the glTF standard
 ///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
-///   fails       input_malformed if the sizes do not match, or for fewer than two keys or no components;
+///   fails       input_malformed if the sizes do not match, or for no keys or components;
 ///               value_not_finite, also for the unused first in- and last out-tangent; keys_not_ascending;
 ///               out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
-inline Result<std::vector<BezierCurve>, ExchangeReport>
-from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
-                      std::size_t components) noexcept {
-    const std::size_t keys = times.size();
-    if (keys < 2) return {{}, {Status::input_malformed, 0}};
-    if (const auto sound = detail::check_gltf(times, values, components, 3); sound.status != Status::ok)
-        return {{}, sound};
-    Result<std::vector<BezierCurve>, ExchangeReport> result;
-    result.report.status = detail::guard_memory([&] {
-        result.value.resize((keys - 1) * components);
-        return Status::ok;
-    });
-    for (std::size_t index = 0; index < result.value.size(); ++index) {
-        const std::size_t k = index / components, c = index % components;
-        const double begin = times[k], end = times[k + 1], third = (end - begin) / 3;
-        const auto of_key = [&](std::size_t n) { return double(values[(3 * k + n) * components + c]); };
-        const double v0 = of_key(1), out = of_key(2), in = of_key(3), v1 = of_key(4);
-        result.value[index] = {
-            {{{begin, v0}, {begin + third, v0 + third * out}, {end - third, v1 - third * in}, {end, v1}}}};
-    }
-    return result;
-}
-
-enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
-
-/// Imports the arrays of a sampler as keys, one curve per component. CUBICSPLINE gives the curves of
-/// `from_gltf_cubicspline`, LINEAR straight lines, STEP held values.
-///
-///   times, components  as for `from_gltf_cubicspline`; a single key is allowed
-///   values             #K · components; for CUBICSPLINE 3 · #K · components, with tangents per second.
-///                      Normalise a rotation after evaluation. For LINEAR rotations this is not the slerp
-///                      of the glTF standard
-///   fails              as `from_gltf_cubicspline`
-/// glTF 2.0, sec. 3.11 and appendix C.
 inline Result<std::vector<std::vector<Key>>, ExchangeReport>
 keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,
                GltfInterpolation interpolation) noexcept {
@@ -86,6 +55,24 @@ keys_from_gltf(std::span<const float> times, std::span<const float> values, std:
         key.in_slope = of_key(0);
         key.out_slope = of_key(2);
     }
+    return result;
+}
+
+/// Imports a CUBICSPLINE sampler as Bézier curves, without loss: curves[interval · components + component].
+/// Fails as `keys_from_gltf`; input_malformed also for a single key.
+inline Result<std::vector<BezierCurve>, ExchangeReport>
+from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
+                      std::size_t components) noexcept {
+    if (times.size() < 2) return {{}, {Status::input_malformed, 0}};
+    const auto keys = keys_from_gltf(times, values, components, GltfInterpolation::cubicspline);
+    Result<std::vector<BezierCurve>, ExchangeReport> result{{}, keys.report};
+    if (!keys) return result;
+    result.report.status = detail::guard_memory([&] {
+        for (std::size_t k = 0; k + 1 < times.size(); ++k) {
+            for (const auto& curve : keys.value) result.value.push_back(key_interval(curve, k));
+        }
+        return Status::ok;
+    });
     return result;
 }
 
