@@ -69,7 +69,7 @@ public:
     using Point = Vec<double, D>;
 
     /// An upper bound of a cell's size, and its reason.
-    struct Demand {
+    struct SizeLimit {
         double size;
         SizeReason reason;
     };
@@ -119,10 +119,10 @@ public:
     /// limited to the length that matters for this size.
     ///
     ///   thin  out: adds points where the thickness of the domain requires cells of this size
-    Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Point& middle,
-                     std::vector<ThinPoint>& thin) {
+    SizeLimit of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Point& middle,
+                        std::vector<ThinPoint>& thin) {
         const double most = options_.across * (std::min)(2.0 * cell.size, largest_);
-        Demand least{largest_, SizeReason::largest};
+        SizeLimit least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
             if (n >= boundary_.size()) break; // a bone
             if (by_facet(n) < least.size) least = {by_facet(n), SizeReason::facet};

@@ -33,7 +33,7 @@ template <std::size_t D>
 class Refiner {
 public:
     using Cell = typename grid::CellTree<D>::Cell;
-    using Demand = typename CellSizes<D>::Demand;
+    using SizeLimit = typename CellSizes<D>::SizeLimit;
     using ThinPoint = typename CellSizes<D>::ThinPoint;
 
     Refiner(grid::CutTree<D>& tree, const grid::RefinementOptions& options, std::size_t most_leaves,
@@ -59,11 +59,11 @@ public:
             std::uint32_t number = first;
             const Running of_round = running_.subtask(round / most_rounds, (round + 1) / most_rounds);
             ++round;
-            for (const Demands& part : demands_of(first, last, of_round.subtask(0, 0.5))) {
+            for (const SizeLimits& part : size_limits(first, last, of_round.subtask(0, 0.5))) {
                 report_progress(of_round, 0.5 + 0.5 * double(number - first) / double(last - first));
                 thin_.insert(thin_.end(), part.thin.begin(), part.thin.end());
-                for (const auto& demand : part.list) {
-                    split_if_too_large(cells.cell(number++), demand);
+                for (const auto& limit : part.list) {
+                    split_if_too_large(cells.cell(number++), limit);
                     if (cells.leaves() > most_leaves_) return false;
                 }
             }
@@ -88,20 +88,22 @@ private:
     };
 
     /// The allowed cell sizes, and the points where the domain is thin.
-    struct Demands {
-        std::vector<Demand> list;
+    struct SizeLimits {
+        std::vector<SizeLimit> list;
         std::vector<ThinPoint> thin;
     };
     /// Returns the sizes that facets, bones and features allow for cells first … last − 1, in order.
-    std::vector<Demands> demands_of(std::uint32_t first, std::uint32_t last, const Running& running) const {
-        return in_runs<Demands>(running, last - first, 256, [&] {
-            return [this, first, sizes = sizes_](std::size_t begin, std::size_t end, Demands& out) mutable {
-                for (std::size_t n = begin; n < end; ++n)
-                    out.list.push_back(demand_of(std::uint32_t(first + n), sizes, out.thin));
-            };
+    std::vector<SizeLimits> size_limits(std::uint32_t first, std::uint32_t last,
+                                        const Running& running) const {
+        return in_runs<SizeLimits>(running, last - first, 256, [&] {
+            return
+                [this, first, sizes = sizes_](std::size_t begin, std::size_t end, SizeLimits& out) mutable {
+                    for (std::size_t n = begin; n < end; ++n)
+                        out.list.push_back(size_limit(std::uint32_t(first + n), sizes, out.thin));
+                };
         });
     }
-    Demand demand_of(std::uint32_t number, CellSizes<D>& sizes, std::vector<ThinPoint>& thin) const {
+    SizeLimit size_limit(std::uint32_t number, CellSizes<D>& sizes, std::vector<ThinPoint>& thin) const {
         const Cell cell = tree_.cells().cell(number);
         if (tree_.state(cell.number) == grid::CellState::out)
             return {std::numeric_limits<double>::infinity(), SizeReason::largest};
@@ -116,7 +118,7 @@ private:
         }
         return least;
     }
-    void split_if_too_large(const Cell& cell, const Demand& allowed) {
+    void split_if_too_large(const Cell& cell, const SizeLimit& allowed) {
         if (cell.size == 1 || cell.size <= allowed.size) return;
         const Range features = ranges_[cell.number];
         tree_.split(cell);
