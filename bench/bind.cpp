@@ -12,7 +12,7 @@
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #if defined(CAGEFORM_BENCH_CGAL)
 #include <CGAL/Barycentric_coordinates_2/Mean_value_coordinates_2.h>

@@ -12,8 +12,8 @@
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <ctime>
 #include <map>

@@ -3,7 +3,7 @@
 #include "run_bind.hpp"
 
 #include <cageform/coordinates/sibson.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #if defined(CAGEFORM_BENCH_CGAL)
 #include <CGAL/Delaunay_triangulation_2.h>

@@ -37,7 +37,7 @@
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
 #include <Eigen/Core>

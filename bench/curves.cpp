@@ -2,8 +2,8 @@
 #include "curve_comparators.hpp"
 
 #include <cageform/animate/compile.hpp>
-#include <cageform/animate/curves/curve_bank.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/clip/curves/curve_bank.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <benchmark/benchmark.h>
 

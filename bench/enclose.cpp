@@ -12,9 +12,9 @@
 
 #include "workloads.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <benchmark/benchmark.h>
 

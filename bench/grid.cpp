@@ -9,10 +9,10 @@
 // over a canvas.
 #include "counted.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/fields/strokes.hpp>
 #include <cageform/grid/multigrid/groups.hpp>
 #include <cageform/papers/averaging_pyramid.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>

@@ -5,9 +5,9 @@
 // far the points are from where they should be, in the mean of squares, as a share of the figure's size.
 #include "workloads.hpp"
 
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/clone/clone_transposed.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
 #include <benchmark/benchmark.h>

@@ -4,7 +4,7 @@
 #include "counted.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <benchmark/benchmark.h>
 

@@ -14,7 +14,7 @@
 // bones at random vertices; a vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40
 // frames a bone turns about two random axes, by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, and is shifted
 // by 0.05 of the size at random along each axis. So a fit of 12 bones could be exact.
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
 #include <cstdio>

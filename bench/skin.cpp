@@ -17,7 +17,7 @@
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/harmonic.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <ctime>
 #include <fstream>

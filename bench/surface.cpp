@@ -6,8 +6,8 @@
 // installed (OMP_THREAD_LIMIT=1 keeps it to one thread, as the others). And what no solver of this order of
 // elimination can do without: its multiplications, done by one product of dense matrices, and reading the
 // factors forwards and backwards for every 16 bones.
-#include <cageform/core/threads.hpp>
 #include <cageform/fields/skin.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
 #include <benchmark/benchmark.h>

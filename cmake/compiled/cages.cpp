@@ -35,7 +35,8 @@ CAGEFORM_FOR_SCALARS(CAGEFORM_CHECK_CELLS, CAGEFORM_D)
         const TriangleMesh<T>&, std::span<const Vec<T, D>>, std::span<const detail::MeshFace>,               \
         const MakeCageOptions&, Result<PolyhedralMesh<T>, MakeCageReport>&);                                 \
     CAGEFORM_COMPILE CageParts detail::parts_of_cage(std::span<const Vec<T, D>>,                             \
-                                                     std::span<const detail::MeshFace>);
+                                                     std::span<const detail::MeshFace>);                     \
+    CAGEFORM_COMPILE std::optional<CageFault> face_fault(const PolyhedralMesh<T>&, std::size_t);
 #endif
 CAGEFORM_FOR_SCALARS(CAGEFORM_ENCLOSE, CAGEFORM_D)
 

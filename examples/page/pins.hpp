@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/binding/any_coordinates.hpp>
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
 #include <Eigen/Cholesky>
@@ -274,7 +274,7 @@ public:
 
 private:
     static constexpr std::size_t none = cageform::PoseSolverReport::none;
-    static constexpr double lever = cageform::detail::PinRows<T, D>::lever;
+    static constexpr double lever = cageform::turn_lever;
 
     Status set_handles(std::span<const Target> pose) {
         const auto view = binding_.handle_view();

@@ -24,7 +24,7 @@
 #include "pictures/render.hpp"
 #include "pictures/text.hpp"
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
-// points and normals, triangles, and a motion of the cage (cageform/binding/figure.hpp,
+// points and normals, triangles, and a motion of the cage (cageform/figure/figure.hpp,
 // support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
@@ -30,7 +30,7 @@
 #include "io/messages.hpp"
 
 #include <cageform/binding/pack.hpp>
-#include <cageform/pose/pose_samples.hpp>
+#include <cageform/binding/pose_samples.hpp>
 
 #include <iomanip>
 #include <iostream>

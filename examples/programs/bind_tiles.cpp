@@ -29,7 +29,7 @@
 #include "io/messages.hpp"
 
 #include <cageform/binding/pack.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <nlohmann/json.hpp>
 

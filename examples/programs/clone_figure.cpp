@@ -22,7 +22,7 @@
 #include "io/csv.hpp"
 #include "io/messages.hpp"
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 #include <cageform/runtime.hpp>
 
 #include <chrono>

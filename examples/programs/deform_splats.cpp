@@ -21,7 +21,7 @@
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/jacobians.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -29,7 +29,7 @@
 #include "pictures/text.hpp"
 #include "svg/document.hpp"
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <iostream>
 

@@ -12,7 +12,7 @@
 #include "pictures/view_choice.hpp"
 #include "splats/splat_file.hpp"
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <optional>
 

@@ -213,15 +213,16 @@ std::vector<double> power_of_time(const BezierFit& fit, std::size_t piece) {
     const std::size_t d = fit.degree;
     const long double begin = fit.knots[piece], h = fit.knots[piece + 1] - begin;
     std::vector<long double> local(b.begin(), b.end()), power(d + 1, 0), product{1};
+    long double binomial = 1;                          // d over n
     for (std::size_t order = 0; order <= d; ++order) { // differences: of the powers of (x − begin) / h
         for (std::size_t i = d; i > order; --i) local[i] -= local[i - 1];
     }
     for (std::size_t n = 0; n <= d; ++n) { // product: (x − begin)ⁿ / hⁿ
-        for (std::size_t k = 0; k <= n; ++k)
-            power[k] += static_cast<long double>(cageform::detail::binomials[d][n]) * local[n] * product[k];
+        for (std::size_t k = 0; k <= n; ++k) power[k] += binomial * local[n] * product[k];
         product.push_back(0);
         for (std::size_t k = n + 1; k > 0; --k) product[k] = (product[k - 1] - begin * product[k]) / h;
         product[0] *= -begin / h;
+        binomial = binomial * static_cast<long double>(d - n) / static_cast<long double>(n + 1);
     }
     return {power.rbegin(), power.rend()};
 }
@@ -356,8 +357,6 @@ std::string plot(const Case& one) {
     std::vector<std::array<double, 2>> curve;
     std::array<double, 2> y_range{one.curve.points[0][1], one.curve.points[0][1]};
     for (std::size_t i = 0; i < fit.pieces(); ++i) {
-        cageform::detail::Bernstein p{fit.degree, {}};
-        std::copy_n(fit.coefficients(i).begin(), fit.degree + 1, p.c.begin());
         for (std::size_t n = 0; n <= samples; ++n) {
             // Steps of the parameter, small at the ends, where tangents may be vertical.
             const double s = 0.5 - 0.5 * std::cos(3.141592653589793 * double(n) / samples);
@@ -367,10 +366,11 @@ std::string plot(const Case& one) {
             const double y = one.curve.points[0][1] + function.value()(t);
             const double u =
                 std::fmin(std::fmax((x - fit.knots[i]) / (fit.knots[i + 1] - fit.knots[i]), 0), 1);
+            const double fitted = fit.in_piece(i, u);
             curve.push_back({x, y});
-            pieces[i].push_back({x, p(u)});
-            errors[i].push_back({x, y - p(u)});
-            y_range = {std::min({y_range[0], y, p(u)}), std::max({y_range[1], y, p(u)})};
+            pieces[i].push_back({x, fitted});
+            errors[i].push_back({x, y - fitted});
+            y_range = {std::min({y_range[0], y, fitted}), std::max({y_range[1], y, fitted})};
         }
     }
     if (y_range[0] == y_range[1]) y_range = {y_range[0] - 1, y_range[1] + 1};

@@ -13,14 +13,17 @@ import sys
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 SITE = "examples/site"
 ROOMS = {
-    "core": "points, views, handles, statuses, threads",
+    "core": "points, views, handles, statuses",
+    "parallel": "threads, progress and cancellation",
     "adapt": "points of Eigen and GLM",
     "cage": "polygons, meshes, cells inside, control points, and their checks",
     "grid": "the Laplace equation on lattices and adaptive trees",
     "coordinates": "one header a coordinate type",
-    "binding": "bind, pack, open, unpack",
+    "binding": "bind, pack, unpack",
+    "figure": "bindings and packed figures at run time; open",
     "clone": "what runs every frame",
-    "animate": "key frames to cubic pieces, pieces to poses",
+    "animate": "key frames to cubic pieces",
+    "clip": "the motion of a cage at run time",
     "enclose": "a cage for any figure",
     "pose": "pins on the figure move the cage",
     "fields": "the same solvers for your own data",
@@ -336,11 +339,11 @@ tested. `sh examples/run.sh --build-only` builds them into `build/examples/`.
 """
 ROOMS_PAGE = """# Rooms
 
-The folders of `include/cageform` are the data flow. Includes only ever point left:
+A game includes the rooms of run time; all other rooms prepare data for them. Includes only point left:
 
 ```text
-core → cage → grid → coordinates → binding → clone → pose
-core → animate      cage, grid → fields      cage → enclose
+run time     core → clip → figure → clone → pose
+before       core, parallel → cage → grid → coordinates → binding     grid → fields     grid → enclose     clip → animate
 ```
 
 | room | what it holds |

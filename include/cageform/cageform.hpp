@@ -1,11 +1,12 @@
 // Includes everything for cages except the adapters (cageform/adapt/) and the threads
-// (cageform/core/threads.hpp). Keyframe curves are in cageform/animate/, which stands alone. A tool
+// (cageform/parallel/threads.hpp). Keyframe curves are in cageform/animate/, which stands alone. A tool
 // that exports figures includes cageform/binding/bind.hpp; a game that only plays them back
 // includes only cageform/runtime.hpp.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/compose.hpp>
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/cage/box_mesh.hpp>
 #include <cageform/cage/control_points.hpp>
 #include <cageform/clone/clone.hpp>
@@ -28,6 +29,5 @@
 #include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/fields/dirichlet.hpp>
 #include <cageform/fields/strokes.hpp>
-#include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
 #include <cageform/version.hpp>

@@ -2,9 +2,9 @@
 // cage. No dependency, no exceptions, no RTTI, no allocation per frame.
 #pragma once
 
-#include <cageform/animate/clip.hpp>
-#include <cageform/animate/clip_blob.hpp>
-#include <cageform/animate/curves/track.hpp>
+#include <cageform/clip/clip.hpp>
+#include <cageform/clip/clip_blob.hpp>
+#include <cageform/clip/curves/track.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/clone_rational.hpp>

@@ -3,9 +3,9 @@
 #include "support/cages.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/curves/curve_bank.hpp>
-#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/detail/quantised_cubic.hpp>
+#include <cageform/clip/curves/curve_bank.hpp>
+#include <cageform/clip/curves/track.hpp>
 
 #include <algorithm>
 #include <array>
@@ -20,8 +20,8 @@ using cageform::epsilon;
 using cageform::Extrapolation;
 using cageform::fold_time;
 using cageform::PiecewiseCubic;
-using cageform::QuantisedCubic;
 using cageform::Track;
+using cageform::detail::QuantisedCubic;
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <array>
 #include <functional>

@@ -8,7 +8,7 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace bind_packed_tests {
 

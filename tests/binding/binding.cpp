@@ -2,7 +2,7 @@
 #include "catch.hpp"
 #include "support/weights.hpp"
 
-#include <cageform/binding/binding.hpp>
+#include <cageform/figure/binding.hpp>
 
 namespace binding_tests {
 

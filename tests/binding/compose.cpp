@@ -6,7 +6,7 @@
 #include <cageform/binding/compose.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <cmath>
 #include <cstring>

@@ -8,7 +8,7 @@
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace figure_tests {
 

@@ -559,11 +559,12 @@ TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds
         const Long expected = (std::sqrt(area) * s / std::sqrt(dot(n, n))) * n;
         const double size = double(std::sqrt(dot(expected, expected)));
         const double sine = double(std::sqrt(dot(n, n) / (dot(U, U) * dot(V, V)))); // thin faces turn easily
-        CHECK(distance(cageform::face_handle(rest, pose), expected) <= 16 * double(epsilon<T>) * size / sine);
+        CHECK(distance(cageform::detail::face_handle(rest, pose), expected) <=
+              16 * double(epsilon<T>) * size / sine);
         const T power = T(0x1p40);
         for (auto& corner : pose) corner = power * corner;
-        CHECK(cageform::face_handle(rest, pose) ==
-              power * cageform::face_handle(
+        CHECK(cageform::detail::face_handle(rest, pose) ==
+              power * cageform::detail::face_handle(
                           rest, {T(1) / power * pose[0], T(1) / power * pose[1], T(1) / power * pose[2]}));
     }
 }
@@ -585,16 +586,17 @@ TEMPLATE_TEST_CASE("the vector of a face is a number, however thin it is or beco
                                                     rest[k][2] * p[3 + k][2]};
             squeezed[k] = (k == 0 ? T(0) : k == 1 ? std::numeric_limits<T>::min() : T(1)) * p[k];
         }
-        const auto handle = cageform::face_handle(rest, rest);
+        const auto handle = cageform::detail::face_handle(rest, rest);
         if (handle == Vec<T, 3>{}) continue;
         ++count;
         const auto u = rest[1] - rest[0], v = rest[2] - rest[0], n = cross(u, v);
         const double length = std::sqrt(double(dot(handle, handle)));
         const double sine = std::sqrt(double(dot(n, n)) / (double(dot(u, u)) * double(dot(v, v))));
         const Vec<T, 3> expected{-2 * handle[1], 2 * handle[0], 2 * handle[2]};
-        CHECK(distance(cageform::face_handle(rest, turned), expected) <= 32 * epsilon<T> * length / sine);
-        CHECK(cageform::is_finite(cageform::face_handle(rest, near)));
-        CHECK(cageform::is_finite(cageform::face_handle(rest, squeezed)));
+        CHECK(distance(cageform::detail::face_handle(rest, turned), expected) <=
+              32 * epsilon<T> * length / sine);
+        CHECK(cageform::is_finite(cageform::detail::face_handle(rest, near)));
+        CHECK(cageform::is_finite(cageform::detail::face_handle(rest, squeezed)));
     }
     CHECK(count > 3000);
 }

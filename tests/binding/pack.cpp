@@ -10,7 +10,7 @@
 #include <cageform/binding/detail/weight_loss.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace pack_tests {
 

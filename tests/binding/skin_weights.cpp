@@ -11,7 +11,7 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <Eigen/LU>
 

@@ -9,7 +9,7 @@
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <set>
 

@@ -4,7 +4,7 @@
 #include "../support/larger.hpp"
 #include "../support/packed.hpp"
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace clone_packed_tests {
 

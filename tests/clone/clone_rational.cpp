@@ -9,7 +9,7 @@
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include <cageform/clone/clone_transposed.hpp>
 #include <cageform/clone/normals.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <functional>
 

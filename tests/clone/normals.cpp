@@ -15,7 +15,7 @@
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace normals_tests {
 

@@ -14,10 +14,10 @@ namespace blended_tests {
 
 using namespace cageform_tests;
 using cageform::BlendedCoordinates;
-using cageform::Depth;
 using cageform::HarmonicCoordinates;
 using cageform::MeanValueCoordinates;
 using cageform::Polygon;
+using cageform::detail::Depth;
 
 namespace {
 

@@ -6,8 +6,8 @@
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <new>
 #include <stdexcept>

@@ -214,7 +214,8 @@ void compare_with_reference(const std::string& name) {
     for (const auto& row : json["rows"]) points.push_back(vec<T>(row["point"]));
     for (std::size_t i = 0; i < count; ++i) posed[i] = vec(json["pose"][i]);
     for (std::size_t i = 0; i < count; ++i)
-        posed[count + i] = edge_handle(posed[green.handle_faces()[i][0]], posed[green.handle_faces()[i][1]]);
+        posed[count + i] = cageform::detail::edge_handle(posed[green.handle_faces()[i][0]],
+                                                         posed[green.handle_faces()[i][1]]);
     const auto found = evaluate_all(green, points);
     const auto slopes = gradients_of<T, 2>(green, points);
     REQUIRE(found.status() == Status::ok);
@@ -280,7 +281,7 @@ TEST_CASE("Weights of curved cages in a disk are those of the oracle",
         for (const auto& row : test["rows"]) points.push_back(vec(row["point"]));
         for (const auto& p : test["pose"]) posed.push_back(vec(p));
         for (const auto& [from, to] : green.handle_faces())
-            posed.push_back(edge_handle(posed[from], posed[to]));
+            posed.push_back(cageform::detail::edge_handle(posed[from], posed[to]));
         const auto found = evaluate_all(green, points);
         REQUIRE(found.status() == Status::ok);
         for (std::size_t n = 0; n < points.size(); ++n) {
@@ -349,7 +350,8 @@ std::vector<Vec<double, 2>> random_pose(const CurvedGreenCoordinates<T>& green, 
 template <class T>
 std::vector<Vec<double, 2>> with_legs(const CurvedGreenCoordinates<T>& green,
                                       std::vector<Vec<double, 2>> pose) {
-    for (const auto& [from, to] : green.handle_faces()) pose.push_back(edge_handle(pose[from], pose[to]));
+    for (const auto& [from, to] : green.handle_faces())
+        pose.push_back(cageform::detail::edge_handle(pose[from], pose[to]));
     return pose;
 }
 /// Where points go, without a binding.
@@ -1007,7 +1009,7 @@ TEST_CASE("Legs without length at rest do not count as collapsed", "[coordinates
     pose[1] = {0.5, 0.5}; // a tangent that appears
     report = pose_handles(bound.value, pose, handles);
     CHECK(report.status == Status::ok);
-    CHECK(handles[6] == edge_handle(pose[0], pose[1]));
+    CHECK(handles[6] == cageform::detail::edge_handle(pose[0], pose[1]));
 }
 
 } // namespace curved_green_tests

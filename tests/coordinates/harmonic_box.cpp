@@ -8,7 +8,7 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/cage/box_mesh.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace harmonic_box_tests {
 

@@ -7,8 +7,8 @@
 #include "../support/weights.hpp"
 
 #include <cageform/cage/box_mesh.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace harmonic_gradients_tests {
 

@@ -10,8 +10,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/grid/lattice/simplex_boundary.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace harmonic_mesh_tests {
 

@@ -7,8 +7,8 @@
 #include "support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <numeric>
 

@@ -12,8 +12,8 @@
 #include <cageform/coordinates/harmonic/leaf_samples.hpp>
 #include <cageform/coordinates/harmonic/near_rows.hpp>
 #include <cageform/coordinates/harmonic/tree_cage.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/grid/tree/boundary.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace harmonic_skin_tests {
 

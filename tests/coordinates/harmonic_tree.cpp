@@ -11,7 +11,7 @@
 #include <cageform/cage/box_mesh.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <cstdio>
 

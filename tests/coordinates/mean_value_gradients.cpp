@@ -12,7 +12,7 @@
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace mean_value_gradients_tests {
 

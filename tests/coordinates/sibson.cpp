@@ -6,7 +6,7 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/sibson.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace sibson_tests {
 

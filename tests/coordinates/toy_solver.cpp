@@ -10,8 +10,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
 

@@ -1,8 +1,8 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/blocks.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <type_traits>
 #include <vector>

@@ -1,8 +1,8 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/core/detail/parallel.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/core/types/parallel_for.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -4,7 +4,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <cstdio>
 #include <fstream>

@@ -4,8 +4,8 @@
 #include "../support/cages.hpp"
 #include "../support/effort.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/enclose/space/clearance.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace clearance_tests {
 

@@ -3,7 +3,7 @@
 #include "../catch.hpp"
 
 #include <cageform/enclose/find_parts.hpp>
-#include <cageform/enclose/space/part_labels.hpp>
+#include <cageform/enclose/parts_of_faces.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -256,7 +256,7 @@ TEST_CASE("the tree of the parts of a mirrored cage is its own image") {
                 labels.push_back(label);
             }
         }
-        const auto parts = detail::parts_of_faces(faces, columns * rows, labels);
+        const auto parts = cageform::parts_of_faces(faces, columns * rows, labels);
         const auto image_of = [&](int number) { return parts.find(-number) == nullptr ? number : -number; };
         for (const CagePart& part : parts.parts) {
             CAPTURE(part.number);

@@ -5,8 +5,8 @@
 #include "../support/larger.hpp"
 
 #include <cageform/cage/detail/shells.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <map>

@@ -7,7 +7,7 @@
 #include "support/effort.hpp"
 
 #include <cageform/cage/polygon.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <filesystem>
 #include <fstream>

@@ -122,7 +122,7 @@ TEST_CASE("steps do the same in one call or in several, and on several threads",
 TEST_CASE("a free packet in the plane is a product of two on lines", "[examples][waves]") {
     const WaveLattice plane{90, 75, 0.12}, across{90, 1, 0.12}, down{75, 1, 0.12};
     LatticeWave<double> wave(plane, {}), x(across, {}), y(down, {});
-    const auto first = detail::packet(3, 0, 0.8, 1), second = detail::packet(4, 0, 1.1, 1);
+    const auto first = packet(3, 0, 0.8, 1), second = packet(4, 0, 1.1, 1);
     wave.start([&](double at_x, double at_y) { return first(at_x, 0) * second(at_y, 0); });
     x.start(first);
     y.start(second);
@@ -199,7 +199,7 @@ TEST_CASE("walls of a scene reflect or absorb", "[examples][waves]") {
         WaveScene scene = make_wave_scene("slit", {80, 60, 0.2}, absorbing);
         scene.runs[0].terms.potential.clear();
         LatticeWave<double> wave(scene.lattice, scene.runs[0].terms);
-        wave.start(detail::packet(6, scene.middle(), 1.2, 1.2));
+        wave.start(packet(6, scene.middle(), 1.2, 1.2));
         wave.set_step(0.16);
         double before = 1;
         for (int part = 0; part < 10; ++part) {

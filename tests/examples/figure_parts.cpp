@@ -3,9 +3,9 @@
 #include "catch.hpp"
 
 #include <cageform/binding/pack.hpp>
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/cage/box_mesh.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
 #include <string_view>

@@ -57,8 +57,7 @@ TEST_CASE("the volume changes its sign from that of a sphere", "[films]") {
     // The source's stages: after the first, second and third leg.
     const double volumes[] = {0.931, 0.373, 0.130};
     for (int leg = 1; leg <= 3; ++leg)
-        CHECK(std::fabs(volume_of(eversion_mesh(detail::stage_on_legs(leg), 200, 400)) - volumes[leg - 1]) <=
-              1e-3);
+        CHECK(std::fabs(volume_of(eversion_mesh(stage_on_legs(leg), 200, 400)) - volumes[leg - 1]) <= 1e-3);
 }
 
 TEST_CASE("the eversion is an immersion at every stage", "[films]") {

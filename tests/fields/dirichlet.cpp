@@ -4,8 +4,8 @@
 #include "../support/larger.hpp"
 #include "../support/oracle.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/fields/dirichlet.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <numeric>
 

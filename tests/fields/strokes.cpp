@@ -4,8 +4,8 @@
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/fields/strokes.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace strokes_tests {
 

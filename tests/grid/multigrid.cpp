@@ -6,8 +6,8 @@
 #include "../support/larger.hpp"
 #include "../support/oracle.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/grid/multigrid/groups.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
 

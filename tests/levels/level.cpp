@@ -1,6 +1,6 @@
 // The functions that an engine calls every frame, compiled once per level of processors. LEVEL is its name.
-#include <cageform/binding/types/blob.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 #define CAGEFORM_TEST_JOIN_EXPANDED(a, b) a##b
 #define CAGEFORM_TEST_JOIN(a, b) CAGEFORM_TEST_JOIN_EXPANDED(a, b)

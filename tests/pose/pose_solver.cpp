@@ -5,7 +5,7 @@
 #include <cageform/coordinates/sibson.hpp>
 
 #include <cageform/binding/pack.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace pose_solver_tests {
 

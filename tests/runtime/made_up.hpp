@@ -2,8 +2,8 @@
 // the same on every machine.
 #pragma once
 
-#include <cageform/animate/clip_blob.hpp>
-#include <cageform/binding/figure.hpp>
+#include <cageform/clip/clip_blob.hpp>
+#include <cageform/figure/figure.hpp>
 
 #include <utility>
 

@@ -239,7 +239,7 @@ void check_displacements() {
 void check_pose_handles() {
     const std::array<Vec<float, 3>, 3> corners{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}};
     const std::array<Vec<float, 3>, 4> rest{corners[0], corners[1], corners[2],
-                                            cageform::face_handle(corners, corners)};
+                                            cageform::detail::face_handle(corners, corners)};
     const std::array<cageform::HandleKind, 4> kinds{{{}, {}, {}, cageform::HandleKind::vector}};
     const cageform::HandleFace<3> face{0, 1, 2};
     cageform::BindingView<float, 3> binding;

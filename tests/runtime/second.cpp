@@ -1,5 +1,5 @@
 // A second translation unit: inline functions and templates of the headers may be defined twice.
-#include <cageform/animate/clip.hpp>
+#include <cageform/clip/clip.hpp>
 #include <cageform/clone/clone.hpp>
 
 #include <vector>

@@ -1,7 +1,7 @@
 // Memory that packed data is put into, to be harmed.
 #pragma once
 
-#include <cageform/binding/types/blob.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 #include <cstddef>
 #include <cstring>

@@ -6,11 +6,11 @@
 #include "meshes.hpp"
 #include "oracle.hpp"
 
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
 #include <Eigen/Dense>

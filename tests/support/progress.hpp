@@ -3,8 +3,8 @@
 
 #include "../catch.hpp"
 
-#include <cageform/core/running.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/running.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <vector>

@@ -1,7 +1,7 @@
 // Compiles the products of PoseSamples.
 #include "../instantiate.hpp"
 
-#include <cageform/pose/detail/column_products.impl.hpp>
+#include <cageform/binding/pose_samples/column_products.impl.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -18,8 +18,6 @@ namespace cageform_sources {
 
 using namespace cageform_support;
 
-namespace detail {
-
 /// Where the line from p to q passes through the inside of a triangle, if it does.
 inline std::optional<Point3> pierced(const Point3& p, const Point3& q,
                                      const std::array<Point3, 3>& triangle) {
@@ -34,8 +32,6 @@ inline std::optional<Point3> pierced(const Point3& p, const Point3& q,
     }
     return at;
 }
-
-} // namespace detail
 
 /// The double curve of a surface: pieces of lines, one for each two triangles that pass through each other.
 /// Triangles with a common corner are left out.
@@ -84,8 +80,8 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
         const auto a = corners(f), b = corners(g);
         std::vector<Point3> ends;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (const auto at = detail::pierced(a[k], a[(k + 1) % 3], b)) ends.push_back(*at);
-            if (const auto at = detail::pierced(b[k], b[(k + 1) % 3], a)) ends.push_back(*at);
+            if (const auto at = pierced(a[k], a[(k + 1) % 3], b)) ends.push_back(*at);
+            if (const auto at = pierced(b[k], b[(k + 1) % 3], a)) ends.push_back(*at);
         }
         if (ends.size() != 2) return;
         const Point3 piece = ends[1] - ends[0];

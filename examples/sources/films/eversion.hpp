@@ -22,8 +22,6 @@ struct EversionStage {
     double lambda = 1, t = 0, p = 1, q = 0, xi = 1, alpha = 1, eta = 2;
 };
 
-namespace detail {
-
 inline constexpr double eversion_q = 2.0 / 3; // the source's Q: the sphere has the radius √Q
 inline constexpr double eversion_w = 2;
 
@@ -40,8 +38,6 @@ inline EversionStage stage_on_legs(double leg) {
     return {1, (2 * (leg - 3) - 1) / q, 1, 0, 1, 1, 2};
 }
 
-} // namespace detail
-
 /// A point of the surface.
 ///
 ///   theta, phi   latitude in [−π/2, π/2], longitude; the poles are points as any other
@@ -50,7 +46,7 @@ inline EversionStage stage_on_legs(double leg) {
 inline Point3 eversion_point(const EversionStage& at, double theta, double phi) {
     const double s = std::sin(theta), c = std::cos(theta), c2 = c * c;
     const double sin = std::sin(phi), cos = std::cos(phi), sin2 = 2 * sin * cos, cos2 = cos * cos - sin * sin;
-    const double h = detail::eversion_w * s; // times cos² θ
+    const double h = eversion_w * s; // times cos² θ
     const double saddle = h * (sin2 - at.q * at.t) - c2 * (at.t / 2) * cos2;
     if (at.lambda < 1) {
         const double l = at.lambda, rest = at.t * (1 - l + l * c2);
@@ -148,10 +144,9 @@ class Eversion {
 public:
     Eversion() {
         constexpr std::size_t rows = 24, columns = 48;
-        EversionMesh before = eversion_mesh(detail::stage_on_legs(0), rows, columns);
+        EversionMesh before = eversion_mesh(stage_on_legs(0), rows, columns);
         for (std::size_t n = 1; n <= steps; ++n) {
-            EversionMesh after =
-                eversion_mesh(detail::stage_on_legs(half * double(n) / steps), rows, columns);
+            EversionMesh after = eversion_mesh(stage_on_legs(half * double(n) / steps), rows, columns);
             double most = 0;
             for (std::size_t i = 0; i < after.vertices.size(); ++i) {
                 const Point3 d = after.vertices[i] - before.vertices[i];
@@ -167,7 +162,7 @@ public:
         const double gone = way_.back() * 2 * std::fmin(time, 1 - time);
         const auto next = std::upper_bound(way_.begin() + 1, way_.end() - 1, gone);
         const double from = *(next - 1), part = std::fmin((gone - from) / (*next - from), 1.0);
-        EversionStage at = detail::stage_on_legs(half * (double(next - 1 - way_.begin()) + part) / steps);
+        EversionStage at = stage_on_legs(half * (double(next - 1 - way_.begin()) + part) / steps);
         if (time > 0.5) at.t = -at.t;
         return at;
     }

@@ -5,7 +5,7 @@
 #include "cli/coordinates.hpp"
 #include "hand_model.hpp"
 
-#include <cageform/binding/detail/packed_binding.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <string_view>
 

@@ -18,7 +18,7 @@
 #include "pictures/render.hpp"
 #include "puzzles/harbour.hpp"
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <chrono>
 #include <filesystem>

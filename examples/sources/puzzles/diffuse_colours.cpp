@@ -9,7 +9,9 @@
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/stroke_file.hpp"
+#include "io/atomic_file.hpp"
 #include "io/messages.hpp"
+#include "pictures/picture.hpp"
 
 #include <cageform/fields/strokes.hpp>
 

@@ -20,9 +20,9 @@
 #include "pictures/view_choice.hpp"
 #include "svg/document.hpp"
 
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/folds.hpp>
-#include <cageform/pose/pose_samples.hpp>
 
 #include <Eigen/Dense>
 

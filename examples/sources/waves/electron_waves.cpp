@@ -286,7 +286,7 @@ int benchmark(const Settings& settings) {
     };
     const WaveLattice lattice{1024, 512, 0.1};
     LatticeWave<float> wave(lattice, {}, settings.thread_count());
-    wave.start(detail::packet(20, lattice.height() / 2, 3, 4));
+    wave.start(packet(20, lattice.height() / 2, 3, 4));
     wave.set_step(0.04);
     constexpr std::size_t count = 4;
     const double step = seconds([&] { wave.advance(count); }) / double(count);

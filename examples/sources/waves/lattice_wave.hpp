@@ -2,7 +2,7 @@
 
 // A wave function on a lattice, moved on in time by a product formula of fourth order.
 
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <algorithm>
 #include <array>

@@ -42,8 +42,6 @@ inline const std::vector<std::string>& wave_scene_names() {
     return names;
 }
 
-namespace detail {
-
 /// 1 between two places, 0 outside, ½ at both: a line one mesh wide between.
 inline double inside(double at, double from, double to, double mesh) {
     return std::clamp(std::min(at - from, to - at) / mesh + 0.5, 0.0, 1.0);
@@ -56,8 +54,6 @@ inline auto packet(double x, double y, double wide, double high) {
         return std::polar(std::exp(-u * u - v * v), 2 * std::numbers::pi * at_x);
     };
 }
-
-} // namespace detail
 
 /// Makes one of the four scenes.
 ///
@@ -92,24 +88,24 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
     };
     // A wall one wavelength thick; `open` is how much of a hole there is at a height.
     const auto wall = [&](double x, double open) {
-        return metal * (1 - open) * detail::inside(x, scene.exit - 1, scene.exit, mesh);
+        return metal * (1 - open) * inside(x, scene.exit - 1, scene.exit, mesh);
     };
-    const auto wide = detail::packet(0.16 * width, middle, 0.04 * width, 0.12 * height);
+    const auto wide = packet(0.16 * width, middle, 0.04 * width, 0.12 * height);
     scene.beyond = scene.exit + 2;
     if (name == "slit") {
-        const auto slit = [=](double x, double y) { return wall(x, detail::inside(y, -0.5, 0.5, mesh)); };
+        const auto slit = [=](double x, double y) { return wall(x, inside(y, -0.5, 0.5, mesh)); };
         add("open", slit, wide);
         add(
             "barrier",
             [=, exit = scene.exit](double x, double y) { // the potential between metal and vacuum: a triangle
                 const double fall = 1.5 * std::max(0.0, 1 - (x - exit) / 2);
-                return slit(x, y) + fall * detail::inside(x, exit, exit + 4, mesh);
+                return slit(x, y) + fall * inside(x, exit, exit + 4, mesh);
             },
             wide);
     } else if (name == "two-slits") {
         add(
-            "two slits",
-            [=](double x, double y) { return wall(x, detail::inside(std::fabs(y), 1.5, 2.5, mesh)); }, wide);
+            "two slits", [=](double x, double y) { return wall(x, inside(std::fabs(y), 1.5, 2.5, mesh)); },
+            wide);
     } else if (name == "spin") {
         // B is even as far as two wavelengths beyond the wall, then falls to 0 within two. A is along y, and
         // its integral over x; it is 0 where the packet starts.
@@ -130,7 +126,7 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
             add(
                 spin > 0 ? "spin up" : "spin down",
                 [=](double x, double y) {
-                    return wall(x, detail::inside(y, -0.75, 0.75, mesh)) + spin * at(x) / (4 * pi * pi);
+                    return wall(x, inside(y, -0.75, 0.75, mesh)) + spin * at(x) / (4 * pi * pi);
                 },
                 wide)
                 .terms.bonds = fill([&](double x, double) { return mesh * potential_of_field(x); });
@@ -143,15 +139,14 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
         scene.beyond = 0.85 * width;
         scene.distance = 0.95 * width;
         const auto square = [=, front = scene.front, half = scene.half](double x, double y) {
-            return metal * detail::inside(x, front, front + 2 * half, mesh) *
-                   detail::inside(y, -half, half, mesh);
+            return metal * inside(x, front, front + 2 * half, mesh) * inside(y, -half, half, mesh);
         };
         // A channel that ends at the tip, with the wave of its lowest mode in it.
         constexpr double channel = 0.75;
         const auto tip = [=, end = scene.source](double x, double y) {
-            return x > end + mesh / 2 ? 0.0
-                                      : metal * detail::inside(x, -1, end, mesh) *
-                                            (1 - detail::inside(y, -channel / 2, channel / 2, mesh));
+            return x > end + mesh / 2
+                       ? 0.0
+                       : metal * inside(x, -1, end, mesh) * (1 - inside(y, -channel / 2, channel / 2, mesh));
         };
         const double most = 2 * pi * std::sqrt(metal); // mode² + decay² = most²
         double mode = pi / channel, decay = 0;
@@ -165,7 +160,7 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
                                            : std::cos(mode * channel / 2) * std::exp(-decay * side);
             return std::polar(std::exp(-u * u), x * std::sqrt(4 * pi * pi - mode * mode)) * across;
         };
-        add("Gaussian", square, detail::packet(0.16 * width, middle, 0.04 * width, 2));
+        add("Gaussian", square, packet(0.16 * width, middle, 0.04 * width, 2));
         add(
             "tip", [=](double x, double y) { return tip(x, y) + square(x, y); }, in_channel);
     }

@@ -20,10 +20,9 @@ inline LatticeWave<double> wave_on_line(const WaveLine& line) {
     const WaveLattice lattice{std::size_t(std::lround(line.length / line.mesh)), 1, line.mesh};
     WaveTerms terms;
     for (std::size_t i = 0; i < lattice.columns && line.height > 0; ++i)
-        terms.potential.push_back(line.height *
-                                  detail::inside(lattice.x(i), line.from, line.to, line.mesh * 1e-6));
+        terms.potential.push_back(line.height * inside(lattice.x(i), line.from, line.to, line.mesh * 1e-6));
     LatticeWave<double> wave(lattice, terms);
-    wave.start(detail::packet(line.middle, 0, line.sigma, 1));
+    wave.start(packet(line.middle, 0, line.sigma, 1));
     wave.set_step(line.step != 0 ? line.step : 4 * line.mesh * line.mesh);
     return wave;
 }

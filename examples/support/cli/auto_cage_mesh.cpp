@@ -4,9 +4,9 @@
 #include "cli/mesh_cage.hpp"
 #include "files/medit_file.hpp"
 
-#include <cageform/core/threads.hpp>
 #include <cageform/enclose/find_parts.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
+#include <cageform/parallel/threads.hpp>
 
 namespace cageform_support {
 

@@ -1,8 +1,6 @@
 // The faces of a cage of more than three corners: which stay whole, become fans, or are cut.
 #include "cli/mesh_cage.hpp"
 
-#include <cageform/cage/detail/check_faces.impl.hpp>
-
 namespace cageform_support {
 
 CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {
@@ -29,9 +27,9 @@ CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std:
             faces.loops.push_back(std::move(loop));
             continue;
         }
-        const bool is_planar = !cageform::detail::face_fault(whole, f);
+        const bool is_planar = !face_fault(whole, f);
         const bool wants_fan = fans == FacesAsFans::all || (fans == FacesAsFans::not_planar && !is_planar);
-        if (wants_fan && !cageform::detail::face_fault(fanned, f)) {
+        if (wants_fan && !face_fault(fanned, f)) {
             ++faces.fans;
             if (divisions > 1 && loop.size() == 4) ++faces.divided;
             if (!is_planar) faces.warped.push_back(f);

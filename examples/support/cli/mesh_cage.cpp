@@ -2,7 +2,7 @@
 
 #include "io/messages.hpp"
 
-#include <cageform/enclose/space/part_labels.hpp>
+#include <cageform/enclose/parts_of_faces.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -77,7 +77,7 @@ cageform::CageParts cage_parts(const ObjFile& cage) {
     }
     std::vector<int> numbers = cage.face_parts;
     std::replace(numbers.begin(), numbers.end(), 0, 1);
-    return cageform::detail::parts_of_faces(loops, cage.vertices.size(), numbers);
+    return cageform::parts_of_faces(loops, cage.vertices.size(), numbers);
 }
 
 std::string describe_parts(const cageform::CageParts& parts) {

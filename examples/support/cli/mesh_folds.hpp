@@ -4,8 +4,8 @@
 
 #include "files/obj_file.hpp"
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/clone/types/fold_report.hpp>
+#include <cageform/figure/binding.hpp>
 
 #include <array>
 #include <cstddef>

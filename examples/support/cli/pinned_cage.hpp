@@ -5,9 +5,9 @@
 #include "cli/coordinates.hpp"
 #include "cli/pins.hpp"
 
+#include <cageform/binding/types/pose_sample_options.hpp>
 #include <cageform/enclose/types/cage_parts.hpp>
 #include <cageform/pose/pose_solver.hpp>
-#include <cageform/pose/types/pose_sample_options.hpp>
 
 #include <functional>
 #include <optional>

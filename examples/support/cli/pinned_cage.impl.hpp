@@ -6,7 +6,7 @@
 #include "io/csv.hpp"
 #include "io/messages.hpp"
 
-#include <cageform/pose/pose_samples.hpp>
+#include <cageform/binding/pose_samples.hpp>
 
 #include <chrono>
 #include <sstream>

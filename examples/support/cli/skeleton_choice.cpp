@@ -7,7 +7,7 @@
 #include "io/messages.hpp"
 
 #include <cageform/binding/skin_weights.hpp>
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 
 #include <cmath>
 #include <sstream>

@@ -27,8 +27,8 @@
 
 #include "svg/path.hpp"
 
-#include <cageform/animate/clip.hpp>
 #include <cageform/animate/curves/key.hpp>
+#include <cageform/clip/clip.hpp>
 
 #include <array>
 #include <optional>

@@ -1,12 +1,12 @@
 #pragma once
 
 // The parts that these programs put beside the library's own into a packed figure
-// (cageform/binding/figure.hpp):
+// (cageform/figure/figure.hpp):
 //
 //     TRIS  #triangles × 3 × uint32
 //     CLIP  ClipHeader; piece_counts, #curves × uint32: x, y and z of every vertex of the cage; pieces,
 //           curve by curve, 5 × float each
-//     ORIG  see binding/figure.hpp; counted in the files of the mesh
+//     ORIG  see figure/figure.hpp; counted in the files of the mesh
 //           and the cage. Figures that are near the files' origin have no such part
 //     NRM1  a blob: a vector at every point across TAN1 and TAN2, of unit length, or zero where no face has
 //           the point. The posed vectors give the Jacobian by which clone_figure moves an OBJ file's normals

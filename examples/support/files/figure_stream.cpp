@@ -2,7 +2,7 @@
 
 #include "io/input_file.hpp"
 
-#include <cageform/binding/figure.hpp>
+#include <cageform/figure/figure.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -72,7 +72,7 @@ public:
         });
     }
     std::optional<std::uint64_t> hash(std::uint64_t begin, std::uint64_t end) {
-        cageform::detail::MemoryHash hash;
+        cageform::MemoryHash hash;
         if (!read(begin, end - begin, [&](std::span<const std::byte> bytes) { hash.add(bytes); }))
             return std::nullopt;
         return hash.value();
@@ -128,7 +128,7 @@ bool FigureStream::append(std::span<const std::byte> piece, Points points) {
     if (!error_.empty()) return false;
     std::size_t array = 0;
     bool is_weights = true;
-    cageform::detail::for_each_blob_array<float, 3>(
+    cageform::for_each_blob_array<float, 3>(
         header, [&](std::uint64_t offset, std::uint64_t bytes, bool wanted) {
             if (wanted && is_weights) put(piece.subspan(offset, bytes));
             if (!is_weights && wanted && (is_first || !of_handles[array])) {
@@ -176,17 +176,16 @@ bool FigureStream::finish(TileRecord& record) {
     put(std::vector<std::byte>(whole_lines(bytes_) - bytes_));
     std::size_t array = 0;
     bool is_weights = true;
-    cageform::detail::for_each_blob_array<float, 3>(header_,
-                                                    [&](std::uint64_t& offset, std::uint64_t, bool wanted) {
-                                                        if (is_weights) {
-                                                            offset = sizeof(BlobHeader);
-                                                        } else {
-                                                            offset = wanted ? bytes_ - blob_begin : 0;
-                                                            if (wanted) (void)put_array(array, rest);
-                                                            ++array;
-                                                        }
-                                                        is_weights = false;
-                                                    });
+    cageform::for_each_blob_array<float, 3>(header_, [&](std::uint64_t& offset, std::uint64_t, bool wanted) {
+        if (is_weights) {
+            offset = sizeof(BlobHeader);
+        } else {
+            offset = wanted ? bytes_ - blob_begin : 0;
+            if (wanted) (void)put_array(array, rest);
+            ++array;
+        }
+        is_weights = false;
+    });
     if (!error_.empty()) return false;
     header_.bytes = bytes_ - blob_begin;
     header_.figure_hash = points_.value();
@@ -213,15 +212,14 @@ bool FigureStream::finish(TileRecord& record) {
     BlockReader written(figure_.temporary());
     for (const auto& [begin, end] :
          {std::array{blob_begin, record_begin}, std::array{std::uint64_t{0}, bytes_}}) {
-        constexpr std::uint64_t after = sizeof(cageform::detail::PackedPrefix);
+        constexpr std::uint64_t after = sizeof(cageform::PackedPrefix);
         const auto hash = written.hash(begin + after, end);
         if (!hash) {
             may_pass_ = failure_may_pass(written.code());
             return fail("cannot write " + figure_.path().string() +
                         ": it cannot be read again: " + std::generic_category().message(written.code()));
         }
-        figure_.write_at(begin + offsetof(cageform::detail::PackedPrefix, checksum),
-                         text_of(bytes_of(*hash)));
+        figure_.write_at(begin + offsetof(cageform::PackedPrefix, checksum), text_of(bytes_of(*hash)));
     }
     (void)figure_.commit();
     return is_sound(figure_);
@@ -241,7 +239,7 @@ std::optional<TileRecord> read_tile_record(const std::filesystem::path& path) {
     TileRecord record;
     if (!file.read(sizeof(header), table) || table[1].tag != record_tag || table[1].bytes != sizeof(record) ||
         table[1].offset != header.bytes - sizeof(record) || !file.read(table[1].offset, record) ||
-        file.hash(sizeof(cageform::detail::PackedPrefix), header.bytes) != header.checksum)
+        file.hash(sizeof(cageform::PackedPrefix), header.bytes) != header.checksum)
         return std::nullopt;
     return record;
 }

@@ -1,13 +1,13 @@
 #pragma once
 
 // Packed figures that are written piece by piece, in the memory of one piece: a figure of any number of
-// points (cageform/binding/figure.hpp). Beside its points it holds a part of our own:
+// points (cageform/figure/figure.hpp). Beside its points it holds a part of our own:
 //
 //     TILE  TileRecord
 
 #include "io/atomic_file.hpp"
 
-#include <cageform/binding/types/blob.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 #include <array>
 #include <cstdint>
@@ -75,7 +75,7 @@ private:
     AtomicFile figure_, rest_;
     std::array<std::vector<Section>, arrays> sections_; // by array and piece
     cageform::BlobHeader header_;                       // of all pieces so far
-    cageform::detail::MemoryHash points_;
+    cageform::MemoryHash points_;
     std::uint64_t bytes_ = 0, bytes_of_rest_ = 0;
     std::string error_;
     bool may_pass_ = false;

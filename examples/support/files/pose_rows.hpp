@@ -8,7 +8,7 @@
 #include "io/input_file.hpp"
 #include "svg/path.hpp"
 
-#include <cageform/animate/clip.hpp>
+#include <cageform/clip/clip.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <cstddef>

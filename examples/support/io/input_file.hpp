@@ -4,7 +4,7 @@
 
 #include "io/expected.hpp"
 
-#include <cageform/core/detail/packed_memory.hpp>
+#include <cageform/core/types/packed_data.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -51,7 +51,7 @@ private:
     void* mapped_ = nullptr; // size_ bytes
     std::string error_;
     bool may_pass_ = false;
-    cageform::detail::MemoryHash hash_; // of the bytes read so far
+    cageform::MemoryHash hash_; // of the bytes read so far
 };
 
 /// Sorts the files of a sequence by their numbers. Shell patterns sort names by letters: frame_10 before

@@ -7,7 +7,7 @@
 
 #include "pictures/membrane.hpp"
 
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cstdint>
 #include <span>

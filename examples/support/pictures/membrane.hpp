@@ -6,8 +6,8 @@
 
 #include "pictures/pixels.hpp"
 
-#include <cageform/binding/binding.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/figure/binding.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <array>
 #include <cstddef>

@@ -3,6 +3,7 @@
 // A picture in memory: colour maps, lines, and PNG files (stb_image_write).
 
 #include "io/atomic_file.hpp"
+#include "io/point2.hpp"
 #include "pictures/plot.hpp"
 #include "svg/css_colour.hpp"
 

@@ -5,7 +5,7 @@
 #include "pictures/mesh_picture.hpp"
 #include "splats/splat_file.hpp"
 
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cstddef>
 

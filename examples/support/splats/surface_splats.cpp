@@ -2,7 +2,7 @@
 
 #include "splats/harmonics.hpp"
 
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 
 #include <algorithm>
 #include <cmath>

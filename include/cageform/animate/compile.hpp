@@ -6,16 +6,16 @@
 // → pack_clip.hpp (shipped), clip_blob.hpp (its format).
 #pragma once
 
-#include <cageform/animate/clip.hpp>
 #include <cageform/animate/curves/key.hpp>
-#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/detail/track_compiler.hpp>
 #include <cageform/animate/fit.hpp>
 #include <cageform/animate/types/track_options.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/clip/clip.hpp>
+#include <cageform/clip/curves/track.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <algorithm>
 #include <cmath>

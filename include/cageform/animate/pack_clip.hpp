@@ -2,12 +2,12 @@
 // allows it. Bind time.
 #pragma once
 
-#include <cageform/animate/clip_blob.hpp>
 #include <cageform/animate/detail/clip_packer.hpp>
 #include <cageform/animate/types/clip_pack_options.hpp>
+#include <cageform/clip/clip_blob.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

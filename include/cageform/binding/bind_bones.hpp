@@ -4,8 +4,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/bone_handles.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/types/scalar_range.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

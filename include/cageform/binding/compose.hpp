@@ -1,13 +1,13 @@
 // Composes two levels of handles: a figure bound to sites, and the sites bound to fewer handles.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/sparse_rows.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/figure/binding.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -15,7 +15,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   - Without a tolerance, the kept weights change by the least amount, in the least-squares sense,
 ///     that restores both sums. With one, all kept weights are solved anew, see below.
 ///   - After rounding, D + 1 numbers per point hold what is missing of the sums
-///     (binding/detail/packed_binding.hpp). Scalar weights have no such numbers.
+///     (figure/packed_binding.hpp). Scalar weights have no such numbers.
 ///
 /// Points are stored in blocks of one cache line (16 points of float, 8 of double). A block has a
 /// row of weights for every handle that is kept for at least one of its points, so a point keeps

@@ -3,9 +3,9 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/skinner.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/types/scalar_range.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <concepts>

@@ -5,7 +5,7 @@
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/cage/types/interior_cells.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -192,7 +192,7 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     }
     const auto& bones = cage.cells().bones;
     const auto bone = [&](std::size_t n) { return detail::placed_bone(cage, bones[n]); };
-    if (const auto hit = nearest_bone<D>(bones.size(), bone, q, least)) {
+    if (const auto hit = detail::nearest_bone<D>(bones.size(), bone, q, least)) {
         value = hit->value;
         Vec<double, D> x{};
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n)

@@ -1,10 +1,10 @@
 // The 2D cage, one or more closed polygons: its data, point location, and its check.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/cage/detail/nearest_on_edge.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/cage/types/report.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

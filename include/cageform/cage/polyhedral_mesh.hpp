@@ -5,6 +5,8 @@
 #include <cageform/cage/detail/fan_points.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
+#include <optional>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A range of vertex loops: `faces[f]` has a size, and `faces[f][k]` is an integer.
@@ -215,6 +217,12 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 /// TriangleMesh, plus O(m log m) for a face of m corners, O(m²) at worst.
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
+
+/// Returns the first fault of one face, if any, whatever the other faces are: too_few_vertices,
+/// face_without_vertex and, for more than three corners, those of a fan, or face_without_area,
+/// face_not_planar or face_crosses_itself. Vertices must be finite. O(m log m) for m corners, O(m²) at worst.
+template <class T>
+std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t face);
 
 } // namespace cageform::inline CAGEFORM_ABI
 

@@ -1,12 +1,12 @@
 // The 3D cage, a closed triangle mesh: its data, point location, and its check.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/cage/detail/encloses.hpp>
-#include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/mesh_face.hpp>
+#include <cageform/cage/faces_of.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/cage/types/report.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -3,8 +3,8 @@
 
 #include <cageform/clone/detail/block_cloner.hpp>
 #include <cageform/clone/detail/check_clone.hpp>
-#include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/core/types/parallel_for.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -21,7 +21,7 @@ concept AnyBinding = detail::is_binding_view<decltype(detail::view_of(std::declv
 ///                 pose; points after the first #points are left alone. `out` and the mask are indexed
 ///                 as the points were when bound, whatever their order in a packed binding
 ///   options       a mask, and what the displacements are added to
-///   parallel_for  see core/detail/parallel.hpp; the result does not depend on it
+///   parallel_for  see core/types/parallel_for.hpp; the result does not depend on it
 ///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is
 ///                 then untouched), or ok
 ///   cost          reads every stored weight once, of a dense binding #points × (#handles + D)

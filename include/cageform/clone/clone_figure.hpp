@@ -1,9 +1,9 @@
 // Moves a whole figure every frame: points, normals and tangents in one call.
 #pragma once
 
-#include <cageform/binding/figure.hpp>
 #include <cageform/clone/detail/check_figure_clone.hpp>
 #include <cageform/clone/normals.hpp>
+#include <cageform/figure/figure.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -37,7 +37,7 @@ concept AnyFigure = detail::is_figure_view<decltype(detail::view_of(std::declval
 ///   figure        opened by `open`, or bound by `bind`
 ///   pose          any PointRange of #handles points
 ///   out           see FigureOutput. It is indexed as the points were when bound
-///   parallel_for  see core/detail/parallel.hpp; the result does not depend on it
+///   parallel_for  see core/types/parallel_for.hpp; the result does not depend on it
 ///   returns       vectors_missing, if normals or tangents are requested that were not bound;
 ///                 bindings_differ; or as `clone`. Nothing is written unless it is ok
 ///   cost          that of a clone by each binding; no allocation

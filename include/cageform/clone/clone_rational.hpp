@@ -62,7 +62,7 @@ concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
 ///   weights       #handles, finite and above 0
 ///   out           any MutablePointRange of at least #points points, which may not overlap pose and
 ///                 weights; indexed as the points were when bound
-///   parallel_for  see core/detail/parallel.hpp; the result does not depend on it
+///   parallel_for  see core/types/parallel_for.hpp; the result does not depend on it
 ///   returns       as `rational_view`; weights_do_not_match, weights_not_positive;
 ///                 weights_too_far_apart, if one is 2^60 times another, or so many times that small
 ///                 negative weights of the binding could outweigh others;

@@ -20,7 +20,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                     the other arguments
 ///   options           the mask of the clone; with CloneOnto::output the gradients are added to those in
 ///                     `handle_gradients`, else they replace them
-///   parallel_for      see core/detail/parallel.hpp; threads take handles, and the result does not depend
+///   parallel_for      see core/types/parallel_for.hpp; threads take handles, and the result does not depend
 ///                     on it
 ///   returns           output_too_small, too_few_gradients, mask_too_small (`handle_gradients` is then
 ///                     untouched), or ok

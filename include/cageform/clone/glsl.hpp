@@ -29,8 +29,8 @@
 // The code has no #version, and no main except in `compute`. Its names begin with cageform_.
 #pragma once
 
-#include <cageform/binding/types/blob.hpp>
 #include <cageform/clone/clone.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 #include <array>
 
@@ -89,7 +89,7 @@ layout(std430, binding = CAGEFORM_DISPLACEMENTS) readonly buffer CageformDisplac
 #endif
 )";
 
-/// Functions that read blobs (binding/types/blob.hpp) of float, at most 16 GiB of them. `base` is the
+/// Functions that read blobs (figure/types/blob.hpp) of float, at most 16 GiB of them. `base` is the
 /// four-byte word at which a blob begins in the buffer: a buffer may hold several blobs. A shader
 /// may be faster if it defines
 ///

@@ -5,10 +5,10 @@
 //     clone(binding, handles, out);
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/core/detail/face_handles.hpp>
 #include <cageform/core/status.hpp>
 #include <cageform/core/view.hpp>
+#include <cageform/figure/binding.hpp>
 
 #include <span>
 

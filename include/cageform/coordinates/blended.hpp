@@ -4,7 +4,7 @@
 #include <cageform/cage/detail/depth.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -28,7 +28,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// restored in each component separately, so no cage moves a point outside it.
 template <CageCoordinates C>
     requires requires(const C& c) {
-        Depth<std::decay_t<decltype(c.cage())>>(c.cage());
+        detail::Depth<std::decay_t<decltype(c.cage())>>(c.cage());
     }
 class BlendedCoordinates {
 public:
@@ -250,7 +250,7 @@ private:
     std::vector<HandleFace<dimension>> faces_;
     CageReport report_;
     std::size_t refused_ = none;
-    std::vector<Depth<Cage>> depths_;
+    std::vector<detail::Depth<Cage>> depths_;
     std::vector<double> scales_;
     std::vector<detail::LinearRestorer<scalar, dimension>> restorers_;
 };

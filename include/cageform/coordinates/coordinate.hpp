@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
-#include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
+#include <cageform/core/types/blocks.hpp>
 #include <cageform/core/types/handles.hpp>
-#include <cageform/core/types/solver_report.hpp>
+#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

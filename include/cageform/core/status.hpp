@@ -107,7 +107,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(duplicate_tag, "two parts of a figure have one tag, or one has a tag of the library's own") \
     X(duplicate_name, "two clips of a figure have one name")                                      \
     X(too_many_parts, "a figure has more parts than its table can hold")                          \
-    /* binding/types/blob.hpp */                                                                        \
+    /* figure/types/blob.hpp */                                                                        \
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \
     X(not_a_figure, "the memory holds no packed figure, or is not aligned to 64 bytes")           \
     X(not_a_clip, "the memory holds no packed clip, or is not aligned to 64 bytes")               \

@@ -4,11 +4,12 @@
 #pragma once
 
 #include <cageform/core/types/scalar_range.hpp>
-#include <cageform/core/types/solver_report.hpp>
 #include <cageform/core/view.hpp>
 #include <cageform/fields/detail/graph_equations.hpp>
 #include <cageform/fields/types/graph.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
+#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cmath>
 #include <cstdint>

@@ -3,6 +3,7 @@
 
 #include <cageform/core/types/scalar_range.hpp>
 #include <cageform/fields/cotangent.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -2,11 +2,11 @@
 // cancellation and a report.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
-#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/detail/group_progress.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
+#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <atomic>
 #include <concepts>

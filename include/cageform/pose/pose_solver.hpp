@@ -163,7 +163,7 @@ private:
     static Vec<double, D> turned_axis(std::size_t axis, const PoseTurn<D>& turn) noexcept {
         const auto change = detail::rotation_of(turn);
         Vec<double, D> offset;
-        for (std::size_t k = 0; k < D; ++k) offset[k] = detail::PinRows<T, D>::lever * change.at[k][axis];
+        for (std::size_t k = 0; k < D; ++k) offset[k] = turn_lever * change.at[k][axis];
         return offset;
     }
 

@@ -1,9 +1,9 @@
 // Packs a clip: measures the error of 16-bit coefficients, and chooses the curves that they serve.
 #pragma once
 
-#include <cageform/animate/clip_blob.hpp>
 #include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/animate/types/clip_pack_options.hpp>
+#include <cageform/clip/clip_blob.hpp>
 
 #include <algorithm>
 #include <array>

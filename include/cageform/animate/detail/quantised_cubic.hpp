@@ -1,13 +1,13 @@
 // A piecewise cubic with 16-bit coefficients; for run time, like piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/curves/piecewise_cubic.hpp>
+#include <cageform/clip/curves/piecewise_cubic.hpp>
 
 #include <array>
 #include <cmath>
 #include <cstdint>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// A curve with 16-bit coefficients: the Bernstein coefficients of every piece, as steps between
 /// the least and the largest of all. At most half the size of float pieces.
@@ -62,12 +62,11 @@ public:
         if (x >= end_) return end_value_;
         const T inside = x < pieces_.front().begin ? pieces_.front().begin : x;
         const std::size_t first =
-            detail::last_up_to(inside, pieces_.size(), [&](std::size_t i) { return pieces_[i].begin; });
+            last_up_to(inside, pieces_.size(), [&](std::size_t i) { return pieces_[i].begin; });
         const Piece& p = pieces_[first];
         const T until = first + 1 < pieces_.size() ? pieces_[first + 1].begin : end_;
         const T u = (inside - p.begin) / (until - p.begin), v = 1 - u;
         const T b0 = T(p.b[0]), b1 = T(p.b[1]), b2 = T(p.b[2]), b3 = T(p.b[3]);
-        using detail::multiply_add, detail::product;
         const T early = multiply_add(v, b0, product(3 * u, b1)),
                 late = multiply_add(u, b3, product(3 * v, b2));
         return multiply_add(step_, multiply_add(v * v, early, product(u * u, late)), low_);
@@ -82,4 +81,4 @@ private:
     T end_ = 0, end_value_ = 0, low_ = 0, step_ = 0;
 };
 
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

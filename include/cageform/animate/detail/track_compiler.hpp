@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cageform/animate/curves/key.hpp>
-#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/fit/fewest_pieces.hpp>
 #include <cageform/animate/fit/tolerances.hpp>
 #include <cageform/animate/types/track_options.hpp>
+#include <cageform/clip/curves/track.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/core/types/scalar_range.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -17,22 +17,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-/// Converts a piece of degree 3 of a fit to its run-time form. It uses times rounded to T, so that
-/// it still meets the next piece. T must resolve its length; its coefficients may overflow T.
-template <Scalar T>
-CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
-    const auto b = fitted.coefficients(piece);
-    const T begin = static_cast<T>(fitted.knots[piece]);
-    const double h = double(static_cast<T>(fitted.knots[piece + 1])) - double(begin);
-    const double c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]),
-                 c3 = b[3] - 3 * b[2] + 3 * b[1] - b[0];
-    return {begin, static_cast<T>(b[0]), static_cast<T>(c1 / h), static_cast<T>(c2 / (h * h)),
-            static_cast<T>(c3 / (h * h * h))};
-}
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Keys of one curve: a vector, an array or a span of Key.
 template <class R>
@@ -146,6 +131,4 @@ double pixel_of_clip(std::span<const std::span<const Key>> keys) noexcept {
     return screen_tolerance * (diagonal > 0 ? diagonal : 1);
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
+#include <cageform/clip/curves/piecewise_cubic.hpp>
 #include <cageform/core/detail/bernstein.hpp>
 #include <cageform/core/result.hpp>
 
@@ -49,9 +50,13 @@ struct BezierFit {
     double operator()(double x) const noexcept {
         std::size_t i = 0;
         while (i + 2 < knots.size() && x >= knots[i + 1]) ++i;
+        return in_piece(i, (x - knots[i]) / (knots[i + 1] - knots[i]));
+    }
+    /// Returns the value of a piece at u in [0, 1], from its first knot to its second.
+    double in_piece(std::size_t piece, double u) const noexcept {
         detail::Bernstein p{degree, {}};
-        std::ranges::copy(coefficients(i), p.c.begin());
-        return p((x - knots[i]) / (knots[i + 1] - knots[i]));
+        std::ranges::copy(coefficients(piece), p.c.begin());
+        return p(u);
     }
     /// A piece of degree 3 as a Bézier curve, with handles at thirds of its interval.
     BezierCurve as_bezier(std::size_t piece) const noexcept {
@@ -62,5 +67,18 @@ struct BezierFit {
         return curve;
     }
 };
+
+/// Converts a piece of degree 3 of a fit to its run-time form. It uses times rounded to T, so that
+/// it still meets the next piece. T must resolve its length; its coefficients may overflow T.
+template <Scalar T>
+CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
+    const auto b = fitted.coefficients(piece);
+    const T begin = static_cast<T>(fitted.knots[piece]);
+    const double h = double(static_cast<T>(fitted.knots[piece + 1])) - double(begin);
+    const double c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]),
+                 c3 = b[3] - 3 * b[2] + 3 * b[1] - b[0];
+    return {begin, static_cast<T>(b[0]), static_cast<T>(c1 / h), static_cast<T>(c2 / (h * h)),
+            static_cast<T>(c3 / (h * h * h))};
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

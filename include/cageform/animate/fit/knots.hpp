@@ -3,7 +3,7 @@
 
 #include <cageform/animate/fit/line_minimum.hpp>
 #include <cageform/animate/fit/sobolev_fit.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

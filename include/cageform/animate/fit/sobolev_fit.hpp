@@ -12,7 +12,7 @@
 #include <cageform/animate/fit/fit_options.hpp>
 #include <cageform/animate/fit/least_maximum.hpp>
 #include <cageform/animate/fit/normal_equations.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

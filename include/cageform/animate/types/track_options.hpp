@@ -1,8 +1,8 @@
 // The options and the report of compiling key frames.
 #pragma once
 
-#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/fit/fit_options.hpp>
+#include <cageform/clip/curves/track.hpp>
 #include <cageform/core/status.hpp>
 
 #include <cstddef>

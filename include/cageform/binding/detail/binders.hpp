@@ -1,11 +1,11 @@
 // Declares the functions behind `bind`, which know the coordinates only as a BindInput.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/bind_input.hpp>
 #include <cageform/binding/types/bind_options.hpp>
 #include <cageform/binding/types/figure_binding.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/figure/binding.hpp>
 
 #include <array>
 #include <vector>

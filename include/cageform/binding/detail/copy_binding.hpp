@@ -1,7 +1,7 @@
 // Copies a view of a binding into one that owns its memory.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
+#include <cageform/figure/binding.hpp>
 
 #include <utility>
 #include <vector>

@@ -3,7 +3,7 @@
 
 #include <cageform/binding/types/bind_options.hpp>
 #include <cageform/coordinates/detail/outside_distance.hpp>
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <cmath>

@@ -1,10 +1,10 @@
 // The least squares of a lattice's pose: rows of weights, and the second differences of displacements.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/least_squares.hpp>
 #include <cageform/binding/types/lattice_fit.hpp>
 #include <cageform/coordinates/lattice.hpp>
+#include <cageform/figure/binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -3,11 +3,11 @@
 
 #include <cageform/binding/detail/choose_rows.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
-#include <cageform/binding/types/blob.hpp>
 #include <cageform/binding/types/pack_options.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/figure/types/blob.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <iterator>

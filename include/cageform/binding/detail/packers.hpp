@@ -4,7 +4,7 @@
 #include <cageform/binding/types/figure_binding.hpp>
 #include <cageform/binding/types/pack_options.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/binding/types/bind_options.hpp>
-#include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/detail/simd.hpp>
+#include <cageform/core/types/blocks.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

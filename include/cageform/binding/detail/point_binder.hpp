@@ -1,16 +1,16 @@
 // Binds points: evaluates weights, restores linear precision, and measures the result.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/bind_input.hpp>
 #include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/piece_measures.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
-#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/core/types/bounds.hpp>
+#include <cageform/figure/binding.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <optional>

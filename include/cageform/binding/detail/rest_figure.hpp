@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/binding/detail/bind_input.hpp>
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/binding/types/cage_rebind_report.hpp>
 #include <cageform/binding/types/figure_binding.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <algorithm>
 #include <span>

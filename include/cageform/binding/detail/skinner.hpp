@@ -2,13 +2,13 @@
 // they are from the binding's.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/convex_weights.hpp>
 #include <cageform/binding/types/skin_weights.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/figure/binding.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <algorithm>
 #include <cmath>

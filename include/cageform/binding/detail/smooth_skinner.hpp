@@ -6,7 +6,7 @@
 #include <cageform/binding/detail/skinner.hpp>
 #include <cageform/binding/detail/smooth_skin.hpp>
 #include <cageform/binding/detail/smooth_weights.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <array>

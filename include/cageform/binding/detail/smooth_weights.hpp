@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // The weights of sites without their zeros, and the check of two bindings to be composed.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/figure/binding.hpp>
 
 #include <vector>
 

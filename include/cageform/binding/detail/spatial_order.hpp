@@ -1,7 +1,7 @@
 // Sorts points spatially, so that the points of a block are close to each other.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 
 #include <algorithm>
 #include <array>

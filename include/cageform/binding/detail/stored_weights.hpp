@@ -1,7 +1,7 @@
 // Converts weights to the formats of a packed binding.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <algorithm>
 #include <bit>

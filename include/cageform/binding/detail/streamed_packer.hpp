@@ -5,7 +5,7 @@
 #include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/packers.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
-#include <cageform/binding/types/blob.hpp>
+#include <cageform/figure/types/blob.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -3,7 +3,7 @@
 
 #include <cageform/binding/detail/point_binder.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/types/report.hpp>
-#include <cageform/core/types/solver_report.hpp>
+#include <cageform/grid/types/solver_report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

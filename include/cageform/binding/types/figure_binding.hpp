@@ -1,10 +1,10 @@
 // A bound figure: points, normals and tangents, handedness, and the labels of its handles.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
-#include <cageform/binding/figure.hpp>
 #include <cageform/binding/tangents.hpp>
 #include <cageform/binding/types/bind_options.hpp>
+#include <cageform/figure/binding.hpp>
+#include <cageform/figure/figure.hpp>
 
 #include <string_view>
 #include <vector>

@@ -1,9 +1,9 @@
 // Options and reports of packing.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
-#include <cageform/binding/figure.hpp>
 #include <cageform/binding/types/bind_options.hpp>
+#include <cageform/figure/figure.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <optional>
 #include <span>

@@ -1,9 +1,9 @@
 // Declares what the C interface does with figures, clips and samples of each scalar and dimension.
 #pragma once
 
+#include <cageform/binding/types/pose_sample_options.hpp>
 #include <cageform/c/detail/cages.hpp>
 #include <cageform/c/detail/pins.hpp>
-#include <cageform/pose/types/pose_sample_options.hpp>
 
 #include <memory>
 

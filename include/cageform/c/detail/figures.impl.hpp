@@ -4,8 +4,8 @@
 #include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
+#include <cageform/binding/pose_samples.hpp>
 #include <cageform/c/detail/figures.hpp>
-#include <cageform/pose/pose_samples.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 

@@ -1,11 +1,11 @@
 // The objects behind the opaque pointers of the C interface, and the checks of what C passes.
 #pragma once
 
-#include <cageform/animate/clip_blob.hpp>
-#include <cageform/binding/figure.hpp>
 #include <cageform/c/cageform.h>
+#include <cageform/clip/clip_blob.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/view.hpp>
+#include <cageform/figure/figure.hpp>
 
 #include <cstdint>
 #include <cstring>

@@ -4,10 +4,10 @@
 #include <cageform/animate/types/track_options.hpp>
 #include <cageform/binding/types/figure_binding.hpp>
 #include <cageform/binding/types/pack_options.hpp>
+#include <cageform/binding/types/pose_sample_options.hpp>
 #include <cageform/c/detail/messages.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/enclose/types/make_cage_options.hpp>
-#include <cageform/pose/types/pose_sample_options.hpp>
+#include <cageform/parallel/running.hpp>
 #include <cageform/skeleton/types/skeleton_options.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {

@@ -4,7 +4,7 @@
 #include <cageform/c/detail/objects.hpp>
 
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <atomic>
 #include <exception>
@@ -14,7 +14,7 @@
 #if !defined(CAGEFORM_C_RUNTIME_ONLY) && !defined(__wasi__) &&                                               \
     (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
 #define CAGEFORM_DETAIL_C_THREADS
-#include <cageform/core/threads.hpp>
+#include <cageform/parallel/threads.hpp>
 #endif
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {

@@ -1,7 +1,7 @@
 // A Bézier curve of degree 1 to 3 in the plane.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 
 #include <array>
 #include <span>

@@ -1,7 +1,7 @@
 // The boundary values of bones at points inside and near them.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/cage/types/interior_cells.hpp>
 
 #include <optional>
@@ -12,6 +12,8 @@ template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex; // in cage/cell_complex.hpp
 
+namespace detail {
+
 /// A bone with the positions of its end points.
 template <std::size_t D>
 struct PlacedBone {
@@ -21,15 +23,13 @@ struct PlacedBone {
 
     bool has(std::uint32_t handle) const noexcept { return handle == i || handle == j; }
     /// Returns the distance of a point from the bone's surface, negative inside.
-    double distance(const Vec<double, D>& p) const noexcept {
-        return detail::distance_to_segment(p, a, b) - radius;
-    }
+    double distance(const Vec<double, D>& p) const noexcept { return distance_to_segment(p, a, b) - radius; }
 };
 
 /// Returns the boundary value of a bone at the bone's point nearest to `p`.
 template <std::size_t D>
 BoundaryValue<D> bone_value(const PlacedBone<D>& bone, const Vec<double, D>& p) noexcept {
-    const double s = detail::segment_parameter(p, bone.a, bone.b);
+    const double s = segment_parameter(p, bone.a, bone.b);
     BoundaryValue<D> value;
     value.handle.fill(bone.i);
     value.handle[1] = bone.j;
@@ -45,8 +45,7 @@ struct BoneHit {
     BoundaryValue<D> value;
 };
 
-namespace detail {
-
+/// Returns a bone of a complex with the positions of its vertices.
 template <Scalar T, std::size_t D>
 PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
     return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
@@ -83,15 +82,13 @@ std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& 
     return mean;
 }
 
-} // namespace detail
-
 /// Returns the boundary value of bone(0) … bone(count − 1) at a point whose distance from the surface of
 /// one of them is at most `reach`. Where bones overlap, as at joints, the result is the mean of their
 /// values weighted by the point's depth in each, which is continuous. Only the three deepest bones count.
 template <std::size_t D, class Bones>
 std::optional<BoneHit<D>> nearest_bone(std::size_t count, const Bones& bone, const Vec<double, D>& p,
                                        double reach) noexcept {
-    std::array<detail::DeepBone<D>, 3> deepest{};
+    std::array<DeepBone<D>, 3> deepest{};
     std::optional<PlacedBone<D>> nearest;
     for (std::size_t n = 0; n < count; ++n) {
         const PlacedBone<D> one = bone(n);
@@ -100,14 +97,16 @@ std::optional<BoneHit<D>> nearest_bone(std::size_t count, const Bones& bone, con
             reach = distance;
             nearest = one;
         }
-        detail::DeepBone<D> candidate{-distance, one};
+        DeepBone<D> candidate{-distance, one};
         for (auto& known : deepest) {
             if (candidate.depth > known.depth) std::swap(candidate, known);
         }
     }
     if (!nearest) return std::nullopt;
-    const auto mean = deepest[1].depth > 0 ? detail::mean_value_of(deepest, p) : std::nullopt;
+    const auto mean = deepest[1].depth > 0 ? mean_value_of(deepest, p) : std::nullopt;
     return BoneHit<D>{reach, mean ? *mean : bone_value(*nearest, p)};
 }
+
+} // namespace detail
 
 } // namespace cageform::inline CAGEFORM_ABI

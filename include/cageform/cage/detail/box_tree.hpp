@@ -1,7 +1,7 @@
 // A bounding volume hierarchy for ray, segment and nearest-item queries.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include <cageform/cage/detail/primitives.hpp>
 #include <cageform/cage/types/interior_cells.hpp>
 #include <cageform/cage/types/report.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <algorithm>
 #include <vector>

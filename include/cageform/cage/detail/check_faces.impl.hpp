@@ -2,8 +2,8 @@
 // surface.
 #pragma once
 
-#include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/flat_face.hpp>
+#include <cageform/cage/faces_of.hpp>
 #include <cageform/cage/polyhedral_mesh.hpp>
 #include <cageform/cage/types/report.hpp>
 
@@ -133,10 +133,9 @@ void add_fans(const PolyhedralMesh<T>& mesh, CageReport& report) {
     }
 }
 
-/// Returns the first fault of a face, if any: too_few_vertices, face_without_vertex and, for more than
-/// three corners, those of a fan, or face_without_area, face_not_planar or face_crosses_itself. Vertices
-/// must be finite. O(m log m) for m corners, O(m²) at worst.
-template <Scalar T>
+} // namespace detail
+
+template <class T>
 std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
     using Kind = CageFaultKind;
     const auto loop = mesh.face(f);
@@ -144,14 +143,14 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
     if (std::find(loop.begin(), loop.end(), no_vertex) != loop.end())
         return CageFault{Kind::face_without_vertex, f};
     if (loop.size() == 3) return std::nullopt;
-    if (mesh.is_fan(f)) return fan_fault(mesh, f);
-    const auto corners = corners_of(mesh, f);
-    const FacePlane plane(corners);
+    if (mesh.is_fan(f)) return detail::fan_fault(mesh, f);
+    const auto corners = detail::corners_of(mesh, f);
+    const detail::FacePlane plane(corners);
     if (!plane.has_area) return CageFault{Kind::face_without_area, f};
-    const FarthestCorner farthest(corners, plane);
+    const detail::FarthestCorner farthest(corners, plane);
     if (farthest.distance > mesh.off_plane())
         return CageFault{Kind::face_not_planar, f, loop[farthest.corner]};
-    const CageReport in_plane = check(flat_face(mesh, f, plane));
+    const CageReport in_plane = check(detail::flat_face(mesh, f, plane));
     for (const CageFault& fault : in_plane.faults) {
         if (fault.kind == Kind::no_area) return CageFault{Kind::face_without_area, f};
         if (status_of(fault.kind) != Status::ok)
@@ -160,8 +159,6 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
     if (in_plane.status != Status::ok) return CageFault{Kind::face_crosses_itself, f, loop[0]};
     return std::nullopt;
 }
-
-} // namespace detail
 
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh) {
@@ -174,7 +171,7 @@ CageReport check(const PolyhedralMesh<T>& mesh) {
             report.add(CageFaultKind::face_divisions, divisions);
         if (report.status != Status::ok) return;
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-            if (const auto fault = detail::face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
+            if (const auto fault = face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
         }
         if (report.status != Status::ok) return;
         detail::add_fans(mesh, report);

@@ -5,7 +5,7 @@
 #include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/detail/shells.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// A function that is smooth inside and proportional to the distance close to the boundary: the reciprocal
 /// of the integral of 1/ρ over all directions, where ρ is the distance of the boundary in a direction
@@ -20,7 +20,7 @@ class Depth<Polygon<T>> {
 public:
     explicit Depth(const Polygon<T>& polygon) {
         for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-            const bool left = detail::inside_is_left(polygon, k);
+            const bool left = inside_is_left(polygon, k);
             polygon.loops()[k].for_each_edge([&](std::size_t i, std::size_t j) {
                 const auto a = vec_cast<double>(polygon[i]), b = vec_cast<double>(polygon[j]);
                 edges_.push_back(left ? std::pair(a, b) : std::pair(b, a));
@@ -32,7 +32,7 @@ public:
         double sum = 0;
         for (const auto& [from, to] : edges_) {
             const auto a = from - vec_cast<double>(p), b = to - vec_cast<double>(p);
-            const double r = detail::length(a), s = detail::length(b);
+            const double r = length(a), s = length(b);
             const double over = cross(a, b), along = dot(a, b);
             const double tangent =
                 along > 0 ? over / (r * s + along) : (r * s - along) / over; // tan(angle / 2)
@@ -49,10 +49,10 @@ template <Scalar T>
 class Depth<TriangleMesh<T>> {
 public:
     explicit Depth(const TriangleMesh<T>& mesh) {
-        for (const auto& face : detail::outward_faces(mesh)) {
-            const auto corner = detail::Facet<3>(face, mesh.vertices()).corner;
+        for (const auto& face : outward_faces(mesh)) {
+            const auto corner = Facet<3>(face, mesh.vertices()).corner;
             const auto normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-            faces_.push_back({corner, (1 / detail::length(normal)) * normal});
+            faces_.push_back({corner, (1 / length(normal)) * normal});
         }
     }
     double operator()(const Vec<T, 3>& p) const noexcept {
@@ -62,7 +62,7 @@ public:
             double largest = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 c[k] = face.corner[k] - vec_cast<double>(p);
-                largest = (std::max)(largest, detail::length(c[k]));
+                largest = (std::max)(largest, length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
             // The vector area of the spherical triangle along the normal: half the sum over its sides of
@@ -70,7 +70,7 @@ public:
             double area = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto over = cross(c[k], c[(k + 1) % 3]);
-                const double size = detail::length(over);
+                const double size = length(over);
                 if (size > 0)
                     area += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
@@ -98,4 +98,4 @@ public:
         : Depth<typename CellComplex<T, D>::Boundary>(cage.boundary()) {}
 };
 
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

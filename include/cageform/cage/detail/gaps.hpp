@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// An edge in the direction of one of its faces.
 struct HalfEdge {
@@ -49,8 +49,6 @@ void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
         f(half_edges.subspan(begin, end - begin));
     }
 }
-
-namespace detail {
 
 using MeshLoop = std::vector<std::uint32_t>; ///< consecutive vertices; the first follows the last
 
@@ -162,6 +160,4 @@ private:
     std::vector<HalfEdge> half_edges_;
 };
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

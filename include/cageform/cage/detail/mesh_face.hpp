@@ -1,7 +1,7 @@
 // The faces of triangle meshes, with indices that may be out of range.
 #pragma once
 
-#include <cageform/cage/detail/faces_of.hpp>
+#include <cageform/cage/faces_of.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <algorithm>

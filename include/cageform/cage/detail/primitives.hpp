@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/cage/detail/orientation.hpp>
-#include <cageform/core/detail/bounds.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/bounds.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <algorithm>
 #include <array>

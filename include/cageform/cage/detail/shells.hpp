@@ -1,8 +1,8 @@
 // The connected components of a triangle mesh, and their orientation.
 #pragma once
 
-#include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/primitives.hpp>
+#include <cageform/cage/faces_of.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

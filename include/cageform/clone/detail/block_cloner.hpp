@@ -1,9 +1,9 @@
 // Clones blocks: computes weighted sums of displacements and adds them to the points at rest.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/clone/detail/row_sums.hpp>
 #include <cageform/clone/detail/target.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,10 +1,10 @@
 // Finds the view of a binding, and checks what is given to a clone.
 #pragma once
 
-#include <cageform/binding/binding.hpp>
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/clone/detail/target.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/figure/binding.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <array>
 

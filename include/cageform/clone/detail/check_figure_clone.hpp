@@ -1,9 +1,9 @@
 // Checks what is given to the clone of a figure, and writes tangents with their handedness.
 #pragma once
 
-#include <cageform/binding/figure.hpp>
 #include <cageform/clone/detail/check_clone.hpp>
 #include <cageform/core/view.hpp>
+#include <cageform/figure/figure.hpp>
 
 #include <cstdint>
 

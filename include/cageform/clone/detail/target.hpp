@@ -1,30 +1,13 @@
 // Writes the points of a clone, a block at a time, to any range; fast if its numbers are contiguous.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
+#include <cageform/clone/types/clone_options.hpp>
 #include <cageform/core/detail/simd.hpp>
-#include <cageform/core/view.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <utility>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-/// The points to which a clone adds its displacements.
-enum class CloneOnto : std::uint8_t {
-    rest, ///< the bound points
-    /// The points in the output, so that clones by several bindings of the same points add up.
-    output,
-};
-
-template <Scalar T>
-struct CloneOptions {
-    /// A number per point, which multiplies its displacement; empty: no mask. May lie in a vertex
-    /// buffer.
-    StridedPoints<const T, 1> mask{nullptr, 0};
-    CloneOnto onto = CloneOnto::rest;
-};
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
 /// Registers whose lanes are shuffled. Registers of 32 bytes shuffle only within their halves, so
@@ -235,6 +218,4 @@ private:
     bool by_axes_ = false; ///< set if the numbers of each axis are contiguous and in order
 };
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,8 +1,8 @@
 // Loads rows of weights from their storage formats into registers.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/detail/simd.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,8 +1,8 @@
 // The boundary values of the handles' functions.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
+#include <cageform/core/types/blocks.hpp>
 
 #include <functional>
 #include <memory>

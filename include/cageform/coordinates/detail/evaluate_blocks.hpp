@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/cage/types/report.hpp>
-#include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
-#include <cageform/core/types/solver_report.hpp>
+#include <cageform/core/types/blocks.hpp>
+#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <cstddef>
 #include <span>

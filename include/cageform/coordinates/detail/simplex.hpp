@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/core/affine/orthonormal_rows.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <array>
 #include <cmath>

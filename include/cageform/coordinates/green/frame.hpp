@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/coordinates/mean_value/frame.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/simd_angle.hpp>
 #include <cageform/core/detail/simd_log.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,8 +1,8 @@
 // Corrects interpolated weights next to treated corners, for many functions at many points.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/blocks.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/corner_functions.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/stencil_table.hpp>
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 
 #include <functional>
 

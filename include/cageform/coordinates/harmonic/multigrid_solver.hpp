@@ -7,7 +7,7 @@
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/embedded_cage.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/edge_errors.hpp>
 #include <cageform/grid/multigrid/groups.hpp>
 

@@ -1,9 +1,9 @@
 // A least squares fit with a ridge.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/simd.hpp>
+#include <cageform/core/types/blocks.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <array>
 #include <cmath>

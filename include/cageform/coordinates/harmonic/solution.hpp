@@ -4,7 +4,7 @@
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/difference_gradients.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <numeric>
 

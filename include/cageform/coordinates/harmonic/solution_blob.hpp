@@ -15,8 +15,8 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/cage_functions.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/packed_memory.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <bit>
 #include <cmath>

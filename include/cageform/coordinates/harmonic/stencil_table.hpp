@@ -1,7 +1,7 @@
 // Stores the interpolation stencils of many points, as weights of nodes and of handles.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/cut_stencil.hpp>
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 #include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
 #include <cageform/core/affine/moment_test.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,8 +1,8 @@
 // Inputs and outputs of the mean value formulas in 2D and 3D.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/cage/detail/primitives.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/core/affine/compensated_sum.hpp>
 #include <cageform/core/affine/dual.hpp>
 

@@ -4,7 +4,7 @@
 #include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

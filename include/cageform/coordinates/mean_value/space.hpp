@@ -4,7 +4,7 @@
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/core/affine/compensated_sum.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <cmath>
 #include <cstdint>

@@ -2,8 +2,8 @@
 // vectors.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/bounds.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/types/handles.hpp>
 
 #include <vector>

@@ -3,7 +3,6 @@
 
 #include <cageform/core/affine/dual.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -22,7 +21,8 @@ std::array<N, K> compensated_sums(std::size_t count, const Add& add) noexcept {
     for (std::size_t begin = 0; begin < count; begin += run) {
         std::array<N, K> partial;
         for (std::size_t k = 0; k < K; ++k) partial[k] = -excess[k];
-        for (std::size_t i = begin; i < (std::min)(begin + run, count); ++i) add(i, partial);
+        const std::size_t end = count - begin < run ? count : begin + run;
+        for (std::size_t i = begin; i < end; ++i) add(i, partial);
         for (std::size_t k = 0; k < K; ++k) {
             const N next = sums[k] + partial[k];
             excess[k] = (next - sums[k]) - partial[k];

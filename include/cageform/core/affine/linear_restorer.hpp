@@ -4,9 +4,9 @@
 #include <cageform/core/affine/affine_rows.hpp>
 #include <cageform/core/affine/compensated_sum.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
-#include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/simd_instructions.hpp>
+#include <cageform/core/types/blocks.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -3,7 +3,7 @@
 
 #include <cageform/core/affine/compensated_sum.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Orthonormalises rows, so that no direction is thin.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <array>

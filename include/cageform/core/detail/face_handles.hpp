@@ -13,7 +13,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns the edge from `a` to `b` rotated by −90°, the outward normal if the inside is on the
 /// left. Linear in the pose.
@@ -21,8 +21,6 @@ template <Scalar T>
 Vec<T, 2> edge_handle(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return {b[1] - a[1], a[0] - b[0]};
 }
-
-namespace detail {
 
 /// Two edges of a triangle, each divided by its largest component, so that squares neither overflow
 /// nor underflow.
@@ -47,8 +45,6 @@ struct TriangleEdges {
     }
 };
 
-} // namespace detail
-
 /// Returns √area · s · n' for a triangle: the unit normal n' of its posed corners, scaled by how
 /// much the pose stretches the triangle,
 ///
@@ -61,7 +57,7 @@ struct TriangleEdges {
 /// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
 template <Scalar T>
 Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec<T, 3>, 3>& posed) noexcept {
-    const detail::TriangleEdges<T> before(rest), now(posed);
+    const TriangleEdges<T> before(rest), now(posed);
     if (!before.has_area() || !now.has_area()) return {};
     // Write s as a sum of squares, which stays positive for thin triangles. With u the longer edge
     // and v = c u + a component of length q |u| across it, s² area = (q |U|² + |V − c U|² / q) / 4.
@@ -76,8 +72,6 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
     const T squares = q * dot(along, along) + dot(across, across) / q;
     return (size / 2 * std::sqrt(squares / dot(now.normal, now.normal))) * now.normal;
 }
-
-namespace detail {
 
 /// Returns the mean of a loop of `count` points, at(i) for vertex i: their sum in the order of the loop,
 /// times one over their number. Faces at rest and posed use this function, so that their means agree bit for
@@ -130,6 +124,4 @@ Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, cons
     }
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -2,7 +2,7 @@
 // time.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 
 #include <array>
 #include <cstring>

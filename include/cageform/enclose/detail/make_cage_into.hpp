@@ -4,8 +4,8 @@
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/polyhedral_mesh.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/enclose/types/make_cage_options.hpp>
+#include <cageform/parallel/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

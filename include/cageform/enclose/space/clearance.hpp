@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/enclose/space/shell.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

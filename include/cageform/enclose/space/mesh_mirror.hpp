@@ -1,7 +1,7 @@
 // The mirror image of a mesh in itself.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/enclose/space/part_surface.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

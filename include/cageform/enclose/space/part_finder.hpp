@@ -3,9 +3,9 @@
 
 #include <cageform/cage/detail/mesh_face.hpp>
 #include <cageform/enclose/find_parts.hpp>
+#include <cageform/enclose/parts_of_faces.hpp>
 #include <cageform/enclose/space/mesh_mirror.hpp>
 #include <cageform/enclose/space/part_cut.hpp>
-#include <cageform/enclose/space/part_labels.hpp>
 #include <cageform/enclose/space/part_sweep.hpp>
 
 #include <numeric>

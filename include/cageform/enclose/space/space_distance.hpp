@@ -1,9 +1,9 @@
 // make_cage in space, step 1: fills a lattice with the distance of its nodes from the faces of a figure.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/enclose/detail/distance_lattice.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

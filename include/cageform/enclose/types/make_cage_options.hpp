@@ -3,10 +3,10 @@
 
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/core/types/scalar_range.hpp>
 #include <cageform/core/vec.hpp>
 #include <cageform/enclose/types/cage_parts.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cstddef>
 #include <cstdint>

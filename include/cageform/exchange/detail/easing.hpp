@@ -1,34 +1,16 @@
-// Types and checks shared by the importers and exporters of keyframes.
+// Checks shared by the importers and exporters of keyframes.
 #pragma once
 
-#include <cageform/animate/curves/key.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/exchange/types/key_interval.hpp>
 
 #include <bit>
 #include <limits>
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-/// Which handles of a key have an explicit length. The numbers match Unity's WeightedMode and
-/// Unreal's ERichCurveTangentWeightMode, which call `in` arrive and `out` leave.
-enum class WeightedHandles : std::uint8_t { none = 0, in = 1, out = 2, both = 3 };
-
-/// An interval between two keys. The curve passes `check`. For a hold the curve is constant at the first
-/// key's value.
-struct KeyInterval {
-    KeyKind kind = KeyKind::bezier;
-    BezierCurve curve{};
-};
-
-struct ExchangeReport {
-    Status status = Status::ok;
-    std::size_t culprit = 0; ///< index of the key or curve that failed; for an interval, of its first key
-};
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns the status of `check`, or time_not_monotone if a handle is longer than two intervals. Such
 /// handles never give monotone time, and they may overflow in `check`.
@@ -186,6 +168,4 @@ Result<std::vector<Key>, ExchangeReport> import_keys(std::span<const K> keyframe
     return result;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

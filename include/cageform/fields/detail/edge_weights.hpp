@@ -1,8 +1,8 @@
 // Checks a mesh, and computes the cotangent weights of its edges.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
 #include <cageform/fields/types/cotangent_weights.hpp>
 

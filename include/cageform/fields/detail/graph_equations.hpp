@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cageform/core/detail/disjoint_sets.hpp>
-#include <cageform/core/types/solver_report.hpp>
 #include <cageform/fields/detail/graph_factors.hpp>
 #include <cageform/fields/types/graph.hpp>
+#include <cageform/grid/types/solver_report.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // Computes bone weights on a mesh: harmonic weights, and bone heat.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/fields/detail/face_tree.hpp>
 #include <cageform/fields/surface.hpp>
 #include <cageform/fields/types/surface_skin.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -1,8 +1,8 @@
 // The unknown cells of a grid, and the solution of their equations.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/view.hpp>
 #include <cageform/fields/detail/field_solver.hpp>
 #include <cageform/fields/types/dirichlet_options.hpp>

@@ -1,9 +1,9 @@
 // The bones of a mesh, and the options and the report of their weights.
 #pragma once
 
-#include <cageform/core/types/solver_report.hpp>
 #include <cageform/core/vec.hpp>
 #include <cageform/fields/types/cotangent_weights.hpp>
+#include <cageform/grid/types/solver_report.hpp>
 
 #include <cstdint>
 #include <span>

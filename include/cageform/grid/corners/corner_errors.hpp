@@ -8,9 +8,9 @@
 // most 18 times. Bones have no estimate.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/types/solver_report.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/corner.hpp>
+#include <cageform/grid/types/solver_report.hpp>
 
 #include <cstdint>
 #include <span>

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <cageform/core/affine/orthonormal_rows.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/cage_corners.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>

@@ -4,7 +4,7 @@
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/detail/gaps.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>
 
@@ -97,14 +97,14 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
         EdgeSector::AdjacentFace face;
         double angle; // around the edge, from the first face
     };
-    const auto half_edges = half_edges_of(faces);
-    for_each_edge(half_edges, [&](std::span<const HalfEdge> about) {
+    const auto half_edges = detail::half_edges_of(faces);
+    detail::for_each_edge(half_edges, [&](std::span<const detail::HalfEdge> about) {
         const auto [i, j] = about[0].edge();
         const auto d = vertices[j] - vertices[i];
         const double length = std::sqrt(dot(d, d));
         const auto direction = (1 / length) * d;
         std::vector<Face> fan;
-        for (const HalfEdge& half : about) {
+        for (const detail::HalfEdge& half : about) {
             const auto& [a, b, c] = faces[half.face];
             const std::size_t third = std::size_t(a) + b + c - i - j;
             const EdgeSector::AdjacentFace face(vertices[i], direction, vertices[third]);

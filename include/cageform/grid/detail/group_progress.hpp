@@ -1,7 +1,7 @@
 // Progress, termination and locking of groups that are solved on several threads.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <atomic>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 
 #include <algorithm>
@@ -28,11 +28,11 @@ public:
 
     std::size_t size() const noexcept { return bones_.size(); }
 
-    const PlacedBone<D>& operator[](std::size_t n) const noexcept { return bones_[n]; }
+    const detail::PlacedBone<D>& operator[](std::size_t n) const noexcept { return bones_[n]; }
 
     /// Returns a handle of a bone that is thinner than a cell and has too few nodes, or nullopt.
     std::optional<std::uint32_t> too_thin() const noexcept {
-        for (const PlacedBone<D>& bone : bones_) {
+        for (const detail::PlacedBone<D>& bone : bones_) {
             if (bone.radius < 0.5) return bone.i;
         }
         return std::nullopt;
@@ -42,7 +42,7 @@ public:
     /// bones).
     void add_crossings(Crossings<D>& all) const {
         for (std::size_t axis = 0; axis < D; ++axis) {
-            for (const PlacedBone<D>& bone : bones_) {
+            for (const detail::PlacedBone<D>& bone : bones_) {
                 for_each_node_near(bone, axis, [&](const Index& index) {
                     auto p = node_position<D>(index);
                     const Interval chord = chord_of(bone, p, axis);
@@ -59,7 +59,7 @@ public:
 
     Buffer<FixedNode<D>> nodes() const {
         Buffer<FixedNode<D>> all;
-        for (const PlacedBone<D>& bone : bones_) {
+        for (const detail::PlacedBone<D>& bone : bones_) {
             for_each_node_near(bone, D, [&](const Index& index) {
                 if (const auto hit = nearest(node_position<D>(index), on_boundary_distance))
                     all.push_back({index, hit->value});
@@ -74,9 +74,10 @@ public:
 
     /// Returns the distance and the value of the bones at a point if the distance is at most `reach`.
     /// O(bones).
-    std::optional<BoneHit<D>> nearest(const Vec<double, D>& p, double reach) const noexcept {
-        return nearest_bone<D>(
-            bones_.size(), [&](std::size_t n) -> const PlacedBone<D>& { return bones_[n]; }, p, reach);
+    std::optional<detail::BoneHit<D>> nearest(const Vec<double, D>& p, double reach) const noexcept {
+        return detail::nearest_bone<D>(
+            bones_.size(), [&](std::size_t n) -> const detail::PlacedBone<D>& { return bones_[n]; }, p,
+            reach);
     }
 
     /// Returns the point where a ray meets bone `n`; its start if that lies within the bone.
@@ -94,7 +95,7 @@ public:
     /// Calls f(lower corner) for the cells of the lattice near bone `n`. O(cells in its box).
     template <class F>
     void for_each_cell(std::size_t n, F&& f) const {
-        const PlacedBone<D>& bone = bones_[n];
+        const detail::PlacedBone<D>& bone = bones_[n];
         // Slightly more than half a cell diagonal.
         const double reach = bone.radius + 0.51 * std::sqrt(double(D));
         for_each_node_near(bone, D, [&](const Index& index) {
@@ -117,15 +118,15 @@ private:
     };
 
     /// Returns the value at a point on or in a bone: the mean over all bones that overlap there.
-    BoundaryValue<D> value_on(const PlacedBone<D>& bone, const Vec<double, D>& p) const noexcept {
+    BoundaryValue<D> value_on(const detail::PlacedBone<D>& bone, const Vec<double, D>& p) const noexcept {
         const auto hit = nearest(p, on_boundary_distance);
-        return hit ? hit->value : bone_value(bone, p);
+        return hit ? hit->value : detail::bone_value(bone, p);
     }
 
     /// Calls f(node) for the nodes of the lattice in a box around a bone: one per line along `axis`, or all
     /// if `axis` is D.
     template <class F>
-    void for_each_node_near(const PlacedBone<D>& bone, std::size_t axis, F&& f) const {
+    void for_each_node_near(const detail::PlacedBone<D>& bone, std::size_t axis, F&& f) const {
         Index low{}, high{};
         const Index counts = lattice_.counts();
         for (std::size_t k = 0; k < D; ++k) {
@@ -150,7 +151,8 @@ private:
     /// Returns the part of the line through `p` along an axis that lies in a bone: the hull of the
     /// intersections with the balls around the ends and with the cylinder between them, because a capsule
     /// is convex.
-    static Interval chord_of(const PlacedBone<D>& bone, const Vec<double, D>& p, std::size_t axis) noexcept {
+    static Interval chord_of(const detail::PlacedBone<D>& bone, const Vec<double, D>& p,
+                             std::size_t axis) noexcept {
         Interval chord;
         for (const auto& end : {bone.a, bone.b}) {
             auto across = p - end;
@@ -161,7 +163,7 @@ private:
         chord.extend(chord_of_cylinder(bone, p, axis));
         return chord;
     }
-    static Interval chord_of_cylinder(const PlacedBone<D>& bone, const Vec<double, D>& p,
+    static Interval chord_of_cylinder(const detail::PlacedBone<D>& bone, const Vec<double, D>& p,
                                       std::size_t axis) noexcept {
         const auto e = bone.b - bone.a;
         const double e2 = dot(e, e), across2 = e2 - e[axis] * e[axis];
@@ -186,7 +188,7 @@ private:
     }
 
     Lattice<double, D> lattice_;
-    Buffer<PlacedBone<D>> bones_;
+    Buffer<detail::PlacedBone<D>> bones_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::grid

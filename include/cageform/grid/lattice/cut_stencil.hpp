@@ -1,7 +1,7 @@
 // The stencil of a point over nodes and boundary values, and the rays that find the boundary.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 

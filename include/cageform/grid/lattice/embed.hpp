@@ -4,7 +4,7 @@
 // that ends on the boundary its length and its data. This header is independent of cages and solvers.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 

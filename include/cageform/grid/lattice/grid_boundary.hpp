@@ -1,9 +1,9 @@
 // The interface of a boundary on a grid, for embedding and sampling.
 #pragma once
 
-#include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/cut_stencil.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>

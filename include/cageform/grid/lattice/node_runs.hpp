@@ -1,7 +1,7 @@
 // The unknown nodes of a lattice, stored as runs along the rows, and their links to the boundary.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

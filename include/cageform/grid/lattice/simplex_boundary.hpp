@@ -2,7 +2,7 @@
 // with lattice lines, and interpolation between the nodes up to the boundary.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/bones.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>

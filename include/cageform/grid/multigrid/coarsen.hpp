@@ -7,10 +7,10 @@
 // one node wide are preserved on every level.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+#include <cageform/parallel/running.hpp>
 
 #include <cmath>
 #include <cstdlib>

@@ -1,8 +1,8 @@
 // Solves the equations of the coarsest level by a Cholesky factorisation.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/simd.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
 #include <cageform/grid/multigrid/node_values.hpp>
 

@@ -7,7 +7,7 @@
 // Comput. Phys. 176 (2002), sec. 2).
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/stencil.hpp>
 
 #include <span>

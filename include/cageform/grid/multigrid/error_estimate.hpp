@@ -1,8 +1,8 @@
 // Estimates the error of a solution from its residuals.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/simd.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/node_values.hpp>
 
 #include <limits>

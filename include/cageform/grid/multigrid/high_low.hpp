@@ -1,7 +1,7 @@
 // A solution stored as the sum of a high and a low float, which has about twice float's digits.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/level.hpp>
 #include <cageform/grid/multigrid/node_values.hpp>
 

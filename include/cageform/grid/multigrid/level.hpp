@@ -2,7 +2,7 @@
 // nodes in a list.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/coarsen.hpp>
 
 #include <optional>

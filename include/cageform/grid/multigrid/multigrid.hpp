@@ -41,8 +41,8 @@
 // The sum has the accuracy of double. Denormal numbers are flushed to zero.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/detail/flush_denormals.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/dense_solver.hpp>
 #include <cageform/grid/multigrid/high_low.hpp>
 #include <cageform/grid/multigrid/relax.hpp>

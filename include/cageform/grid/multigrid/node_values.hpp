@@ -1,8 +1,8 @@
 // The values of sixteen functions at one node.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/blocks.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
 
 #include <array>

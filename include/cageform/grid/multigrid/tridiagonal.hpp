@@ -1,7 +1,7 @@
 // Solves the tridiagonal equations in one dimension by elimination (the Thomas algorithm).
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
 #include <cageform/grid/multigrid/node_values.hpp>
 

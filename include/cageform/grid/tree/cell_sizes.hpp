@@ -4,9 +4,9 @@
 // functions are singular (grid/tree/features.hpp). grid/tree/refinement.hpp splits cells accordingly.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
-#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
+#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <map>
 

@@ -45,7 +45,7 @@
 // coordinates/harmonic/tree_solver.hpp combines them.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/types/buffer.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <array>

@@ -1,8 +1,8 @@
 // A tree of cells with a boundary: which facets intersect which cells, and which other cells are inside.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/grid/tree/boundary.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::grid {
 

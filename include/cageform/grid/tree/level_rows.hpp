@@ -1,8 +1,8 @@
 // A sparse matrix in compressed row storage, its transpose, and the Galerkin product of multigrid.
 #pragma once
 
-#include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/types/buffer.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // The unknowns on a tree of cells: the corners of leaves inside the domain.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/grid/tree/cut_tree.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {

@@ -71,7 +71,6 @@ struct PinRows {
 
         bool is_point() const noexcept { return axis == D; }
     };
-    static constexpr double lever = 0.03; ///< the length of the axes that turn, in units of the samples
 
     std::vector<Row> rows;
     std::vector<Lanes<double>> weights; ///< eights(#handles) blocks a row
@@ -105,7 +104,7 @@ struct PinRows {
             const bool turns = has_turns && (given.turned.empty() || given.turned[pin] != 0);
             for (std::size_t axis = 0; axis < D && turns && status == Status::ok; ++axis) {
                 row.axis = std::uint8_t(axis);
-                status = add(samples, row, given.axes[axis], position, lever * samples.size);
+                status = add(samples, row, given.axes[axis], position, turn_lever * samples.size);
             }
             if (status != Status::ok) return status;
         }

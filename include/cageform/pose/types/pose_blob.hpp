@@ -17,8 +17,8 @@
 //     centres          #clusters × uint32
 #pragma once
 
-#include <cageform/binding/types/blob.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/figure/types/blob.hpp>
 #include <cageform/pose/types/pose_samples.hpp>
 
 #include <utility>

@@ -1,7 +1,7 @@
 // The samples of a cage's inside, by which pins move the cage: made once, shipped with a game.
 #pragma once
 
-#include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/types/blocks.hpp>
 #include <cageform/core/types/handles.hpp>
 
 #include <vector>

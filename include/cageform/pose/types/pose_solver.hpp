@@ -1,8 +1,8 @@
 // The options and pins that a PoseSolver takes, and its report.
 #pragma once
 
-#include <cageform/binding/detail/packed_binding.hpp>
 #include <cageform/core/status.hpp>
+#include <cageform/figure/packed_binding.hpp>
 
 #include <array>
 #include <span>
@@ -44,6 +44,10 @@ struct PosePins {
 /// the turn, times its angle.
 template <std::size_t D>
 using PoseTurn = Vec<double, D == 2 ? 1 : 3>;
+
+/// The length of the axes by which a pin turns, in units of PoseSamples::size. It weights turns against
+/// targets.
+inline constexpr double turn_lever = 0.03;
 
 /// How a frame went. Energies are those of PoseSamples, lengths in the units of the cage.
 struct PoseSolverReport {

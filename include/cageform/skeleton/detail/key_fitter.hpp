@@ -1,7 +1,7 @@
 // Leaves out the keys of a skeleton's motion that the figure does without.
 #pragma once
 
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 #include <cageform/skeleton/detail/transform_path.hpp>
 
 #include <algorithm>

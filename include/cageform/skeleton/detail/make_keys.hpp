@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/core/result.hpp>
-#include <cageform/core/running.hpp>
+#include <cageform/parallel/running.hpp>
 #include <cageform/skeleton/types/skeleton_keys.hpp>
 
 #include <span>

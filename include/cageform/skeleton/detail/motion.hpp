@@ -1,9 +1,9 @@
 // A figure's motion as the fit of a skeleton reads it.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/types/bounds.hpp>
 #include <cageform/core/vec.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <array>
 #include <numeric>

@@ -1,7 +1,7 @@
 // The keys of a skeleton's motion, as engines play them.
 #pragma once
 
-#include <cageform/animate/curves/rigid_motion.hpp>
+#include <cageform/clip/curves/rigid_motion.hpp>
 #include <cageform/skeleton/types/fitted_skeleton.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -1,0 +1,45 @@
+// Samples the inside of a cage for a PoseSolver: bind time.
+#pragma once
+
+#include <cageform/binding/pose_samples/pose_sampler.hpp>
+#include <cageform/pose/types/pose_blob.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Samples the inside of a cage on a lattice, divides the samples into clusters, and sums up what a
+/// PoseSolver needs.
+///
+///   coordinates  any with gradients; AnyCoordinates with a solver keep its functions after the call
+///   returns      the samples, empty unless the status is ok, and a report
+///   cost         that of `bind_jacobians` at the samples, and #samples D #handles² operations; for
+///                coordinates with a solver one solve, whose functions are kept meanwhile. O(#handles²)
+///                memory, and the samples
+///   fails        as the cage's check and the coordinates say; samples_missing (none is inside, or none has
+///                gradients); too_many_handles (more than 4,096); value_not_finite (an option);
+///                gradients_not_supported (AnyCoordinates); cancelled; out_of_memory
+template <detail::SampledCoordinates C>
+Result<PoseSamples<typename C::scalar, C::dimension>, PoseSamplesReport>
+pose_samples(const C& coordinates, const PoseSampleOptions& options = {}, const Running& running = {}) {
+    return detail::make_pose_samples(coordinates, nullptr, options, running);
+}
+
+/// Takes given points as the samples, for example those of a figure. Points that are not finite or have no
+/// gradients are left out, and counted in the report.
+template <detail::SampledCoordinates C, PointRangeIn<C::dimension> R>
+Result<PoseSamples<typename C::scalar, C::dimension>, PoseSamplesReport>
+pose_samples(const C& coordinates, const R& points, const PoseSampleOptions& options = {},
+             const Running& running = {}) {
+    using T = typename C::scalar;
+    std::vector<Vec<T, C::dimension>> given;
+    const Status status = detail::guard_memory([&] {
+        given.reserve(std::size(points));
+        for (std::size_t n = 0; n < std::size(points); ++n) given.push_back(to_vec<T>(points[n]));
+        return Status::ok;
+    });
+    if (status == Status::ok) return detail::make_pose_samples(coordinates, &given, options, running);
+    Result<PoseSamples<T, C::dimension>, PoseSamplesReport> refused;
+    refused.report.status = status;
+    return refused;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,149 @@
+// The points of a lattice that are inside a cage.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/core/types/bounds.hpp>
+#include <cageform/parallel/detail/in_parallel.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Samples, and which of them are neighbours on a lattice.
+template <Scalar T, std::size_t D>
+struct SamplePoints {
+    std::vector<Vec<T, D>> points;
+    std::vector<std::array<std::uint32_t, 2>> neighbours; ///< pairs; empty if the samples are on no lattice
+};
+
+/// Returns the bounds of the handles that are points.
+template <Scalar T, std::size_t D>
+Bounds<double, D> bounds_of_points(const HandleView<T, D>& handles) {
+    std::vector<Vec<double, D>> points;
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) points.push_back(vec_cast<double>(handles.rest[i]));
+    }
+    return bounds_of(std::span<const Vec<double, D>>(points));
+}
+
+/// Whether a few points at a time cost no more each than many; AnyCoordinates answer at run time.
+template <class C>
+bool is_closed_form(const C& coordinates) noexcept {
+    if constexpr (CageCoordinates<C>)
+        return C::closed_form;
+    else
+        return coordinates.closed_form();
+}
+
+/// A lattice of cells that fill a box; a sample is the middle of a cell.
+template <class C>
+class SampleLattice {
+    using T = typename C::scalar;
+    static constexpr std::size_t D = C::dimension;
+
+public:
+    SampleLattice(const C& coordinates, const Bounds<double, D>& box)
+        : coordinates_(coordinates)
+        , box_(box) {}
+
+    /// Finds about `count` points inside: at first the inside's share of the box, by a lattice of `count`
+    /// points, which is refined until some are inside.
+    Status find(std::size_t count, SamplePoints<T, D>& found, const Running& running) {
+        constexpr std::size_t most = std::size_t{1} << 22;
+        for (std::size_t tried = count; tried <= most; tried *= 8) {
+            divide(double(tried));
+            Status status = locate(running.subtask(0, 0.5));
+            if (status != Status::ok) return status;
+            const std::size_t inside = inside_count();
+            if (8 * inside < 64 && tried * 8 <= most) continue; // too few for a share
+            if (inside == 0) break;
+            const double wanted = double(count) * double(states_.size()) / double(inside);
+            divide(wanted < double(most) ? wanted : double(most));
+            status = locate(running.subtask(0.5, 1));
+            if (status == Status::ok) collect(found);
+            return status;
+        }
+        return Status::samples_missing;
+    }
+
+private:
+    /// Divides the box into about `count` cells, nearly cubes.
+    void divide(double count) {
+        double edge = 1;
+        const Vec<double, D> extent = box_.upper - box_.lower;
+        for (std::size_t k = 0; k < D; ++k) edge *= extent[k];
+        edge = std::pow(edge / count, 1.0 / double(D));
+        std::size_t total = 1;
+        for (std::size_t k = 0; k < D; ++k) {
+            cells_[k] = (std::max)(std::size_t{1}, std::size_t(std::lround(extent[k] / edge)));
+            total *= cells_[k];
+        }
+        states_.assign(total, PointState::inside);
+    }
+    Vec<T, D> point(std::size_t n) const noexcept {
+        Vec<T, D> p;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double share = (double(n % cells_[k]) + 0.5) / double(cells_[k]);
+            p[k] = static_cast<T>(box_.lower[k] + share * (box_.upper[k] - box_.lower[k]));
+            n /= cells_[k];
+        }
+        return p;
+    }
+
+    /// Asks the coordinates where the points are; few at a time, for their weights are not kept.
+    Status locate(const Running& running) {
+        const std::size_t blocks = is_closed_form(coordinates_) ? 8 : 128, piece = blocks * lane_count<T>;
+        const std::size_t handles = handle_view(coordinates_).count;
+        const std::size_t pieces = (states_.size() + piece - 1) / piece;
+        std::vector<Status> statuses(pieces, Status::ok);
+        const Status status = for_each_block(pieces, running, [&](std::size_t begin, std::size_t end) {
+            std::vector<Lanes<T>> positions(blocks * D), weights(blocks * handles);
+            for (std::size_t n = begin; n < end; ++n) {
+                const std::size_t first = n * piece, count = (std::min)(piece, states_.size() - first);
+                const BlockView<T> points{positions.data(), D, count};
+                for (std::size_t i = 0; i < block_count<T>(count) * lane_count<T>; ++i) {
+                    const auto p = point(first + (std::min)(i, count - 1));
+                    for (std::size_t k = 0; k < D; ++k) points(i, k) = p[k];
+                }
+                statuses[n] = coordinates_
+                                  .evaluate(points, {weights.data(), handles, count},
+                                            std::span(states_).subspan(first, count), {})
+                                  .status;
+            }
+        });
+        for (const Status of_piece : statuses) {
+            if (of_piece != Status::ok) return of_piece;
+        }
+        return status;
+    }
+    std::size_t inside_count() const noexcept {
+        std::size_t count = 0;
+        for (const PointState state : states_) count += state == PointState::inside ? 1 : 0;
+        return count;
+    }
+
+    void collect(SamplePoints<T, D>& found) const {
+        std::vector<std::uint32_t> number(states_.size(), ~std::uint32_t{0});
+        for (std::size_t n = 0; n < states_.size(); ++n) {
+            if (states_[n] != PointState::inside) continue;
+            number[n] = std::uint32_t(found.points.size());
+            found.points.push_back(point(n));
+            std::size_t stride = 1, left = n;
+            for (std::size_t k = 0; k < D; ++k) { // the cells before it have their numbers already
+                if (left % cells_[k] > 0 && states_[n - stride] == PointState::inside)
+                    found.neighbours.push_back({number[n - stride], number[n]});
+                left /= cells_[k];
+                stride *= cells_[k];
+            }
+        }
+    }
+
+    const C& coordinates_;
+    Bounds<double, D> box_;
+    std::array<std::size_t, D> cells_{};
+    std::vector<PointState> states_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

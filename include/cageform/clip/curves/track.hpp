@@ -1,0 +1,45 @@
+// A curve with its extrapolation; for run time, like piecewise_cubic.hpp.
+#pragma once
+
+#include <cageform/clip/curves/piecewise_cubic.hpp>
+#include <cageform/clip/types/extrapolation.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A view of a track stored elsewhere: in a `Track`, or in a packed clip.
+template <Scalar T>
+struct TrackView {
+    PiecewiseCubicView<T> curve;
+    Extrapolation before = Extrapolation::constant;
+    Extrapolation after = Extrapolation::constant;
+
+    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
+    T operator()(T x, std::size_t& cursor) const noexcept {
+        const auto folded = fold_time(x, curve.begin(), curve.end, before, after);
+        const T value = curve(folded.time, cursor);
+        if (folded.cycles == 0 && folded.beyond == 0) return value;
+        const auto &first = curve.pieces.front(), &last = curve.pieces.back();
+        const T slope = folded.beyond < 0 ? first.derivative(curve.begin()) : last.derivative(curve.end);
+        return folded.extend(value, slope, curve.end_value - first.c0);
+    }
+    T operator()(T x) const noexcept {
+        std::size_t cursor = 0;
+        return (*this)(x, cursor);
+    }
+};
+
+/// A curve with its extrapolation. Made by `compile` (animate/compile.hpp).
+template <Scalar T>
+struct Track {
+    PiecewiseCubic<T> curve;
+    Extrapolation before = Extrapolation::constant;
+    Extrapolation after = Extrapolation::constant;
+
+    TrackView<T> view() const noexcept { return {curve.view(), before, after}; }
+
+    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
+    T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
+    T operator()(T x) const noexcept { return view()(x); }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

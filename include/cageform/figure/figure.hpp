@@ -1,0 +1,223 @@
+// A packed figure: bindings of its points and of its tangents, labels of its handles, clips,
+// levels, and whatever else a game stores with them. It is written to one file, mapped, and cloned
+// without copying (clone/clone_figure.hpp).
+//
+// Byte order is that of the machine that wrote it, marked by a tag. Every part begins at a multiple
+// of 64 bytes from the beginning.
+//
+//     FigureHeader
+//     table    #parts × FigurePart, by ascending offset
+//     PNTS     a blob (figure/types/blob.hpp): the points
+//     TAN1     a blob: unit tangents; only if there are normals
+//     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in 3D, with TAN1
+//     HAND     #points × int8: 1 or −1, the handedness of the texture; only if the tangents are the
+//              figure's own, not just any that fit its normals
+//     LABL     (#handles + 1) × uint32, ascending: where the label of a handle begins in the
+//              characters that follow, and where the last one ends; only if there are labels
+//     CLPS     uint64 #clips, #clips × FigureClip, the characters of all names, and packed clips
+//              (clip/clip_blob.hpp) that begin at multiples of 64; only if there are clips
+//     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
+//     ORIG     D × double, optional: the place from which points, handles and clips count
+//     …        the user's, under tags of their own
+//
+// All blobs have the same points in the same order, and the same handles. Version 1 has no clips
+// and levels. Figures without them are still written as version 1; there the parts CLPS and LVL1 …
+// LVL9 belong to the user.
+#pragma once
+
+#include <cageform/clip/clip_blob.hpp>
+#include <cageform/figure/detail/figure_opener.hpp>
+#include <cageform/figure/types/figure_parts.hpp>
+#include <cageform/figure/types/no_vectors.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// The labels of handles; owns nothing.
+struct HandleLabels {
+    const std::uint32_t* begin = nullptr; ///< #handles + 1; null if there are none
+    const char* text = nullptr;
+
+    std::string_view operator[](std::size_t handle) const noexcept {
+        return begin == nullptr ? std::string_view{}
+                                : std::string_view(text + begin[handle], begin[handle + 1] - begin[handle]);
+    }
+};
+
+/// The input of `clone`: a view of a figure, dense or packed. It owns nothing.
+template <Scalar T, std::size_t D>
+struct PackedFigureView {
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    PackedBindingView<T, D> points;
+    /// In 3D tangents and bitangents, whose cross product is the normal; in 2D the tangent, which
+    /// is the normal rotated clockwise. Without normals they have no weights.
+    std::array<PackedBindingView<T, D>, D - 1> tangents;
+    /// #points, as bound; null unless the figure had its own tangents.
+    const std::int8_t* handedness = nullptr;
+    HandleLabels labels;
+    std::span<const FigurePart> table; ///< of a packed figure
+    const std::byte* data = nullptr;   ///< the beginning of the packed figure
+    std::span<const FigureClip> clips; ///< of a packed figure
+    std::size_t levels = 0;            ///< the number of levels of less detail in a packed figure
+
+    std::size_t handle_count() const noexcept { return points.handle_count(); }
+    std::size_t point_count() const noexcept { return points.point_count(); }
+    HandleView<T, D> handle_view() const noexcept { return points.handle_view(); }
+    /// Returns the handles at rest, #handles: a pose to start from.
+    std::span<const Vec<T, D>> rest_handles() const noexcept { return {points.rest_handles, handle_count()}; }
+    bool has_normals() const noexcept { return tangents[0].rest_handles != nullptr; }
+    bool has_tangents() const noexcept { return handedness != nullptr; }
+
+    /// Returns the label of a handle; empty if it has none.
+    std::string_view label(std::size_t handle) const noexcept { return labels[handle]; }
+    /// Returns the first handle with that label, or #handles if there is none. For an empty label
+    /// it is the first handle without a label. O(#handles).
+    std::size_t find_handle(std::string_view label) const noexcept {
+        std::size_t handle = 0;
+        while (handle < handle_count() && labels[handle] != label) ++handle;
+        return handle;
+    }
+
+    /// Returns the number of clips of a packed figure. They are poses of the vertices of its cage:
+    /// all handles, or those that are points if there are vectors (clone/pose_handles.hpp).
+    std::size_t clip_count() const noexcept { return clips.size(); }
+    std::string_view clip_name(std::size_t clip) const noexcept {
+        CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
+        const auto bytes = part(FigureTags::clips).subspan(clips[clip].name, clips[clip].name_bytes);
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+    /// Returns the bytes of a clip, in the form that `open_clip` and `pack` expect.
+    std::span<const std::byte> clip_bytes(std::size_t clip) const noexcept {
+        CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
+        return part(FigureTags::clips).subspan(clips[clip].offset, clips[clip].bytes);
+    }
+    /// Returns a clip as `open_clip` does.
+    CageClipView<T, D> clip(std::size_t clip) const noexcept {
+        const std::byte* const begin = clip_bytes(clip).data();
+        ClipHeader header;
+        std::memcpy(&header, begin, sizeof(header));
+        return detail::view_clip<T, D>(begin, header);
+    }
+    /// Returns the first clip with that name, or #clips if there is none.
+    std::size_t find_clip(std::string_view name) const noexcept {
+        std::size_t clip = 0;
+        while (clip < clip_count() && clip_name(clip) != name) ++clip;
+        return clip;
+    }
+
+    /// Returns how many levels of less detail a packed figure has; `open_level` opens them.
+    std::size_t level_count() const noexcept { return levels; }
+
+    /// Returns the bytes of a part, aligned to 64; none if there is no such part.
+    std::span<const std::byte> part(FigureTag tag) const noexcept {
+        for (const FigurePart& line : table) {
+            if (line.tag == tag) return {data + line.offset, static_cast<std::size_t>(line.bytes)};
+        }
+        return {};
+    }
+    /// Returns a part as an array of #bytes / sizeof(X) elements, whatever it holds.
+    template <class X>
+        requires std::is_trivially_copyable_v<X> std::span<const X> part_as(FigureTag tag)
+    const noexcept {
+        const auto bytes = part(tag);
+        return {reinterpret_cast<const X*>(bytes.data()), bytes.size() / sizeof(X)};
+    }
+};
+
+struct OpenReport : BlobReport {
+    FigureTag culprit; ///< the part that the status refers to; 0: the figure as a whole
+};
+
+/// Opens a packed figure or a single packed binding without copying, for instance in a mapped file.
+/// `data` must not change while the figure is used. A single binding becomes a figure with points only.
+///
+///   data      at least the figure, aligned to 64 bytes; bytes after it are ignored
+///   expected  as for `open_blob`; the hashes are those of the points' blob
+///   returns   the view and its report. Status: not_a_figure, not_a_blob, not_a_clip;
+///             blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed,
+///             blob_of_another_cage, blob_of_another_figure, for the figure or the part `culprit`;
+///             bindings_differ, if a part has other points or handles than the first, or another
+///             order; or ok. A clip belongs to another cage if its number of vertices differs, a level
+///             if its handles differ. An opened figure never reads or writes out of bounds, whatever
+///             the bytes. The contents of the user's parts are not checked
+///   cost      no allocation; with BlobCheck::all reads everything once, else the tables and the
+///             clips
+template <Scalar T, std::size_t D>
+    requires(D == 2 || D == 3)
+Result<PackedFigureView<T, D>, OpenReport> open(std::span<const std::byte> data,
+                                                const BlobExpectation& expected = {})
+noexcept {
+    std::uint64_t magic = 0;
+    if (data.size() >= sizeof(magic)) std::memcpy(&magic, data.data(), sizeof(magic));
+    if (magic != BlobHeader::magic_number) return detail::open_figure_within<T, D>(data, expected, true);
+    const auto blob = open_blob<T, D>(data, expected);
+    Result<PackedFigureView<T, D>, OpenReport> opened;
+    opened.value.points = blob.value;
+    static_cast<BlobReport&>(opened.report) = blob.report;
+    return opened;
+}
+
+/// Opens a level of less detail of a figure opened by `open`. It is another figure of the same
+/// cage, moved by the same poses and clips.
+///
+///   level    0: the figure itself; up to PackedFigureView::level_count
+///   returns  as `open`; not_a_figure if there is no such level. No allocation; reads the
+///            tables of that level
+template <Scalar T, std::size_t D>
+Result<PackedFigureView<T, D>, OpenReport> open_level(const PackedFigureView<T, D>& figure,
+                                                      std::size_t level) noexcept {
+    if (level == 0) {
+        Result<PackedFigureView<T, D>, OpenReport> itself;
+        itself.value = figure;
+        return itself;
+    }
+    const auto bytes =
+        level > figure.level_count() ? std::span<const std::byte>{} : figure.part(FigureTags::level(level));
+    return detail::open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
+}
+
+/// Owns a packed figure; made by `pack`. Copies are whole figures.
+template <Scalar T, std::size_t D>
+class PackedFigure {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    PackedFigure() = default;
+    /// Joins parts in their order. Throws std::bad_alloc if there is no memory.
+    explicit PackedFigure(std::span<const FigurePartData> parts) {
+        const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
+        const std::size_t table = sizeof(FigureHeader) + parts.size() * sizeof(FigurePart);
+        FigureHeader header;
+        header.scalar_bytes = sizeof(T);
+        header.dimension = D;
+        header.parts = static_cast<std::uint32_t>(parts.size());
+        header.version = 1;
+        for (const auto& part : parts) {
+            if (FigureTags::is_since_version_2(part.tag)) header.version = 2;
+        }
+        std::size_t end = whole(table);
+        for (const auto& part : parts) end += whole(part.bytes.size());
+        header.bytes = end;
+        memory_.resize(end);
+        std::byte* const data = memory_.data();
+        end = whole(table);
+        for (std::size_t n = 0; n < parts.size(); ++n) {
+            const FigurePart line{parts[n].tag, 0, end, parts[n].bytes.size()};
+            std::memcpy(data + sizeof(header) + n * sizeof(line), &line, sizeof(line));
+            if (line.bytes > 0) std::memcpy(data + end, parts[n].bytes.data(), parts[n].bytes.size());
+            end += whole(parts[n].bytes.size());
+        }
+        std::memcpy(data, &header, sizeof(header));
+        memory_.seal();
+    }
+
+    /// Returns the bytes to write to a file and to pass to `open`, aligned to 64.
+    std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
+
+private:
+    detail::PackedMemory memory_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
