@@ -4,7 +4,7 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/detail/loop_sides.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::grid {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Inserts j into the neighbours of i counter-clockwise. A vertex with one edge lists its neighbour
 /// twice, because the inside is all around the edge.
@@ -35,7 +35,7 @@ std::vector<std::vector<std::size_t>> neighbours_of_vertices(const Cage& cage,
     std::vector<std::vector<std::size_t>> all(vertices.size());
     const auto& polygon = boundary_of(cage);
     for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
-        const bool left = detail::inside_is_left(polygon, n);
+        const bool left = inside_is_left(polygon, n);
         polygon.loops()[n].for_each_edge([&](std::size_t i, std::size_t j) {
             all[i].insert(left ? all[i].begin() : all[i].end(), j);
             all[j].insert(left ? all[j].end() : all[j].begin(), i);
@@ -57,8 +57,7 @@ double free_radius(std::size_t i, const Cage& cage, std::span<const Vec<double, 
     double radius = most;
     const auto exclude = [&](std::size_t j, std::size_t k, double margin) {
         const auto &p = vertices[i], &a = vertices[j], &b = vertices[k];
-        radius = (std::min)(radius, j == i || k == i ? detail::length(a - b)
-                                                     : detail::distance_to_segment(p, a, b) - margin);
+        radius = (std::min)(radius, j == i || k == i ? length(a - b) : distance_to_segment(p, a, b) - margin);
     };
     boundary_of(cage).for_each_edge([&](std::size_t j, std::size_t k) { exclude(j, k, 0); });
     const auto& cells = interior_cells(cage);
@@ -67,4 +66,4 @@ double free_radius(std::size_t i, const Cage& cage, std::span<const Vec<double, 
     return radius;
 }
 
-} // namespace cageform::inline CAGEFORM_ABI::grid
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -34,11 +34,11 @@ public:
     CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem,
                     bool treat)
         : vertices_(lattice.in_cells(whole.vertices())) {
-        const auto neighbours = neighbours_of_vertices(whole, vertices_);
+        const auto neighbours = detail::neighbours_of_vertices(whole, vertices_);
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
             const auto& of_i = neighbours[i];
             if (of_i.empty()) continue;
-            const double radius = free_radius(i, whole, vertices_, lattice.spacing, most_radius);
+            const double radius = detail::free_radius(i, whole, vertices_, lattice.spacing, most_radius);
             for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
                 const std::size_t after = of_i[n], before = of_i[n + 1];
                 const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
