@@ -356,7 +356,8 @@ int run_program(int argc, char** argv) {
     Settings settings;
     line.add("figure", settings.figure, "the SVG file to animate").required();
     line.add("--cage", settings.cage,
-             "its cage: the first closed polygon of an SVG, for curved the first closed outline, or a CSV "
+             "its cage: the first closed polygon of an SVG, for curved-green the first closed outline, or a "
+             "CSV "
              "file "
              "of loops, chains and points" +
                  std::string(auto_cage_help))

@@ -240,7 +240,7 @@ int run_program(int argc, char** argv) {
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
              "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; for "
-             "curved the first closed outline; for sibson and sibson-c1 a file of points" +
+             "curved-green the first closed outline; for sibson and sibson-c1 a file of points" +
                  std::string(auto_cage_help))
         .required();
     line.add(

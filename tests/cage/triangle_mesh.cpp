@@ -282,7 +282,7 @@ TEST_CASE("a gap that cannot be closed is an open edge", "[cage][mesh][status]")
     CHECK(report.status == Status::cage_not_closed);
 }
 
-TEST_CASE("gaps that touch at a vertex are closed; isolated faces and flat cages are refused",
+TEST_CASE("gaps that touch at a vertex are closed, isolated faces and flat cages are refused",
           "[cage][mesh][status]") {
     for (int n = 0; n < 20; ++n) {
         CAPTURE(n);

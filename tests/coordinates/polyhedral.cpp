@@ -179,7 +179,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
     CHECK(on_face > points.size() / 2);
 }
 
-TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place; harmonic ones are in [0, 1]",
+TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place, harmonic ones are in [0, 1]",
                    "[coordinates][polyhedral]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(range<std::uint64_t>(0, 25));
@@ -214,7 +214,7 @@ TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place; harmonic ones are 
     check_rows(by_harmonic, 2e-5, true);
 }
 
-TEST_CASE("how a face's loop begins changes nothing; how it is cut into triangles does",
+TEST_CASE("how a face's loop begins changes nothing, how it is cut into triangles does",
           "[coordinates][polyhedral]") {
     auto data = l_prism();
     const auto cage = data.cage<double>();

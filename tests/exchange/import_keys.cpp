@@ -146,7 +146,7 @@ TEST_CASE("keys of Blender, Unity, Unreal, Lottie and CSS have the imported curv
 }
 
 TEST_CASE(
-    "keys of glTF: the curves of CUBICSPLINE to the bit, straight lines, held values; compiled in one call",
+    "keys of glTF: the curves of CUBICSPLINE to the bit, straight lines, held values, compiled in one call",
     "[animate][import][keys][gltf][property]") {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);

@@ -191,7 +191,7 @@ TEST_CASE("mirrored boundaries and outside cells: the exact fields", "[grid][dir
     CHECK(solved >= 17);
 }
 
-TEMPLATE_TEST_CASE("components of unknown cells depend only on their own data; one without data is reported",
+TEMPLATE_TEST_CASE("components of unknown cells depend only on their own data, one without data is reported",
                    "[grid][dirichlet][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     using cageform::Cell;

@@ -168,7 +168,7 @@ TEST_CASE("solve_graph: conductances of very different sizes", "[fields][graph]"
     }
 }
 
-TEST_CASE("solve_graph: the exact graphs; negative conductances only if allowed", "[grid][puzzle][oracle]") {
+TEST_CASE("solve_graph: the exact graphs, negative conductances only if allowed", "[grid][puzzle][oracle]") {
     std::size_t negative = 0;
     const auto cases = cageform_tests::read_json("puzzles");
     for (const auto& json : cases.at("graphs")) {

@@ -393,7 +393,7 @@ TEST_CASE("invalid strokes are refused and change nothing", "[grid][strokes][sta
     CHECK(status_of(unit_square, 2) == Status::ok);
 }
 
-TEST_CASE("fields do not depend on threads; crowded strokes are counted", "[grid][strokes]") {
+TEST_CASE("fields do not depend on threads, crowded strokes are counted", "[grid][strokes]") {
     const auto draw = [](std::size_t channels) {
         Diffusion<double> field(unit_square, 40, channels);
         Random random(3);

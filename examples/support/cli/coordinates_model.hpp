@@ -5,7 +5,7 @@
 #include "cli/coordinates.hpp"
 #include "io/messages.hpp"
 
-#include <cageform/coordinates/sibson.hpp>
+#include <cageform/binding/make_coordinates.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
 
 namespace cageform_support {
@@ -46,10 +46,11 @@ ChosenCoordinates<T, D> lattice_coordinates(const CoordinatesChoice& choice, con
 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites) {
-    cageform::SibsonOptions options{.degree = choice.name == "sibson-c1" ? 3 : 1};
-    if (choice.gradients == "gentle") options.gradients = cageform::SiteGradients::gentle;
-    if (choice.gradients == "mirrored") options.gradients = cageform::SiteGradients::mirrored;
-    ChosenCoordinates<T, D> made = cageform::SibsonCoordinates<T, D>(sites.points, options);
+    cageform::CoordinateOptions<T> options;
+    if (choice.gradients == "gentle") options.sibson.gradients = cageform::SiteGradients::gentle;
+    if (choice.gradients == "mirrored") options.sibson.gradients = cageform::SiteGradients::mirrored;
+    ChosenCoordinates<T, D> made =
+        cageform::make_coordinates(choice.type(), cageform::PointSet<T, D>(sites.points), options);
     made.takes_sites = true;
     return made;
 }

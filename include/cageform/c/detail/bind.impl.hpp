@@ -142,9 +142,16 @@ cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_
         if (status != CAGEFORM_OK) return status;
         if (binding == nullptr || (normals == nullptr && tangents != nullptr))
             return cageform_status(CAGEFORM_ARGUMENT_NULL);
-        if (own.outside > CAGEFORM_NEAREST_BOUNDARY) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
         cageform::BindOptions choice;
-        choice.outside = static_cast<cageform::OutsidePoints>(own.outside);
+        switch (own.outside) {
+#define CAGEFORM_DETAIL_OUTSIDE(name, NAME, ...)                                                             \
+    case CAGEFORM_##NAME:                                                                                    \
+        choice.outside = cageform::OutsidePoints::name;                                                      \
+        break;
+            CAGEFORM_OUTSIDE_POINTS(CAGEFORM_DETAIL_OUTSIDE)
+#undef CAGEFORM_DETAIL_OUTSIDE
+        default: return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        }
         choice.falloff = own.falloff;
         if (own.leave_linear_precision != 0) choice.linear_precision = cageform::LinearPrecision::leave;
         return c::with_running(running, [&](const cageform::Running& how) {

@@ -141,11 +141,16 @@ double distance_to_facet(const Vec<double, D>& p, const Corners<D>& corner) noex
     return length(point_on_facet(nearest_on_facet(p, corner), corner) - p);
 }
 
+/// Returns the normal of a triangle with twice its area as length.
+inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
+    return cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
 /// Whether the corners of a triangle are collinear within `tolerance`.
 inline bool is_flat(const Corners<3>& corner, double tolerance) noexcept {
     const auto& [a, b, c] = corner;
     const double longest = (std::max)({length(b - a), length(c - b), length(a - c)});
-    return !(length(cross(b - a, c - a)) > tolerance * longest);
+    return !(length(area_normal(corner)) > tolerance * longest);
 }
 
 /// Returns the offset from the first point to the point farthest from it.

@@ -62,12 +62,8 @@ public:
             if constexpr (std::is_same_v<View, BindingView<T, D>>) {
                 add_dense<WeightFormat::scalar>(displacement, fit, begin, end);
             } else {
-                switch (binding_.format) {
-                case WeightFormat::scalar: return add<WeightFormat::scalar>(displacement, fit, begin, end);
-                case WeightFormat::half: return add<WeightFormat::half>(displacement, fit, begin, end);
-                case WeightFormat::int16: return add<WeightFormat::int16>(displacement, fit, begin, end);
-                case WeightFormat::int8: return add<WeightFormat::int8>(displacement, fit, begin, end);
-                }
+                with_format(binding_.format,
+                            [&]<WeightFormat Format>() { add<Format>(displacement, fit, begin, end); });
             }
         });
     }

@@ -154,7 +154,10 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
-    if (header.format > std::uint32_t(WeightFormat::int8)) return Status::blob_malformed;
+#define CAGEFORM_DETAIL_ONE(...) +1
+    constexpr std::uint32_t formats = 0 CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_ONE);
+#undef CAGEFORM_DETAIL_ONE
+    if (header.format >= formats) return Status::blob_malformed;
     if (header.points > most || header.handles > most || header.vectors > header.handles)
         return Status::blob_malformed;
     const std::uint64_t blocks = (header.points + lane_count<T> - 1) / lane_count<T>;
