@@ -112,10 +112,10 @@ private:
 
     /// Finds the neighbours of all triangles; edge k is opposite to corner k.
     void find_neighbours() {
-        struct HalfEdge {
+        struct LoopEdge {
             std::uint32_t low, high, triangle, edge;
         };
-        Buffer<HalfEdge> edges;
+        Buffer<LoopEdge> edges;
         for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
             neighbours_.push_back({none, none, none});
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -123,11 +123,11 @@ private:
                 edges.push_back({low, high, t, k});
             }
         }
-        std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+        std::sort(edges.begin(), edges.end(), [](const LoopEdge& a, const LoopEdge& b) {
             return a.low != b.low ? a.low < b.low : a.high < b.high;
         });
         for (std::size_t e = 1; e < edges.size(); ++e) {
-            const HalfEdge &a = edges[e - 1], &b = edges[e];
+            const LoopEdge &a = edges[e - 1], &b = edges[e];
             if (a.low != b.low || a.high != b.high) continue;
             neighbours_[a.triangle][a.edge] = b.triangle;
             neighbours_[b.triangle][b.edge] = a.triangle;
