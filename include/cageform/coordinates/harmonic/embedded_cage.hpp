@@ -188,7 +188,7 @@ private:
         const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {
             problem.data.for_each_handle(value, f);
         };
-        auto seen = grid::seen_handles<D>(crossings, problem.handles, handles);
+        auto seen = grid::resolved_handles<D>(crossings, problem.handles, handles);
         if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
         for (const CageFault& fault : problem.report.faults) { // warnings
             if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
