@@ -134,7 +134,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
 /// mean change of 1e-5, nearest-cell lookup. Joshi et al. 2007, table 1: 262 s, where mean value coordinates
 /// took 443 s.
 void bind_papers_mesh(benchmark::State& state) {
-    using namespace cageform_examples::averaging;
+    using namespace cageform_sources::averaging;
     const auto cage = bumpy112<float>();
     std::vector<cageform::Vec<float, 3>> points;
     for (const auto& p : points_inside_bumpy112()) points.push_back(cageform::vec_cast<float>(p));
@@ -394,7 +394,7 @@ void threads(benchmark::internal::Benchmark* benchmark) {
 BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::polygons)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::triangles)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::UniformGrid)->Apply(growing_grid);
-BENCHMARK_TEMPLATE(bind_harmonic, double, cageform_examples::averaging::AveragingSolver)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform_sources::averaging::AveragingSolver)->Apply(growing_grid);
 BENCHMARK(bind_harmonic_cube)
     ->ArgName("resolution")
     ->Arg(32)

@@ -29,7 +29,7 @@ using cageform::Vec;
 using cageform::grid::CutLink;
 using cageform::grid::Multigrid;
 using cageform::grid::NodeRuns;
-using cageform_examples::averaging::CellTag;
+using cageform_sources::averaging::CellTag;
 
 /// Cells inside a figure with the extent [−1.5, 1.5]^D.
 template <std::size_t D>
@@ -126,12 +126,12 @@ void multigrid(benchmark::State& state) {
 template <std::size_t D>
 void papers_sweeps(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
-    cageform_examples::averaging::AveragingOptions options;
+    cageform_sources::averaging::AveragingOptions options;
     options.tolerance = 1e-5;
     std::vector<double> field(problem.box.size());
     std::size_t sweeps = 0;
     for (auto _ : state) {
-        cageform_examples::averaging::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
+        cageform_sources::averaging::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
         sweeps = 0;
         for (std::size_t k = 0; k < problem.functions; ++k) {
             std::fill(field.begin(), field.end(), 0.0);

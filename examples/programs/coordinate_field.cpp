@@ -23,6 +23,8 @@
 namespace {
 
 using namespace cageform_support;
+namespace averaging = cageform_sources::averaging;
+using cageform_sources::averaged_coordinates;
 
 struct Arguments {
     std::string cage, out, zoom, classes;

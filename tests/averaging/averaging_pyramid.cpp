@@ -12,11 +12,11 @@ namespace averaging_pyramid_tests {
 
 using cageform::CellBox;
 using cageform::epsilon;
-using cageform_examples::averaging::AveragingOptions;
-using cageform_examples::averaging::AveragingOutcome;
-using cageform_examples::averaging::AveragingPyramid;
-using cageform_examples::averaging::CellTag;
-using cageform_examples::averaging::Stencil;
+using cageform_sources::averaging::AveragingOptions;
+using cageform_sources::averaging::AveragingOutcome;
+using cageform_sources::averaging::AveragingPyramid;
+using cageform_sources::averaging::CellTag;
+using cageform_sources::averaging::Stencil;
 using cageform_tests::effort;
 using cageform_tests::Random;
 

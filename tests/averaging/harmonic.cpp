@@ -18,7 +18,7 @@ namespace harmonic_tests {
 using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::Polygon;
-using namespace cageform_examples::averaging;
+using namespace cageform_sources::averaging;
 
 namespace {
 

@@ -11,10 +11,10 @@ namespace sample_tests {
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::Vec;
-using cageform_examples::averaging::CellTag;
-using cageform_examples::averaging::Interpolation;
-using cageform_examples::averaging::sample_stencil;
-using cageform_examples::averaging::SampleStencil;
+using cageform_sources::averaging::CellTag;
+using cageform_sources::averaging::Interpolation;
+using cageform_sources::averaging::sample_stencil;
+using cageform_sources::averaging::SampleStencil;
 using cageform_tests::Random;
 
 namespace {

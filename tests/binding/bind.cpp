@@ -30,7 +30,7 @@ using cageform::LinearPrecision;
 using cageform::OutsidePoints;
 using cageform::Polygon;
 using cageform::UniformGrid;
-using cageform_examples::averaging::AveragingSolver;
+using cageform_sources::averaging::AveragingSolver;
 
 namespace {
 

@@ -14,8 +14,8 @@ using cageform::CellBox;
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::Vec;
-using cageform_examples::averaging::lattice_about;
-using cageform_examples::averaging::papers_margin;
+using cageform_sources::averaging::lattice_about;
+using cageform_sources::averaging::papers_margin;
 using cageform_tests::Random;
 using cageform_tests::random_star;
 

@@ -5,7 +5,7 @@
 #include "averaging/pyramid_solver.hpp"
 #include "cli/coordinates.hpp"
 
-namespace cageform_examples {
+namespace cageform_sources {
 
 using cageform_support::CageFile, cageform_support::ChosenCoordinates, cageform_support::CoordinatesChoice;
 
@@ -20,4 +20,4 @@ inline ChosenCoordinates<double, 2> averaged_coordinates(CoordinatesChoice choic
     });
 }
 
-} // namespace cageform_examples
+} // namespace cageform_sources

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform_examples::averaging {
+namespace cageform_sources::averaging {
 
 /// The neighbours whose mean a cell's value is.
 enum class Stencil : std::uint8_t {
@@ -298,4 +298,4 @@ private:
     std::vector<Level> levels_;
 };
 
-} // namespace cageform_examples::averaging
+} // namespace cageform_sources::averaging

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace cageform_examples::averaging {
+namespace cageform_sources::averaging {
 
 using cageform::Bounds, cageform::CellBox, cageform::Lattice, cageform::Scalar, cageform::Vec;
 
@@ -40,4 +40,4 @@ Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) 
     return lattice;
 }
 
-} // namespace cageform_examples::averaging
+} // namespace cageform_sources::averaging

@@ -9,7 +9,7 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/harmonic/solution.hpp>
 
-namespace cageform_examples::averaging {
+namespace cageform_sources::averaging {
 
 using cageform::BlockView, cageform::Running, cageform::SolverInput, cageform::SolverReport;
 using cageform::Status;
@@ -199,4 +199,4 @@ Status AveragingSolver::operator()(std::shared_ptr<const SolverInput<D>> input, 
     return cageform::make_functions<PyramidSolver<T, D>, T>(std::move(input), report, made, running, *this);
 }
 
-} // namespace cageform_examples::averaging
+} // namespace cageform_sources::averaging

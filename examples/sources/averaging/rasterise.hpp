@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform_examples::averaging {
+namespace cageform_sources::averaging {
 
 using cageform::BoundaryPoint, cageform::BoundaryValue, cageform::PointState;
 using cageform::Polygon, cageform::TriangleMesh;
@@ -289,4 +289,4 @@ rasterise(const C& cage, const Lattice<typename C::scalar, C::dimension>& lattic
     return domain;
 }
 
-} // namespace cageform_examples::averaging
+} // namespace cageform_sources::averaging

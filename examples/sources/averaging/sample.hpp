@@ -5,7 +5,7 @@
 
 #include <span>
 
-namespace cageform_examples::averaging {
+namespace cageform_sources::averaging {
 
 enum class Interpolation : std::uint8_t {
     nearest_cell, ///< the look-up of the papers: constant within a cell
@@ -66,4 +66,4 @@ SampleStencil<T, D> sample_stencil(const Lattice<T, D>& lattice, std::span<const
     return stencil;
 }
 
-} // namespace cageform_examples::averaging
+} // namespace cageform_sources::averaging

@@ -69,6 +69,7 @@ std::vector<double> solution_of(const Line& line) {
     return solution;
 }
 
+namespace averaging = cageform_sources::averaging;
 using averaging::AveragingPyramid, averaging::CellTag;
 
 AveragingPyramid<double, 1> make_pyramid(const Line& line, const averaging::AveragingOptions& options) {

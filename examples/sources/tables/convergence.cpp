@@ -31,6 +31,7 @@
 namespace {
 
 using namespace cageform_support;
+using cageform_sources::averaged_coordinates;
 
 struct Curve {
     std::string name, colour, dashes;
