@@ -3,7 +3,6 @@
 
 #include <cageform/coordinates/harmonic/adaptive.impl.hpp>
 #include <cageform/coordinates/harmonic/uniform.impl.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

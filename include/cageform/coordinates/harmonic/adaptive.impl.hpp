@@ -1,6 +1,7 @@
 // Defines AdaptiveGrid. harmonic.hpp includes it, unless the program links cageform::compiled.
 #pragma once
 
+#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/harmonic/solution.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
 

@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/coordinates/harmonic/solution.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
