@@ -176,9 +176,9 @@ private:
     }
 };
 #else
-/// The same in builds without optimisation, where each lambda and each function of a row is a call. The class
-/// above would take sixty times as long as with optimisation. This class takes ten times as long with clang and
-/// a few times with GNU.
+/// The same in builds without optimisation, where each lambda and each function of a row is a call. There
+/// the class above takes sixty times as long as with optimisation, this one ten times with clang and a few
+/// times with GNU.
 template <WeightFormat Format, Scalar T, std::size_t D>
 class RowSums {
 public:
