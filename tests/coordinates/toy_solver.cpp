@@ -91,7 +91,7 @@ public:
     Functions keep(const Block& block) const { return block; }
 
     template <class T>
-    Samples samples(const cageform::detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const cageform::Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         for (const std::size_t i : points) samples.add(i, grid_.stencil(batch, i), grid_.data());
         return samples;

@@ -129,7 +129,7 @@ public:
         std::optional<BoundaryValue<D>> on; ///< for a point on the boundary
     };
     using Samples = std::vector<Sample>;
-    Samples samples(const cageform::detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const cageform::Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         samples.reserve(points.size());
         for (const std::size_t i : points) {

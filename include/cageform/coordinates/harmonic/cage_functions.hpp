@@ -103,10 +103,9 @@ public:
     /// Solves all functions and keeps them.
     virtual Status solve(SolverReport& report, const Running& running) = 0;
     /// Computes the weights of a batch of points and sets where they lie.
-    virtual Status sample(const detail::Batch<T>& batch, SolverReport& report,
-                          const Running& running) const = 0;
+    virtual Status sample(const Batch<T>& batch, SolverReport& report, const Running& running) const = 0;
     /// Computes the gradients; row axis · #handles + handle.
-    virtual Status sample_gradients(const detail::Batch<T>& batch, SolverReport& report,
+    virtual Status sample_gradients(const Batch<T>& batch, SolverReport& report,
                                     const Running& running) const = 0;
     /// Calls f(cell) for the cells of the grid; solver_not_supported if the solver does not show them.
     virtual Status for_each_cell(const std::function<void(const GridCell<T, D>&)>& f) const = 0;

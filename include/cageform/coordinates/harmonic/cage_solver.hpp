@@ -39,7 +39,7 @@ template <class S, class T = double>
 concept CageSolver = grid::GroupSolver<S> &&
     requires(const S& solver, const SolverInput<S::dimension>& input, std::optional<S>& made,
              SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
-             typename S::Samples& samples, const detail::Batch<T>& batch, const Running& running,
+             typename S::Samples& samples, const Batch<T>& batch, const Running& running,
              std::span<const std::size_t> points, std::size_t n) {
     { S::make(input, report, made, running) } -> std::same_as<Status>;
     { solver.memory() } -> std::same_as<SolverMemory>;
@@ -73,7 +73,7 @@ concept DifferentiableSolver = CageSolver<S, T> &&
 ///                              write row axis · #handles + handle. Values of points outside do not change
 template <class S, class T = double>
 concept BlendedSolver = DifferentiableSolver<S, T> &&
-    requires(const S& solver, const detail::Batch<T>& batch, typename S::GradientSamples& samples,
+    requires(const S& solver, const Batch<T>& batch, typename S::GradientSamples& samples,
              const typename S::Functions& functions, std::span<const std::size_t> points, std::size_t n) {
     { solver.has_gradient_samples() } -> std::same_as<bool>;
     { solver.gradient_samples(batch, points) } -> std::same_as<typename S::GradientSamples>;

@@ -105,7 +105,7 @@ public:
         detail::CornerSamples at_corners;
     };
     template <Scalar T>
-    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         for (const std::size_t i : points) {
             const auto stencil = grid_.stencil(batch, i);

@@ -244,7 +244,7 @@ public:
 
     /// Returns the numbers of the points along the Morton curve.
     template <Scalar T>
-    std::vector<std::size_t> order(const detail::Batch<T>& batch) const {
+    std::vector<std::size_t> order(const Batch<T>& batch) const {
         using Nodes = grid::TreeNodes<D>;
         const std::size_t count = batch.points.blocks() * lane_count<T>;
         std::vector<std::pair<typename Nodes::Key, std::size_t>> keys(count);
@@ -262,7 +262,7 @@ public:
         return order;
     }
     template <Scalar T>
-    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         if (!field_) {
             for (const std::size_t i : points) samples.add(i, cage_->stencil(batch, i), ordered_data());
@@ -291,8 +291,7 @@ public:
     bool has_gradient_samples() const noexcept { return field_.has_value(); }
     /// Makes the stencils of derivatives of points inside and on the boundary. Other points have none.
     template <Scalar T>
-    GradientSamples gradient_samples(const detail::Batch<T>& batch,
-                                     std::span<const std::size_t> points) const {
+    GradientSamples gradient_samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         GradientSamples samples(order_.size());
         auto blends = this->blends();
         std::vector<Vec<double, D>> places;
@@ -397,7 +396,7 @@ private:
         return {cage_->tree(), cage_->nodes(), *field_};
     }
     template <Scalar T>
-    Vec<double, D> in_units(const detail::Batch<T>& batch, std::size_t i) const noexcept {
+    Vec<double, D> in_units(const Batch<T>& batch, std::size_t i) const noexcept {
         return cage_->tree().boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
     }
 
