@@ -3,6 +3,7 @@
 // Peers in 3D: the multigrid solve alone, the papers' solver, and mean value coordinates.
 #include "../tests/support/cages.hpp"
 #include "../tests/support/fingers.hpp"
+#include "averaging/pyramid_solver.hpp"
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -12,7 +13,7 @@
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <ctime>
@@ -32,23 +33,20 @@ void bind_harmonic_vase(benchmark::State& state) {
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
     for (auto _ : state) {
-        const auto result = cageform::bind(cageform::UniformHarmonicCoordinates(cage, options), points);
+        const auto result =
+            cageform::bind(cageform::HarmonicCoordinates(cage, options, cageform::UniformGrid{}), points);
         benchmark::DoNotOptimize(result.value.view().weights.data);
         state.counters["solver_s"] = result.report.solver.seconds;
     }
     finish(state, points.size(), cage.size());
 }
 
-template <class T, cageform::HarmonicSolver Solver>
+template <class T, class Solver>
 void bind_harmonic(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
     cageform::HarmonicOptions options;
-    options.solver = Solver;
     options.resolution = std::size_t(state.range(2));
-    options.averaging.tolerance = 1e-5;
-    using Chosen = std::conditional_t<Solver == cageform::HarmonicSolver::multigrid, cageform::UniformGrid,
-                                      cageform::OnlySolver<cageform::PyramidSolver<cageform::Polygon<T>>>>;
-    run_bind(state, cageform::HarmonicCoordinates<T, 2, cageform::Polygon<T>, Chosen>(cage, options),
+    run_bind(state, cageform::HarmonicCoordinates<T, 2>(cage, options, Solver{}),
              points_inside(cage, std::size_t(state.range(0))));
 }
 
@@ -65,17 +63,15 @@ void bind_harmonic_cube(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    run_bind(state, cageform::UniformHarmonicCoordinates(cube, options), points);
+    run_bind(state, cageform::HarmonicCoordinates(cube, options, cageform::UniformGrid{}), points);
 }
 
 /// Equations of the harmonic functions of a mesh, for the multigrid solver alone.
 struct MeshProblem {
-    MeshProblem(const cageform::TriangleMesh<double>& cage, const cageform::HarmonicOptions& options) {
+    MeshProblem(const cageform::TriangleMesh<double>& cage, const cageform::HarmonicOptions& options)
+        : input(cage, check(cage), options) {
         cageform::SolverReport report;
-        (void)on_placed_cage(cageform::CageProblem(cage, options), [&](auto made) {
-            placed = std::move(made);
-            return cageform::detail::EmbeddedCage<3>::make(*placed, report, grid);
-        });
+        (void)cageform::detail::EmbeddedCage<3>::make(input, report, grid);
     }
 
     /// Solves for all functions; each block overwrites the last one. Returns the maximum number of cycles.
@@ -85,14 +81,14 @@ struct MeshProblem {
         const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
             grid->add_data(first, count, slots, std::span(source));
         };
-        const cageform::grid::CycleGoal goal{placed->cage.size(), 1e-6, 60};
+        const cageform::grid::CycleGoal goal{input.handles, 1e-6, 60};
         cageform::SolverReport report;
         (void)solve_groups(cageform::grid::MultigridGroups{multigrid, goal, fill}, report,
                            [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
         return report.multigrid.cycles;
     }
 
-    std::shared_ptr<const cageform::PlacedCage<3>> placed;
+    cageform::SolverInput<3> input;
     std::optional<cageform::detail::EmbeddedCage<3>> grid;
 };
 
@@ -104,7 +100,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
     const auto points = points_inside_bumpy112();
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    const cageform::UniformHarmonicCoordinates coordinates(cage, options);
+    const cageform::HarmonicCoordinates coordinates(cage, options, cageform::UniformGrid{});
     const MeshProblem problem(cage, options);
     cageform::SolverReport solver;
     double solver_seconds = 0;
@@ -138,17 +134,15 @@ void bind_harmonic_mesh(benchmark::State& state) {
 /// mean change of 1e-5, nearest-cell lookup. Joshi et al. 2007, table 1: 262 s, where mean value coordinates
 /// took 443 s.
 void bind_papers_mesh(benchmark::State& state) {
-    using Cage = cageform::TriangleMesh<float>;
+    using namespace cageform_sources::averaging;
     const auto cage = bumpy112<float>();
     std::vector<cageform::Vec<float, 3>> points;
     for (const auto& p : points_inside_bumpy112()) points.push_back(cageform::vec_cast<float>(p));
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    options.averaging.tolerance = 1e-5;
-    options.interpolation = cageform::grid::Interpolation::nearest_cell;
-    options.handles_at_once = 1;
-    const cageform::HarmonicCoordinates<float, 3, Cage, cageform::OnlySolver<cageform::PyramidSolver<Cage>>>
-        coordinates(cage, options);
+    const AveragingSolver solver{
+        .sweeps = {.tolerance = 1e-5}, .interpolation = Interpolation::nearest_cell, .handles_at_once = 1};
+    const cageform::HarmonicCoordinates coordinates(cage, options, solver);
     cageform::BindReport report;
     for (auto _ : state) {
         const auto result = cageform::bind(coordinates, points);
@@ -157,12 +151,11 @@ void bind_papers_mesh(benchmark::State& state) {
         if (report.status != cageform::Status::ok) state.SkipWithError(to_string(report.status));
     }
     finish(state, points.size(), cage.size());
-    const auto lattice =
-        cageform::grid::lattice_about(cageform::bounds_of(cage.vertices()), options.resolution);
+    const auto lattice = lattice_about(cageform::bounds_of(cage.vertices()), options.resolution);
     state.counters["solver_s"] = report.solver.seconds;
     state.counters["MB"] = double(report.solver.bytes) / 1e6;
     state.counters["bytes/cell"] = double(report.solver.bytes) / double(lattice.size());
-    state.counters["sweeps"] = double(report.solver.pyramid.sweeps) / double(cage.size());
+    state.counters["sweeps"] = double(report.solver.relaxation.sweeps) / double(cage.size());
     state.counters["residual/h"] = report.residual_restored.value / double(lattice.spacing);
     state.counters["unknowns"] = double(report.solver.cells);
 }
@@ -170,21 +163,17 @@ void bind_papers_mesh(benchmark::State& state) {
 using cageform_tests::Fingers;
 
 using Mesh = cageform::TriangleMesh<double>;
-using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh, cageform::WithAveragingPyramid>;
+using Harmonic = cageform::HarmonicCoordinates<double, 3>;
 
 /// On the adaptive grid with an accuracy of 1e-4 times the argument, or on the uniform grid of a resolution.
 template <bool adaptive>
-cageform::HarmonicOptions options_of(const benchmark::State& state) {
-    cageform::HarmonicOptions options;
-    if (adaptive)
-        options.accuracy = 1e-4 * double(state.range(0));
-    else
-        options.resolution = std::size_t(state.range(0));
-    return options;
+Harmonic harmonic(const Mesh& cage, const benchmark::State& state) {
+    if (adaptive) return Harmonic(cage, {.accuracy = 1e-4 * double(state.range(0))});
+    return Harmonic(cage, {.resolution = std::size_t(state.range(0))}, cageform::UniformGrid{});
 }
 
 /// A bind and its costs; solver_s is the time of cycles and sampling, without the grid.
-cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const AnyGrid& coordinates,
+cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const Harmonic& coordinates,
                                           const std::vector<cageform::Vec<double, 3>>& points,
                                           const cageform::Running& running = {}) {
     auto [binding, report] = cageform::bind(coordinates, points, {}, running);
@@ -200,7 +189,7 @@ cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const AnyGrid
 template <bool adaptive>
 void bind_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
-    const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), options_of<adaptive>(state));
+    const auto coordinates = harmonic<adaptive>(Mesh(fingers.vertices, fingers.faces), state);
     for (auto _ : state) {
         const auto binding = bind_on_grid(state, coordinates, fingers.points);
         double error = 0;
@@ -223,7 +212,7 @@ void bind_smaller_fingers(benchmark::State& state) {
         const cageform::Vec<double, 3> wrist{70 * side, 138.5, 0};
         p = cageform_tests::turned_about_123(wrist + size * (before - wrist), 1);
     }
-    const AnyGrid coordinates(Mesh(vertices, fingers.faces), {.accuracy = 2e-3});
+    const Harmonic coordinates(Mesh(vertices, fingers.faces), {.accuracy = 2e-3});
     for (auto _ : state)
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, fingers.points).view().weights.data);
 }
@@ -231,7 +220,7 @@ void bind_smaller_fingers(benchmark::State& state) {
 /// With several threads, for the grid and for the functions.
 void bind_fingers_threads(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
-    const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
+    const Harmonic coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
     const cageform::ThreadedFor threads{unsigned(state.range(0))};
     for (auto _ : state)
         benchmark::DoNotOptimize(
@@ -288,8 +277,10 @@ void pack_fingers(benchmark::State& state) {
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
-    static const auto fine = cageform::bind(AnyGrid(bumpy112<double>(), {.resolution = 256}), points).value;
-    const AnyGrid coordinates(bumpy112<double>(), options_of<adaptive>(state));
+    static const auto fine =
+        cageform::bind(Harmonic(bumpy112<double>(), {.resolution = 256}, cageform::UniformGrid{}), points)
+            .value;
+    const auto coordinates = harmonic<adaptive>(bumpy112<double>(), state);
     for (auto _ : state) {
         const auto binding = bind_on_grid(state, coordinates, points);
         state.PauseTiming();
@@ -326,7 +317,7 @@ void bind_divided_bumpy(benchmark::State& state) {
         faces = std::move(finer);
     }
     const auto points = points_inside_bumpy112();
-    const AnyGrid coordinates(Mesh(vertices, faces), {.accuracy = 2e-3});
+    const Harmonic coordinates(Mesh(vertices, faces), {.accuracy = 2e-3});
     for (auto _ : state)
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, points).view().weights.data);
 }
@@ -346,7 +337,7 @@ void bind_harmonic_figure(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    const cageform::UniformHarmonicCoordinates<float, 3> coordinates(cage, options);
+    const cageform::HarmonicCoordinates<float, 3> coordinates(cage, options, cageform::UniformGrid{});
     std::clock_t binding = 0, solving = 0;
     for (auto _ : state) {
         const auto begin = std::clock();
@@ -378,7 +369,8 @@ void crossing_of_types(benchmark::State& state) {
     } else {
         cageform::HarmonicOptions options;
         options.resolution = std::size_t(state.range(1));
-        run_bind(state, cageform::UniformHarmonicCoordinates<float, 3>(cage, options), points, true);
+        run_bind(state, cageform::HarmonicCoordinates<float, 3>(cage, options, cageform::UniformGrid{}),
+                 points, true);
     }
 }
 
@@ -401,8 +393,8 @@ void threads(benchmark::internal::Benchmark* benchmark) {
 
 BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::polygons)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::triangles)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
-BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::multigrid)->Apply(growing_grid);
-BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::averaging_pyramid)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::UniformGrid)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform_sources::averaging::AveragingSolver)->Apply(growing_grid);
 BENCHMARK(bind_harmonic_cube)
     ->ArgName("resolution")
     ->Arg(32)

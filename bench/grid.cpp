@@ -6,11 +6,11 @@
 // errors of some hundredths), Eigen's factorisation, and CHOLMOD's if installed. The limit is moving the
 // memory of the solution once. Then the colours of a hundred strokes with two sides are diffused over a
 // canvas.
+#include "averaging/averaging_pyramid.hpp"
 #include "counted.hpp"
 
 #include <cageform/fields/strokes.hpp>
 #include <cageform/grid/multigrid/groups.hpp>
-#include <cageform/papers/averaging_pyramid.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
@@ -26,10 +26,10 @@
 namespace {
 
 using cageform::Vec;
-using cageform::grid::CellTag;
 using cageform::grid::CutLink;
 using cageform::grid::Multigrid;
 using cageform::grid::NodeRuns;
+using cageform_sources::averaging::CellTag;
 
 /// Cells inside a figure with the extent [−1.5, 1.5]^D.
 template <std::size_t D>
@@ -126,12 +126,12 @@ void multigrid(benchmark::State& state) {
 template <std::size_t D>
 void papers_sweeps(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
-    cageform::grid::AveragingOptions options;
+    cageform_sources::averaging::AveragingOptions options;
     options.tolerance = 1e-5;
     std::vector<double> field(problem.box.size());
     std::size_t sweeps = 0;
     for (auto _ : state) {
-        cageform::grid::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
+        cageform_sources::averaging::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
         sweeps = 0;
         for (std::size_t k = 0; k < problem.functions; ++k) {
             std::fill(field.begin(), field.end(), 0.0);

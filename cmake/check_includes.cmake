@@ -18,7 +18,6 @@ set(allowed_animate core clip parallel)
 set(allowed_exchange core clip animate)
 set(allowed_enclose core parallel cage grid)
 set(allowed_fields core parallel cage grid)
-set(allowed_papers core parallel cage grid coordinates)
 set(allowed_skeleton ${run_time} parallel cage binding)
 set(allowed_c ${allowed_binding} binding animate enclose skeleton)
 # Headers that are not of the C++ standard, by room.

@@ -307,9 +307,6 @@ int run_program(int argc, char** argv) {
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
-    if (given.choice.name == "harmonic" &&
-        given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
-        return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);
 

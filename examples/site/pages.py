@@ -28,10 +28,9 @@ ROOMS = {
     "pose": "pins on the figure move the cage",
     "fields": "the same solvers for your own data",
     "exchange": "curves of other programs",
-    "papers": "the historical baseline",
     "skeleton": "bones found in any sequence of meshes",
 }
-SOLVERS = ("grid/", "papers/")  # what their public headers need of their machinery is no user's concern
+SOLVERS = ("grid/",)  # what their public headers need of their machinery is no user's concern
 # Other languages and programs in the order of the menu: the page, its name there, and the README that it shows.
 LANGUAGES = [
     ("c", "C", "include/cageform/c/README.md"), ("python", "Python", "examples/bindings/python/README.md"),

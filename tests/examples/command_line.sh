@@ -487,7 +487,6 @@ report $ok "what lies within the radius of a point follows it alone"
 for type in mean-value barycentric; do
   refuses 'interior cells not supported (1): --coordinates harmonic supports them' "$weights" --cage head.csv --points points.csv --coordinates $type -o out.csv
 done
-refuses 'this solver does not exist' "$weights" --cage head.csv --points points.csv --coordinates harmonic --solver averaging-pyramid -o out.csv
 cells() { # CELLS: bad.csv with them from line 6
   printf '0,0\n4,0\n4,4\n0,4\n\n%b' "$1" >bad.csv
 }
@@ -556,9 +555,6 @@ grep '^v ' posed_mean-value.obj >one.txt
 grep '^v ' crowd_out.obj | tail -n "$(wc -l <one.txt)" | paste - one.txt |
   awk '{ for (k = 2; k <= 4; ++k) if (($k - $(k + 4)) ^ 2 > 1e-24) exit 1 }' && ok=yes || ok=no
 report $ok "batches move vertices as a whole does"
-works "the papers' solver in space" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates harmonic --solver averaging-pyramid -o posed_pyramid.obj
-cmp -s posed_pyramid.obj posed_harmonic.obj && ok=no || ok=yes
-report $ok "is another than ours"
 works "a weight painted on the character" "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o posed.obj --picture painted.png --weight 30
 cmp -s posed.png painted.png && ok=no || ok=yes
 report $ok "the paint is seen"
@@ -596,15 +592,11 @@ works "an accuracy in space" "$mesh" inner.obj --cage box.obj --pose bent_box.ob
 grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && grep -q '^solver: .* unknowns' log && ok=yes || ok=no
 report $ok "the adaptive grid is used, with the polygons as they are"
 refuses '--accuracy excludes --resolution' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --resolution 32 -o out.obj
-refuses '--accuracy excludes --solver' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --solver multigrid -o out.obj
 refuses '--accuracy excludes --tolerance' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --tolerance 1e-9 -o out.obj
 for wrong in -1 nan inf 1e-9 0.5 little; do
   refuses '--accuracy: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy $wrong -o out.obj
 done
 refuses '--accuracy: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0 -o out.obj
-works "polygons for the papers' solver" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --solver averaging-pyramid --resolution 24 -o polygons.obj
-grep -q "first in line 9: harmonic by the papers' solver supports only triangles" log && ok=yes || ok=no
-report $ok "that they are cut for it is said"
 works "faces that are not planar" "$mesh" inner.obj --cage bent_box.obj --pose box.obj -o polygons.obj
 grep -q 'note: bent_box.obj: 3 faces with more.*; 3 faces are bound as fans about the means of their corners; 3 are not planar, first in line 10$' log && ok=yes || ok=no
 report $ok "which of them become fans, and why, is said"
@@ -728,7 +720,6 @@ for kind in deform_mesh:obj bind_mesh:figure export_gltf:glb; do
   refuses 'the pose character_cage.obj has 112 vertices, the cage box.obj has 8' by_green box.obj character_cage.obj
   refuses 'open_box.obj: the cage is not closed' by_green open_box.obj open_box.obj
 done
-refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
 works "a character by accuracy" "$bind" character.obj --cage character_cage.obj --coordinates harmonic --accuracy 0.01 -o accurate.figure
 works "a cat by accuracy" "$deform" "$cat" --cage "$cage" --pose "$data/cat_pose_leap.svg" --coordinates harmonic --accuracy 0.002 -o accurate.svg
 works "a vertex in its head by accuracy" "$deform" "$cat" --cage "$data/cat_cage_head.csv" --pose "$data/cat_pose_head.csv" --coordinates harmonic --accuracy 0.002 -o accurate.svg
@@ -1547,7 +1538,6 @@ refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --tu
 refuses_pin '--pin-weight' --pin 480,420 --pin-weight 0
 refuses_pin '--save-pose out.pose.svg: with these coordinates pins pose the edges beside the vertices' --pin 480,420 --coordinates green --save-pose out.pose.svg
 refuses_pin 'the same file as ' --pin 480,420 --save-pose out.svg
-refuses_pin 'this --solver does not give' --pin 480,420 --coordinates harmonic --solver averaging-pyramid
 refuses '--save-pose out.pose.svg: points need a .csv file' "$deform" "$data/fish.svg" --cage "$data/fish_points.svg" --coordinates sibson --pin 480,300 -o out.svg --save-pose out.pose.svg
 refuses 'has chains or points, which need a .csv file' "$deform" "$cat" --cage "$data/cat_cage_spine.csv" --coordinates harmonic --pin 480,420 -o out.svg --save-pose out.pose.svg
 
@@ -1719,16 +1709,13 @@ grep -q 'note: character.obj: the pose stops at 0\.[0-9]* of its way from rest, 
 report $ok "names a vertex"
 works "a mesh in a made cage" "$mesh" bar.mesh --cage auto:30 -o bar_made.mesh
 works "a mesh in a lattice" "$mesh" bar.mesh --cage lattice:4x3x3 --twist all:x,0,4,90 -o bar_twisted.mesh
-works "cells need no gradients" "$mesh" bar.mesh --cage box --coordinates harmonic --solver averaging-pyramid --resolution 24 --twist all:x,0,4,20 -o bar_moved.mesh --report
+works "cells need no gradients" "$mesh" bar.mesh --cage box --coordinates harmonic --resolution 24 --twist all:x,0,4,20 -o bar_moved.mesh --report
 grep -qx 'folds: 0 of 1536 tetrahedra' log && ok=yes || ok=no
 report $ok "they are looked at"
-works "a surface without gradients" "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --solver averaging-pyramid --resolution 24 -o moved.obj --report
-grep -q '^folds: not known: .* --solver does not give' log || grep -q '^folds: not known: ' log && ok=yes || ok=no
-report $ok "tells that nothing is known, and why"
-refuses 'inner.obj: --no-folds: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --solver averaging-pyramid --resolution 24 -o out.obj --no-folds
 works "points with weights" "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pose box.obj -o moved.obj --report
 grep -qx 'folds: not known: no gradients are computed for points with weights' log && ok=yes || ok=no
 report $ok "have no gradients"
+refuses 'inner.obj: --no-folds: ' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pose box.obj -o out.obj --no-folds
 refuses '--fold-threshold' in_bar out.mesh --pose bar_cage.obj --fold-threshold 1
 refuses '-o out.obj: the figure bar.mesh is written as .mesh' in_bar out.obj --pose bar_cage.obj
 refuses '-o out.mesh: the figure inner.obj is written as .obj' "$mesh" inner.obj --cage box.obj --pose box.obj -o out.mesh
@@ -1822,7 +1809,6 @@ refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pos
 refuses '--save-pose out.pose.obj: with green pins pose the faces beside the vertices' "$mesh" inner.obj --cage box.obj --pin 0 --coordinates green --save-pose out.pose.obj -o out.obj
 refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
 works "pins in a tetrahedron" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0:+0.1,0,0 --pin 1 -o pinned.obj
-refuses 'this --solver does not give' "$mesh" inner.obj --cage box.obj --coordinates harmonic --solver averaging-pyramid --resolution 24 --pin 0 -o out.obj
 refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
 works "samples for a game's pins" "$bind" character.obj --cage character_cage.obj --pose-samples -o pins.figure --report
 bytes=$(sed -n 's/^samples for pins: \([0-9]*\) bytes, of [0-9]* points in 224 clusters, .* s$/\1/p' log)
@@ -1874,6 +1860,10 @@ refuses 'output is required' "$fit" cube.obj cube.obj --cage lattice:4x4x4
 
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
+works "a field by the papers' solver" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --solver averaging-pyramid --resolution 64 --size 120 -o swept.png
+cmp -s field.png swept.png && ok=no || ok=yes
+report $ok "is another than ours"
+refuses 'is not one of multigrid, averaging-pyramid' "$field" --cage "$cage" --vertex 8 --coordinates harmonic --solver direct -o out.png
 works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
 [ -s surface.png ] && ok=yes || ok=no
 report $ok "the surface is there"
@@ -2432,7 +2422,7 @@ for program in adaptive_grid animate_svg bezier_tables bind_mesh bind_tiles boun
   report $ok "the help of $program names no source file"
   if [ "$program" != pose_cage ] && grep -q -- '--coordinates' log; then # which has no default
     grep -q -- '--coordinates .*[=[]mean-value' log && grep -q -- '--resolution .*128 in the plane, 64 in space' log &&
-      grep -q -- '--tolerance .*[=[]1e-06' log && grep -q -- '--solver .*[=[]multigrid' log && ok=yes || ok=no
+      grep -q -- '--tolerance .*[=[]1e-06' log && ok=yes || ok=no
     report $ok "the defaults of $program are those of all"
   fi
   case $program in make_cage | make_box) continue ;; esac # which take none

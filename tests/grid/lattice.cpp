@@ -1,7 +1,6 @@
+#include "averaging/lattice.hpp"
 #include "../catch.hpp"
 #include "../support/cages.hpp"
-
-#include <cageform/papers/detail/papers_lattice.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +14,8 @@ using cageform::CellBox;
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::Vec;
-using cageform::grid::lattice_about;
-using cageform::grid::papers_margin;
+using cageform_sources::averaging::lattice_about;
+using cageform_sources::averaging::papers_margin;
 using cageform_tests::Random;
 using cageform_tests::random_star;
 

@@ -131,33 +131,17 @@ void CoordinatesChoice::add_options(CommandLine& line) {
              "harmonic: use a uniform grid with this many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space")
+        .show_default("none; with --tolerance 128 in the plane, 64 in space")
         .rarely_needed();
     line.add_number(
             "--tolerance",
             [this](double t) {
-                harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t;
+                harmonic.multigrid.tolerance = t;
                 is_uniform = true;
             },
-            "harmonic: the solver of the uniform grid stops below this error (multigrid) or mean change of a "
-            "cell (averaging-pyramid)")
+            "harmonic: the solver of the uniform grid stops below this error")
         .excludes(accuracy)
         .show_default("1e-06")
-        .rarely_needed();
-    line.add_text(
-            "--solver",
-            [this](const std::string& given) {
-                harmonic.solver = given == "multigrid" ? cageform::HarmonicSolver::multigrid
-                                                       : cageform::HarmonicSolver::averaging_pyramid;
-            },
-            "harmonic: the solver of the uniform grid: multigrid, or the papers' averaging-pyramid")
-        .check([](const std::string& given) {
-            return given == "multigrid" || given == "averaging-pyramid"
-                       ? std::string()
-                       : "\"" + given + "\" is not one of multigrid, averaging-pyramid";
-        })
-        .excludes(accuracy)
-        .show_default("multigrid")
         .rarely_needed();
 }
 
@@ -179,8 +163,7 @@ cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimens
     else if (const auto free = available_memory())
         options.memory_limit = *free / 2;
     options.resolution = resolution;
-    const bool by_pyramid = options.solver == cageform::HarmonicSolver::averaging_pyramid;
-    if (resolution == 0 && (is_uniform || by_pyramid)) options.resolution = dimension == 2 ? 128 : 64;
+    if (resolution == 0 && is_uniform) options.resolution = dimension == 2 ? 128 : 64;
     return options;
 }
 

@@ -39,8 +39,8 @@ struct CoordinatesChoice {
     bool with_sites = false;          // whether the program takes control points without a cage
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
-    std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
-    bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
+    std::size_t resolution = 0;       // 0: the adaptive grid
+    bool is_uniform = false;          // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
     bool limits_memory = true; // whether the program takes --memory for a solver
     std::size_t memory = 0;    // of a solver, in bytes; 0: half of what is free

@@ -69,9 +69,8 @@ ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const 
     if (file.curves) return detail::curved_coordinates<T>(choice, file);
     if (file.lattice) return lattice_coordinates<T>(choice, *file.lattice);
     return file.visit<T>([&](const auto& cage) -> ChosenCoordinates<T, 2> {
-        using Cage = std::remove_cvref_t<decltype(cage)>;
         if (choice.type() == cageform::CoordinateType::harmonic)
-            return Harmonic<Cage>(cage, choice.harmonic_options(2));
+            return harmonic(cage, choice.harmonic_options(2));
         return cageform::make_coordinates(choice.type(), cage);
     });
 }

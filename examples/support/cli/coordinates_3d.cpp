@@ -7,11 +7,9 @@ namespace {
 
 /// Returns why coordinates do not support planar polygons as faces; empty if they do.
 std::string polygon_fault(const CoordinatesChoice& choice) {
-    if ((choice.facts().cages & cageform::cage_kinds::planar_faces) == 0)
-        return choice.name + " supports only triangles";
-    const bool by_pyramid = choice.type() == cageform::CoordinateType::harmonic &&
-                            choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid;
-    return by_pyramid ? "harmonic by the papers' solver supports only triangles" : "";
+    return (choice.facts().cages & cageform::cage_kinds::planar_faces) == 0
+               ? choice.name + " supports only triangles"
+               : "";
 }
 
 /// Twice the volume of a closed mesh over its area: the thickness of a flat one.

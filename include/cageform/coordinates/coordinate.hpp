@@ -10,6 +10,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// The arguments of `evaluate` and `evaluate_gradients`.
+template <class T>
+struct Batch {
+    BlockView<const T> points;
+    BlockView<T> rows; ///< out: weights or gradients
+    std::span<PointState> states;
+};
+
 /// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the
 /// cage, and whether a point's weights cost the same alone as in a batch.
 template <class C>

@@ -156,7 +156,7 @@ private:
     }
 
     template <class N>
-    Evaluation evaluate_numbers(const detail::Batch<T>& batch, const Running& running) const {
+    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
         using S = detail::ScalarOf<detail::ValueOf<N>>;
         const std::size_t rows = detail::has_gradient<N> ? 2 * cage_.size() : cage_.size();
         return detail::evaluate_blocks(
@@ -172,7 +172,7 @@ private:
     /// Evaluates the lanes of block `b` from `first` on, as many as N has. Points next to the line
     /// of an edge are not decided in registers and follow one by one.
     template <class N>
-    void evaluate_lanes(const detail::Batch<T>& batch, std::size_t b, std::size_t first,
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first,
                         std::vector<N>& memory) const {
         using X = detail::ValueOf<N>;
         using S = detail::ScalarOf<X>;

@@ -1,7 +1,7 @@
 // The list of coordinate types: names, cages, outside, and how each is made.
 //
 // Programs, the C interface, Python, JavaScript and the site take names and facts from this list. Types of
-// several cages (BlendedCoordinates) or of required options (UniformHarmonicCoordinates) are not in the list.
+// several cages (BlendedCoordinates) are not in the list.
 #pragma once
 
 #include <cageform/coordinates/barycentric.hpp>

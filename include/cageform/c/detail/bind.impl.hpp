@@ -100,16 +100,16 @@ cageform_status cageform_coordinates_describe(const cageform_coordinates* coordi
 
 cageform_status cageform_coordinates_rest(const cageform_coordinates* coordinates, cageform_output handles) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(coordinates);
+    cageform_status status = c::check_object(coordinates);
     if (status != CAGEFORM_OK) return status;
     return c::with(coordinates->coordinates, [&](const auto& any) {
         using Any = std::remove_cvref_t<decltype(any)>;
-        return c::with_points<typename Any::scalar, Any::dimension>(handles, [&](const auto& out) {
-            const auto its = any.handles();
-            if (out.size() < its.count) return c::code_of(cageform::Status::output_too_small);
-            for (std::size_t i = 0; i < its.count; ++i) out.store(i, its.rest[i]);
-            return cageform_status(CAGEFORM_OK);
-        });
+        const auto out = c::view_of<typename Any::scalar, Any::dimension>(handles, status);
+        const auto its = any.handles();
+        if (status != CAGEFORM_OK) return status;
+        if (out.size() < its.count) return c::code_of(cageform::Status::output_too_small);
+        for (std::size_t i = 0; i < its.count; ++i) out.store(i, its.rest[i]);
+        return status;
     });
 }
 

@@ -140,12 +140,12 @@ private:
 
 /// Hashes the vertices and the faces, or edges, of a cage.
 template <std::size_t D>
-std::uint64_t hash_of_cage(const PlacedCage<D>& placed) noexcept {
-    std::uint64_t hash = hash_memory(placed.cage.vertices(), placed.handles);
+std::uint64_t hash_of_cage(const SolverInput<D>& input) noexcept {
+    std::uint64_t hash = hash_memory(input.cage.vertices(), input.handles);
     if constexpr (D == 2) {
-        for (const auto& loop : placed.cage.boundary().loops()) hash = hash_memory({}, hash + loop.size());
+        for (const auto& loop : input.cage.boundary().loops()) hash = hash_memory({}, hash + loop.size());
     } else {
-        hash = hash_memory(placed.cage.boundary().faces(), hash);
+        hash = hash_memory(input.cage.boundary().faces(), hash);
     }
     return hash;
 }
