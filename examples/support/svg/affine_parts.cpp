@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 namespace {
 
@@ -119,6 +117,4 @@ std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& c
     return PartFinder(rest, curves, frames, tolerance).run();
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

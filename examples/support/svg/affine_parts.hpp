@@ -8,9 +8,7 @@
 
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// An element that is moved as a whole: shapes [first, end).
 struct AffinePart {
@@ -27,6 +25,4 @@ struct AffinePart {
 std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& curves, std::size_t frames,
                                      double tolerance);
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

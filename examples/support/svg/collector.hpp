@@ -13,9 +13,7 @@
 #include <unordered_set>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// See walk().
 class ShapeCollector {
@@ -156,6 +154,4 @@ private:
     std::optional<FileError> error_;
 };
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

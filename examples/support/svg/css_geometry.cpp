@@ -8,9 +8,7 @@
 #include <numbers>
 #include <set>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 namespace {
 
@@ -687,6 +685,4 @@ std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fi
     return BasicShapeReader(*shape, box, viewport).read(shape->name);
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -9,9 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// A value that is given and not "inherit"; else empty.
 std::string text_of(const StyleSheets::Values& values, std::string_view property);
@@ -41,6 +39,4 @@ struct BasicShape {
 std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fill, const Box& stroke,
                                             const Viewport& viewport);
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

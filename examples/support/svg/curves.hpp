@@ -16,9 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// The largest that may be written; beyond it sums and products of coordinates overflow.
 constexpr double most_coordinate = 1e100;
@@ -474,6 +472,4 @@ private:
     std::string failure_;
 };
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

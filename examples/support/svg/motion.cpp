@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 void Motion::merge(const Point2& rest, const Point2& moved, double weight) {
     if (!(weight > 0)) return;
@@ -91,6 +89,4 @@ std::optional<Affine2> Motion::best_map() const {
     return best ? best : about_means(a, b, -b, a);
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -6,9 +6,7 @@
 
 #include <optional>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// Sums over the points of a shape at rest and moved, weighted by the length they stand for.
 class Motion {
@@ -36,6 +34,4 @@ private:
     bool moved_ = false;
 };
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 namespace {
 
@@ -457,6 +455,4 @@ void follow_regions(SvgDocument& document, const Drawing& rest, const std::vecto
     for (const auto& [hash, region] : regions) write(region);
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -11,9 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// The gradient or pattern of this id, then those it takes attributes from; empty where there is none.
 std::vector<pugi::xml_node> server_chain(const IdTable& ids, const std::string& id);
@@ -107,6 +105,4 @@ struct MovedRegion {
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -9,9 +9,7 @@
 #include <set>
 #include <unordered_map>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 namespace {
 
@@ -340,6 +338,4 @@ std::vector<std::string> UnappliedReport::lines() const {
     return all;
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

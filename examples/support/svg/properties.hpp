@@ -10,9 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 enum class PropertyUse {
     unknown,
@@ -61,6 +59,4 @@ private:
     std::vector<std::string> order_;
 };
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -8,9 +8,7 @@
 #include <array>
 #include <tuple>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 constexpr std::size_t max_svg_copies = 1'000'000; // nodes copied for `use` and shared clip paths
 
@@ -375,6 +373,4 @@ bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target
     return good;
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

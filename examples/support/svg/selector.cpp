@@ -6,9 +6,7 @@
 #include <array>
 #include <charconv>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 namespace {
 
@@ -398,6 +396,4 @@ std::vector<Selector> parse_selectors(std::string_view text, bool& complete) {
     return all;
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

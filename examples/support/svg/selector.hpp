@@ -11,9 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 struct SimpleSelector;
 
@@ -64,6 +62,4 @@ struct SimpleSelector {
 ///   complete   receives whether all were read
 std::vector<Selector> parse_selectors(std::string_view text, bool& complete);
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

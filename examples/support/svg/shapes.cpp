@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 const std::map<std::string, std::vector<const char*>>& shape_attributes() {
     static const std::map<std::string, std::vector<const char*>> table = {
@@ -295,6 +293,4 @@ void write_shape(pugi::xml_node node, const std::string& data) {
     }
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

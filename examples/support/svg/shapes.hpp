@@ -11,9 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// The attributes that give each shape its geometry; they are replaced by `d`.
 const std::map<std::string, std::vector<const char*>>& shape_attributes();
@@ -84,6 +82,4 @@ Path shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport
 /// user space.
 int decimals_for(const Affine2& to_root, double tolerance);
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -8,9 +8,7 @@
 #include <tuple>
 #include <utility>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 namespace {
 
@@ -673,6 +671,4 @@ bool StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& 
     return has_changed;
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -16,9 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// A declaration of a style attribute or a rule; both views are into its text.
 struct Declaration {
@@ -186,6 +184,4 @@ private:
     mutable SelectorSearch search_;
 };
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

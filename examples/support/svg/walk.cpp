@@ -8,9 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 std::optional<FileError> ShapeCollector::collect() {
     const pugi::xml_node root = root_element(document_.xml);
@@ -647,6 +645,4 @@ Box painted_box(const DrawnShape& shape, const Affine2& map) {
     return box.empty() ? box : box.grown(width / 2 * largest_scale(compose(map, shape.to_root)));
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -10,9 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 /// An element whose filter, mask or clip path lies about what it draws: shapes [first, end) of its level.
 struct Reference {
@@ -76,6 +74,4 @@ Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std
 /// The box of what is painted of it, strokes included (but for the tips of mitred corners), after a map.
 Box painted_box(const DrawnShape& shape, const Affine2& map);
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

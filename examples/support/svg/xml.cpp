@@ -5,9 +5,7 @@
 #include <charconv>
 #include <map>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 pugi::xml_node next_node(pugi::xml_node node, pugi::xml_node top) {
     return node.first_child() ? node.first_child() : node_after(node, top);
@@ -248,6 +246,4 @@ SvgDocument copy_of(const SvgDocument& document) {
     return copy;
 }
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail

@@ -10,9 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace cageform_support {
-
-namespace detail {
+namespace cageform_support::detail {
 
 constexpr int max_svg_depth = 1000; // of nested elements; the walk is recursive
 
@@ -101,6 +99,4 @@ private:
     std::unordered_map<std::string, std::size_t> next_; // number of a stem
 };
 
-} // namespace detail
-
-} // namespace cageform_support
+} // namespace cageform_support::detail
