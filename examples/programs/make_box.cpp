@@ -93,7 +93,7 @@ std::string cage_text(const Point3& size, const Counts& divisions) {
     std::string text = "# A cage around a box of tetrahedra, made by make_box\n";
     for (const auto& p : cage.vertices()) {
         text += 'v';
-        for (const double x : p.v) detail::append_number(text += ' ', x);
+        for (const double x : p.v) detail::append_digits(text += ' ', x);
         text += '\n';
     }
     for (std::size_t f = 0; f < cage.face_count(); ++f) {

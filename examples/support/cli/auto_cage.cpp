@@ -135,19 +135,16 @@ std::string doublings_of(const cageform::MakeCageReport& report, bool in_plane) 
 } // namespace
 
 std::string describe(const cageform::MakeCageReport& report, std::size_t dimension) {
-    const auto count = [](std::size_t n, const char* thing) {
-        return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
-    };
     const bool in_plane = dimension == 2;
     const double looser = report.area / report.tightest_area - 1;
     return "cage: " + std::to_string(report.vertices) + " vertices, " +
-           (report.tunnels > 0 ? count(report.tunnels, "tunnel") + ", " : "") + percent(std::fabs(looser)) +
-           (looser < 0 ? " less " : " more ") + (in_plane ? "area" : "volume") +
+           (report.tunnels > 0 ? detail::counted(report.tunnels, "tunnel") + ", " : "") +
+           percent(std::fabs(looser)) + (looser < 0 ? " less " : " more ") + (in_plane ? "area" : "volume") +
            " than the tightest, least angle " + detail::short_number(std::round(report.least_angle)) +
            " degrees\nfigure: " +
-           (report.components > 0
-                ? count(report.components, "part") + ", " + count(report.bridges, "bridge") + "; "
-                : "") +
+           (report.components > 0 ? detail::counted(report.components, "part") + ", " +
+                                        detail::counted(report.bridges, "bridge") + "; "
+                                  : "") +
            detail::short_number(report.clearance) + " from the cage (" +
            percent(report.clearance / report.margin) + " of the margin)\n" +
            (report.attempts.empty() ? "" : doublings_of(report, in_plane));

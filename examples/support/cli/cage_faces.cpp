@@ -1,5 +1,6 @@
 // The faces of a cage of more than three corners: which stay whole, become fans, or are cut.
 #include "cli/mesh_cage.hpp"
+#include "io/csv.hpp"
 
 #include <cageform/cage/polyhedral_mesh.hpp>
 
@@ -10,10 +11,7 @@ CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std:
     const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
     faces.off_plane = 1e-6 * bounds.diagonal();
     faces.divisions = divisions;
-    std::vector<std::vector<std::uint32_t>> loops(cage.faces.size());
-    for (std::size_t f = 0; f < loops.size(); ++f) {
-        for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
-    }
+    auto loops = face_loops(cage);
     using cageform::PolyhedralMesh, cageform::PolyhedralOptions;
     const PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
     const PolyhedralMesh<double> fanned(cage.vertices, loops,
@@ -53,7 +51,7 @@ CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std:
 
 std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why) {
     std::string text;
-    const auto count = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " face" : " faces"); };
+    const auto count = [](std::size_t n) { return detail::counted(n, "face"); };
     if (faces.polygons > 0) {
         const bool one = faces.polygons == 1;
         text = count(faces.polygons) + " with more than three corners " + (one ? "is" : "are") + " kept as " +

@@ -223,7 +223,7 @@ Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string
     const DeformReport& report = drawing->report;
     print_warnings(report.warnings);
     if (report.cut_off > 0) {
-        warn(std::to_string(report.cut_off) + (report.cut_off == 1 ? " shape is" : " shapes are") +
+        warn(detail::counted(report.cut_off, "shape") + (report.cut_off == 1 ? " is" : " are") +
              " cut off at the edge of the picture; --fit enlarges it");
     }
     if (report.coarse > 0) {

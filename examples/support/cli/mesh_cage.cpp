@@ -1,5 +1,6 @@
 #include "cli/mesh_cage.hpp"
 
+#include "io/csv.hpp"
 #include "io/messages.hpp"
 
 #include <cageform/enclose/parts_of_faces.hpp>
@@ -35,7 +36,7 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
     std::string text;
     for (const auto& p : coordinates.handles()) {
         text += 'v';
-        for (const double x : p.v) detail::append_number(text += ' ', x);
+        for (const double x : p.v) detail::append_digits(text += ' ', x);
         text += '\n';
     }
     const std::array counts{coordinates.points(0), coordinates.points(1), coordinates.points(2)};
@@ -71,13 +72,9 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
 
 cageform::CageParts cage_parts(const ObjFile& cage) {
     if (cage.face_parts.empty()) return {};
-    std::vector<std::vector<std::uint32_t>> loops(cage.faces.size());
-    for (std::size_t f = 0; f < loops.size(); ++f) {
-        for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
-    }
     std::vector<int> numbers = cage.face_parts;
     std::replace(numbers.begin(), numbers.end(), 0, 1);
-    return cageform::parts_of_faces(loops, cage.vertices.size(), numbers);
+    return cageform::parts_of_faces(face_loops(cage), cage.vertices.size(), numbers);
 }
 
 std::string describe_parts(const cageform::CageParts& parts) {

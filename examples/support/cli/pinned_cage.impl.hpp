@@ -197,9 +197,7 @@ Expected<bool> PinnedCage<T, D>::settle(const Targets& targets, const Turns& tur
 template <cageform::Scalar T, std::size_t D>
 std::string PinnedCage<T, D>::report() const {
     const auto& samples = solver_.samples();
-    const auto counted = [](std::size_t n, const char* what) {
-        return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
-    };
+    using detail::counted;
     std::ostringstream text;
     text.precision(3);
     text << "pins: " << pins_.size() << ", held: " << held_ << " of "

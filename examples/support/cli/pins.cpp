@@ -82,7 +82,7 @@ std::string read_line(std::span<const std::string_view> fields, std::span<const 
         fields = fields.first(fields.size() - 1); // a spreadsheet's empty columns
     const std::size_t place = is_known(D) ? D : 1;
     if (place == 1 && (D == 2 || !is_known(1))) {
-        return std::to_string(fields.size()) + (fields.size() == 1 ? " column" : " columns") +
+        return detail::counted(fields.size(), "column") +
                (D == 2 ? ", but a pin has x,y,TX,TY[,ANGLE[,WEIGHT]]"
                        : ", but a pin has x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]], or a vertex for x,y,z");
     }

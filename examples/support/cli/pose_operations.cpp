@@ -71,8 +71,7 @@ const cageform::CagePart* part_named(std::string_view word, const cageform::Cage
     if (parts == nullptr || !word.starts_with("part ")) return nullptr;
     const std::string_view text = detail::trim(word.substr(5));
     int number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc{} && end == text.data() + text.size() ? parts->find(number) : nullptr;
+    return detail::parse_whole(text, number) ? parts->find(number) : nullptr;
 }
 
 /// Selects "part 3", and what hangs on it.

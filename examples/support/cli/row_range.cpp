@@ -1,28 +1,25 @@
 #include "cli/row_range.hpp"
 
+#include "io/csv.hpp"
+
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 namespace cageform_support {
 
 std::optional<RowRange> RowRange::of(const std::string& text) {
     RowRange rows;
-    const auto number = [](std::string_view digits, std::size_t& value) {
-        const auto [behind, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        return error == std::errc{} && behind == digits.data() + digits.size();
-    };
     const std::string_view all = text;
     const std::size_t colon = all.find(':');
     const std::string_view from = all.substr(0, colon);
     if (colon == all.npos) {
-        if (!number(from, rows.first) || rows.first == rows.end) return std::nullopt;
+        if (!detail::parse_whole(from, rows.first) || rows.first == rows.end) return std::nullopt;
         rows.end = rows.first + 1;
         return rows;
     }
     const std::string_view to = all.substr(colon + 1);
-    if ((!from.empty() && !number(from, rows.first)) || (!to.empty() && !number(to, rows.end)) ||
-        rows.end < rows.first)
+    if ((!from.empty() && !detail::parse_whole(from, rows.first)) ||
+        (!to.empty() && !detail::parse_whole(to, rows.end)) || rows.end < rows.first)
         return std::nullopt;
     return rows;
 }
@@ -52,7 +49,7 @@ CutPath cut_path(std::string_view text) {
         if (!is_width || !text.starts_with('d') || ++cut.places > 1)
             cut.fault =
                 "has a % that is no place for a row's number: write one %06d, or %% for a percent sign";
-        if (width.size() > 1) std::from_chars(width.data(), width.data() + width.size(), cut.digits);
+        if (width.size() > 1) (void)parse_whole(width, cut.digits);
         if (!text.empty()) text.remove_prefix(1);
     }
     return cut;

@@ -227,7 +227,7 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
 }
 
 std::string count_bones(const FittedMotion& motion) {
-    return std::to_string(motion.skeleton.bones) + (motion.skeleton.bones == 1 ? " bone" : " bones");
+    return detail::counted(motion.skeleton.bones, "bone");
 }
 
 std::string describe_loss(const FittedMotion& motion) {

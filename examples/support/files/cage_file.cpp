@@ -11,7 +11,7 @@ namespace cageform_support {
 
 namespace {
 
-using detail::digits_of;
+using detail::counted, detail::digits_of;
 
 std::string digits_of(const Point2& p) {
     return digits_of(p.x) + ',' + digits_of(p.y);
@@ -287,8 +287,8 @@ Expected<CageFile> make_pose(CageFile pose, const CageFile& cage) {
         if (is.kind == was.kind && is.points.size() == was.points.size() && is.radius == was.radius) continue;
         return differ(count > 1 ? "block " + std::to_string(b + 1) + ": " : "", describe(is), describe(was));
     }
-    const auto blocks = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " block" : " blocks"); };
-    if (pose.blocks.size() != count) return differ("", blocks(pose.blocks.size()), blocks(count));
+    if (pose.blocks.size() != count)
+        return differ("", counted(pose.blocks.size(), "block"), counted(count, "block"));
 
     pose.handles = cage.handles;
     pose.vertices.resize(cage.vertices.size());
@@ -314,9 +314,6 @@ Expected<CageFile> make_pose(CageFile pose, const CageFile& cage) {
 Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
                                      const CageFile& cage) {
     const auto& axes = cage.lattice->axes;
-    const auto counted = [](std::size_t n, const char* what) {
-        return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
-    };
     if (lines.size() != cage.blocks.size())
         return FileError{name + ": holds " + counted(lines.size(), "line") + ", and the lattice " +
                          cage.name + " has " + counted(axes[1].points, "row") + " and " +

@@ -9,6 +9,8 @@ namespace cageform_support {
 
 namespace {
 
+using detail::counted;
+
 /// Returns the degree of a cubic: 1 or 2 if a line or a quadratic has exactly these control points.
 unsigned degree_of(const Point2& from, const Segment& s) {
     if (s.p1 == PathBuilder::third(from, s.p3) && s.p2 == PathBuilder::third(s.p3, from)) return 1;
@@ -20,10 +22,6 @@ unsigned degree_of(const Point2& from, const Segment& s) {
 std::string name_of_degree(unsigned n) {
     static constexpr std::array names{"a line (L)", "a quadratic (Q)", "a cubic (C)"};
     return names[n - 1];
-}
-
-std::string counted(std::size_t n, const char* what) {
-    return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
 }
 
 /// The loops of a polygon, as closed paths of lines.

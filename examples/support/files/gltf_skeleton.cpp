@@ -113,9 +113,7 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
 
 std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,
                           const ObjFile& figure, const std::string& moved, std::size_t bytes) {
-    const auto count = [](std::size_t n, const char* thing) {
-        return std::to_string(n) + ' ' + thing + (n == 1 ? ", " : "s, ");
-    };
+    const auto count = [](std::size_t n, const char* thing) { return detail::counted(n, thing) + ", "; };
     std::size_t vertices = 0;
     for (const GltfMesh& mesh : meshes) vertices += mesh.corners.size();
     return path + ": " + count(meshes.size(), "object") + count(parts.materials.size(), "material") +

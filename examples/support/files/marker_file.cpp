@@ -28,8 +28,8 @@ public:
         if (columns_ == 0 && fields.size() % 2 == 0) return "a row is a time, then x,y of every marker";
         if (columns_ == 0) columns_ = fields.size();
         if (fields.size() != columns_) {
-            return std::to_string(fields.size()) + (fields.size() == 1 ? " column" : " columns") +
-                   ", and the first row has " + std::to_string(columns_);
+            return detail::counted(fields.size(), "column") + ", and the first row has " +
+                   std::to_string(columns_);
         }
         if (columns_ < 3) return "holds no marker: a row is a time, then x,y of every marker";
         clip_.controls.resize(columns_ / 2);

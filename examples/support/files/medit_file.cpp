@@ -5,7 +5,6 @@
 #include "io/input_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace cageform_support {
@@ -106,7 +105,7 @@ private:
         if (is_second) return refuse(std::string("a second section \"") + name + '"');
         std::size_t count = 0;
         const bool found = next();
-        if (!found || !parse_whole(word(), count))
+        if (!found || !detail::parse_whole(word(), count))
             return refuse(std::string("the number of ") + name + " is missing");
         for (std::size_t n = 0; n < count && fault_.empty(); ++n) read(n, count);
     }
@@ -115,10 +114,6 @@ private:
         if (next() && !is_keyword(word())) return true;
         refuse(std::string(name) + " end after " + std::to_string(n) + " of " + std::to_string(count));
         return false;
-    }
-    static bool parse_whole(std::string_view word, std::size_t& value) {
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        return error == std::errc{} && end == word.data() + word.size();
     }
 
     void read_vertices() {
@@ -151,7 +146,8 @@ private:
             for (std::uint32_t& vertex : cell) {
                 if (!next_number(name, n, count)) return;
                 std::size_t index = 0;
-                if (!parse_whole(word(), index)) return refuse("not an index: " + detail::quoted(word()));
+                if (!detail::parse_whole(word(), index))
+                    return refuse("not an index: " + detail::quoted(word()));
                 if (index == 0) return refuse("a vertex index is 0; indices count from 1");
                 if (index > largest.first) largest = {index, line_};
                 vertex = std::uint32_t(index - 1);
@@ -242,7 +238,7 @@ std::string medit_text(std::span<const Point3> vertices,
         "MeshVersionFormatted 2\nDimension 3\nVertices\n" + std::to_string(vertices.size()) + '\n';
     for (const Point3& p : vertices) {
         for (const double x : p.v) {
-            detail::append_number(text, x);
+            detail::append_digits(text, x);
             text += ' ';
         }
         text += "0\n";

@@ -92,11 +92,9 @@ int part_of(std::span<const std::string_view> names) {
     constexpr std::string_view prefix = "part_";
     for (const std::string_view name : names) {
         int number = 0;
-        if (!name.starts_with(prefix)) continue;
-        const auto [end, error] =
-            std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
         constexpr int most = 1'000'000;
-        if (error == std::errc{} && end == name.data() + name.size() && number > -most && number < most)
+        if (name.starts_with(prefix) && parse_whole(name.substr(prefix.size()), number) && number > -most &&
+            number < most)
             return number;
     }
     return 0;
@@ -123,12 +121,6 @@ std::string parse_three_numbers(std::span<const std::string_view> words, std::st
         if (const std::string why = parse_number(word, point[k]); !why.empty()) return why;
     }
     return {};
-}
-
-void append_number(std::string& text, double x) {
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr;
-    text.append(digits.data(), end);
 }
 
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices) {
@@ -178,7 +170,7 @@ std::string triangulate(ObjFile& file) {
     std::string plain;
     for (const Point3& v : file.vertices) {
         plain += 'v';
-        for (std::size_t k = 0; k < 3; ++k) append_number(plain += ' ', v[k]);
+        for (std::size_t k = 0; k < 3; ++k) append_digits(plain += ' ', v[k]);
         plain += '\n';
     }
     for (std::size_t f = 0; f < file.faces.size(); ++f) { // the smoothing group tells which face it was
@@ -400,6 +392,14 @@ std::string describe_others(const ObjFile& file, std::initializer_list<std::stri
     return text;
 }
 
+std::vector<std::vector<std::uint32_t>> face_loops(const ObjFile& file) {
+    std::vector<std::vector<std::uint32_t>> loops(file.faces.size());
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        for (const ObjCorner& corner : file.faces[f].corners) loops[f].push_back(corner.vertex);
+    }
+    return loops;
+}
+
 ObjFile with_faces_turned_over(ObjFile file) {
     const std::string text = std::move(file.text);
     std::string& turned = file.text = {};
@@ -467,7 +467,7 @@ std::string to_text(const ObjFile& file, const MovedVertices& moved) {
                 now = normals.of_corner(of, std::uint32_t(normal));
                 if (of == split[normal].back()) break; // it takes the statement's place
                 text += "vn";
-                for (const double x : now.v) detail::append_number(text += ' ', x);
+                for (const double x : now.v) detail::append_digits(text += ' ', x);
                 text += '\n';
             }
         }
@@ -478,7 +478,7 @@ std::string to_text(const ObjFile& file, const MovedVertices& moved) {
         for (std::size_t k = 0; k < 3; ++k) {
             if (now[k] == rest[k] || !std::isfinite(now[k])) continue;
             text.append(file.text, copied, numbers.begin[k] - copied);
-            detail::append_number(text, now[k]);
+            detail::append_digits(text, now[k]);
             copied = numbers.end[k];
         }
     }

@@ -165,9 +165,6 @@ std::string_view other_format(std::string_view text);
 /// Twice the area of a face times its normal, of any number of corners.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 
-/// Appends a number with the fewest digits that give it back.
-void append_number(std::string& text, double x);
-
 /// Leaves out distant unused vertices too, which would inflate the figure's size. Distant means farther than
 /// a million times the diagonal of the used vertices' box. Vertices that are left out move to the first
 /// vertex that is kept. Returns why this is impossible; empty if it is possible.
@@ -180,6 +177,9 @@ inline constexpr const char* vertex_not_finite = "the coordinates of a vertex ar
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 } // namespace detail
+
+/// The vertices of each face.
+std::vector<std::vector<std::uint32_t>> face_loops(const ObjFile& file);
 
 /// The name of the group of faces of a part of a cage.
 inline std::string part_group(int number) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <utility>
 
@@ -218,10 +217,8 @@ bool PlyReader::read_header() {
         } else if (words[0] == "element") {
             PlyElement element;
             const std::string_view count = words.size() == 3 ? words[2] : std::string_view();
-            const auto [end, code] =
-                std::from_chars(count.data(), count.data() + count.size(), element.count);
-            if (code != std::errc() || end != count.data() + count.size() ||
-                header_.find(words[1]) != nullptr || element.count > std::uint64_t{1} << 48)
+            if (!detail::parse_whole(count, element.count) || header_.find(words[1]) != nullptr ||
+                element.count > std::uint64_t{1} << 48)
                 return fail(where + "\"" + std::string(*line) +
                             "\" is no new element with a number of records");
             element.name = words[1];

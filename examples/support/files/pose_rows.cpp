@@ -125,9 +125,9 @@ Expected<typename PoseRows<D>::Pose> PoseRows<D>::pose_of(const PoseRow& row) co
     const auto cells = detail::cells_of(row.text, D * pose.size());
     const std::size_t numbers = cells.size();
     if (numbers != D * pose.size())
-        return refuse(std::to_string(numbers) + (numbers == 1 ? " number" : " numbers") +
-                      ", but a pose of the figure's cage has " + std::to_string(D * pose.size()) + ": " +
-                      (D == 3 ? "x,y,z" : "x,y") + " of " + std::to_string(pose.size()) + " vertices");
+        return refuse(detail::counted(numbers, "number") + ", but a pose of the figure's cage has " +
+                      std::to_string(D * pose.size()) + ": " + (D == 3 ? "x,y,z" : "x,y") + " of " +
+                      std::to_string(pose.size()) + " vertices");
     for (std::size_t n = 0; n < numbers; ++n) {
         const std::string why = detail::parse_finite(cells[n], pose[n / D][n % D]);
         if (!why.empty()) return refuse("column " + std::to_string(n + 1) + ": " + why);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
 
 namespace cageform_support {
@@ -16,13 +15,6 @@ void append_bytes(std::string& text, const X& value) {
     std::array<char, sizeof(X)> bytes;
     std::memcpy(bytes.data(), &value, sizeof(X));
     text.append(bytes.data(), bytes.size());
-}
-
-/// The fewest digits that restore the number in its own precision.
-template <class X>
-void append_digits(std::string& text, X value) {
-    std::array<char, 32> digits;
-    text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
 }
 
 /// The double nearest to the fewest digits of a number: as text it has no more of them, and a vertex at rest
@@ -73,12 +65,7 @@ PosedFile::PosedFile(PosedFormat format, std::size_t scalar_bytes, const ObjFile
     std::size_t most = 0;
     for (const ObjFace& face : mesh.faces) most = std::max(most, face.corners.size());
     begin(3, scalar_bytes, mesh.vertices.size(), mesh.faces.size(), most);
-    std::vector<std::uint32_t> corners;
-    for (const ObjFace& face : mesh.faces) {
-        corners.clear();
-        for (const ObjCorner& corner : face.corners) corners.push_back(corner.vertex);
-        add_face(corners);
-    }
+    for (const auto& corners : face_loops(mesh)) add_face(corners);
 }
 
 void PosedFile::begin(std::size_t dimension, std::size_t scalar_bytes, std::size_t points, std::size_t faces,

@@ -1,7 +1,6 @@
 #include "io/csv.hpp"
 
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -120,11 +119,6 @@ std::string parse_finite(std::string_view text, double& number) {
     return why.empty() && !std::isfinite(number) ? quoted(text) + " is not a finite number" : why;
 }
 
-std::string digits_of(double x) {
-    std::array<char, 32> digits;
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
-}
-
 std::string short_number(double number) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.6g", number);
@@ -134,9 +128,7 @@ std::string short_number(double number) {
 std::string single_precision_fault(double number) {
     if (std::isfinite(float(number))) return {};
     if (!std::isfinite(number)) return "a number is not finite";
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-    return std::string(digits.data(), end) + " is beyond single precision, which ends at 3.4e38";
+    return digits_of(number) + " is beyond single precision, which ends at 3.4e38";
 }
 
 bool is_empty_row(std::string_view line) {

@@ -9,10 +9,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace cageform_support {
@@ -34,8 +36,31 @@ std::string parse_number(std::string_view field, double& number);
 /// Works as parse_number(); fails also where the number is not finite.
 std::string parse_finite(std::string_view text, double& number);
 
+/// Appends a number with the fewest digits that restore it in its own precision.
+template <class X>
+void append_digits(std::string& text, X x) {
+    std::array<char, 32> digits;
+    text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr);
+}
+
 /// Formats a number with the fewest digits that restore it.
-std::string digits_of(double x);
+inline std::string digits_of(double x) {
+    std::string text;
+    append_digits(text, x);
+    return text;
+}
+
+/// Reads a whole number without spaces and '+'; false if the text is not one, or out of range of `Integer`.
+template <class Integer>
+bool parse_whole(std::string_view text, Integer& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// "1 column", "2 columns".
+inline std::string counted(std::size_t n, const std::string& noun) {
+    return std::to_string(n) + ' ' + noun + (n == 1 ? "" : "s");
+}
 
 /// Formats a number for messages, with at most six digits.
 std::string short_number(double number);
@@ -65,7 +90,7 @@ std::string parse_point(std::string_view line, std::array<double, D>& point) {
         if (++column <= D || !cell.empty()) columns = column; // empty cells at the end do not count
     }
     if (columns == D) return why;
-    return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
+    return counted(columns, "column") +
            (D == 2 ? ", but a point in the plane has two: x,y" : ", but a point in space has three: x,y,z");
 }
 

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -47,9 +46,7 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
         element.name = words[1];
         const bool is_splats = element.name == "vertex";
         if (is_splats && header.splats) return "the element \"vertex\" is there twice";
-        const char* const end = words[2].data() + words[2].size();
-        const auto [last, error] = std::from_chars(words[2].data(), end, element.count);
-        if (error != std::errc{} || last != end)
+        if (!detail::parse_whole(words[2], element.count))
             return detail::quoted(words[2]) + " is no number of " + (is_splats ? "splats" : "records");
         if (is_splats) {
             header.splats = header.elements.size() - 1;

@@ -3,6 +3,7 @@
 // Paths under a deformation: curves and long lines are refined until they follow the deformed shape in all
 // frames.
 
+#include "io/csv.hpp"
 #include "svg/document.hpp"
 #include "svg/motion.hpp"
 #include "svg/shapes.hpp"
@@ -244,8 +245,8 @@ private:
         }
         if (in.empty()) return true;
         if (in.size() > most_places / frames_) {
-            failure_ = std::to_string(in.size()) + " points in " + std::to_string(frames_) +
-                       (frames_ == 1 ? " frame" : " frames") + " are too many";
+            failure_ =
+                std::to_string(in.size()) + " points in " + counted(frames_, "frame") + " are too many";
             return false;
         }
         std::vector<Point2> out(frames_ * in.size());

@@ -1,5 +1,7 @@
 #include "svg/path.hpp"
 
+#include "io/csv.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -364,8 +366,8 @@ Expected<Affine2> parse_transform(std::string_view text) {
         } else if (name == "skewY" && n == 1) {
             step.b = std::tan(angle);
         } else {
-            scan.fail_at(begin, "no transform " + std::string(name) + " with " + std::to_string(n) +
-                                    (n == 1 ? " number" : " numbers"));
+            scan.fail_at(begin,
+                         "no transform " + std::string(name) + " with " + detail::counted(n, "number"));
             return scan.error();
         }
         result = compose(result, step);

@@ -1,5 +1,6 @@
 #include "svg/selector.hpp"
 
+#include "io/csv.hpp"
 #include "svg/xml.hpp"
 
 #include <algorithm>
@@ -238,8 +239,7 @@ private:
         if (text == "even") text = "2n";
         const auto number = [](std::string_view digits, int& to) {
             if (digits.starts_with('+')) digits.remove_prefix(1);
-            const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), to);
-            return error == std::errc() && end == digits.data() + digits.size();
+            return parse_whole(digits, to);
         };
         const std::size_t n = text.find('n');
         if (n == std::string::npos) return number(text, part.offset);

@@ -56,7 +56,7 @@ constexpr int max_rule_depth = 30; // of rules inside each other; reading them i
 constexpr std::size_t most_of_selectors = 10'000; // bytes, of a rule with all that it stands in
 
 /// The beginning of what stands before the block of a rule, for messages.
-std::string quoted(std::string_view prelude) {
+std::string quoted_prelude(std::string_view prelude) {
     return '"' + std::string(prelude.substr(0, 60)) + '"';
 }
 
@@ -324,7 +324,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         std::string rule = lowered(prelude.substr(0, prelude.starts_with('@') ? prelude.size() : 0));
         if (open == css.size() || css[open] == ';') {
             if (rule.starts_with("@import"))
-                report.add(place_of(sheet, prelude), quoted(prelude) + " is not read");
+                report.add(place_of(sheet, prelude), quoted_prelude(prelude) + " is not read");
             if (rule.starts_with(layers)) {
                 const auto names = css_words(prelude.substr(layers.size()));
                 for (const std::string_view name : names.value_or(std::vector<std::string_view>()))
@@ -359,7 +359,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         if (is_read && is_small) {
             read(sheet, open + 1, close, inside);
         } else if (!is_any_of(rule, {"@font-", "@page", "@keyframes", "@-", "@counter-style"})) {
-            report.add(place_of(sheet, prelude), quoted(prelude) + " is not read");
+            report.add(place_of(sheet, prelude), quoted_prelude(prelude) + " is not read");
         }
     }
     end_declarations(css.size());
@@ -371,7 +371,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const Rule
     const bool is_certain = in.applies == Applies::always;
     const auto is_conditional = [&](const Selector& s) { return !is_certain || s.has_state; };
     const bool applies = complete && std::none_of(selectors.begin(), selectors.end(), is_conditional);
-    const std::string name = quoted(in.prelude);
+    const std::string name = quoted_prelude(in.prelude);
     Block block{name, place_of(sheet, in.prelude), in.layer, {}};
     block.layer.push_back(std::string::npos); // a layer's own rules win over those of layers in it
     if (!complete) report.add(block.place, name + " has a selector that is not read");
