@@ -13,8 +13,8 @@
 
 namespace cageform_support {
 
-/// Names of temporary files for the signal handler, which may call little more than unlink(). If there
-/// are more files than slots, the last ones remain when a signal ends the program.
+/// Names of temporary files for the signal handler, which may only call async-signal-safe functions such as
+/// unlink(). With more files than slots, a signal leaves the last ones behind.
 static std::array<std::atomic<const char*>, 128> temporaries;
 
 extern "C" void remove_temporaries_and_end(int number) {
@@ -22,12 +22,12 @@ extern "C" void remove_temporaries_and_end(int number) {
         if (const char* const path = name.load()) unlink(path);
     }
     std::signal(number, SIG_DFL);
-    std::raise(number); // takes effect when this handler returns
+    std::raise(number); // delivered after this handler returns
 }
 
 static constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU};
 
-/// Once: signals that would end the program do so by way of the handler. Those that are ignored stay so.
+/// Installs the handler once, for signals with the default action. Ignored signals stay ignored.
 static void catch_signals() {
     static const bool done = [] {
         const auto set = [](int number, void (*handler)(int)) {
@@ -36,7 +36,7 @@ static void catch_signals() {
                 std::signal(number, handler);
         };
         for (const int number : ending_signals) set(number, remove_temporaries_and_end);
-        set(SIGXFSZ, SIG_IGN); // a write beyond the limit of a file's size fails instead
+        set(SIGXFSZ, SIG_IGN); // a write beyond the file size limit then fails with EFBIG
         return true;
     }();
     (void)done;
@@ -74,7 +74,7 @@ void AtomicFile::open() {
     } else {
         fs::path place = fs::absolute(path_);
         for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(place, error)); ++links) {
-            place = place.parent_path() / fs::read_symlink(place, error); // which leads nowhere as yet
+            place = place.parent_path() / fs::read_symlink(place, error); // its target does not exist
         }
         const fs::path folder = fs::weakly_canonical(place.parent_path(), error);
         if (!error) target_ = folder / place.filename();
@@ -84,7 +84,7 @@ void AtomicFile::open() {
     for (int attempt = 0; attempt < 16 && file_ == nullptr; ++attempt) {
         temporary_ = target_;
         temporary_ += ".tmp" + std::to_string(random());
-        file_ = std::fopen(temporary_.c_str(), "wbx"); // x: never opens a file of someone else
+        file_ = std::fopen(temporary_.c_str(), "wbx"); // x: fails if the file exists
         if (file_ == nullptr && errno != EEXIST) break;
     }
     if (file_ == nullptr) return refuse_code(errno);
@@ -200,7 +200,7 @@ void AtomicFile::abandon() {
     registered_.clear();
 }
 
-/// Holds back the signals that would end the program, so that it does not end between two files.
+/// Blocks the signals that end the program, so that all files are renamed or none.
 class SignalsWait {
 public:
     SignalsWait() {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bytes as text, for files that hold other files.
+// Base64 encoding (RFC 4648, section 4).
 
 #include <cstdint>
 #include <string>
@@ -8,7 +8,6 @@
 
 namespace cageform_support {
 
-/// RFC 4648, sec. 4.
 inline std::string base64(std::string_view bytes) {
     static constexpr std::string_view digits =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

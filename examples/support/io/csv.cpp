@@ -19,7 +19,7 @@ std::string_view trim(std::string_view text) {
     return text;
 }
 
-/// Returns a hint on a line that cannot be read, or nothing.
+/// Returns a hint on the separators of a line that cannot be parsed; empty if they are correct.
 std::string separator_fault(std::string_view line) {
     line = trim(line);
     if (line.starts_with('#')) return {};
@@ -38,7 +38,7 @@ std::string separator_fault(std::string_view line) {
             if (is_between_numbers(k)) separators = "blanks";
         }
     }
-    // Other separators, or quotes, stand about numbers whose commas are decimal.
+    // With other separators, or in quotes, a comma between digits is a decimal comma.
     bool has_decimal_commas = false, is_quoted = false;
     for (std::size_t k = 0; k < line.size(); ++k) {
         is_quoted ^= line[k] == '"';
@@ -101,13 +101,13 @@ std::string quoted(std::string_view word) {
 
 std::string parse_number(std::string_view field, double& number) {
     const std::string_view digits = field.starts_with('+') ? field.substr(1) : field;
-    if (field.starts_with("1.#") || field.starts_with("-1.#")) { // 1.#QNAN, 1.#INF of old Windows programs
+    if (field.starts_with("1.#") || field.starts_with("-1.#")) { // 1.#QNAN, 1.#INF: old Windows programs
         number = std::numeric_limits<double>::quiet_NaN();
         return {};
     }
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     if (error == std::errc::result_out_of_range) {
-        number = std::strtod(std::string(digits).c_str(), nullptr); // infinite, or as near as can be to 0
+        number = std::strtod(std::string(digits).c_str(), nullptr); // infinite, or the nearest number to 0
         return {};
     }
     if (error != std::errc{} || end != digits.data() + digits.size()) return "not a number: " + quoted(field);
@@ -138,7 +138,7 @@ bool is_empty_row(std::string_view line) {
 bool is_header(std::string_view line) {
     bool has_words = false;
     for (const std::string_view cell : cells_of(trim(line))) {
-        if (cell == "control") return false; // it begins a part of a clip
+        if (cell == "control") return false; // the first line of a control of a clip
         for (const std::string_view tabbed : parts_of(cell, '\t')) {
             for (const std::string_view part : parts_of(tabbed, ';')) {
                 const bool has_letter = std::any_of(part.begin(), part.end(), [](unsigned char c) {
@@ -161,7 +161,7 @@ bool RowFilter::take(std::string_view& line) {
     return !std::exchange(is_first_, false) || !is_header(line);
 }
 
-/// Reads "# chain" or "# point RADIUS"; false for any other comment. An empty reason is success.
+/// Parses "# chain" or "# point RADIUS"; false for other comments. An error is stored in `why`.
 bool parse_block_head(std::string_view comment, CageBlock& block, std::string& why) {
     comment = trim(comment.substr(1));
     const std::string_view word = comment.substr(0, comment.find_first_of(" \t"));
@@ -175,7 +175,7 @@ bool parse_block_head(std::string_view comment, CageBlock& block, std::string& w
     return true;
 }
 
-/// Returns the fault if a chain or a point has a wrong number of points; otherwise empty.
+/// Returns the error if a chain or a point has a wrong number of points; else empty.
 std::string fault_of_count(const CageBlock& block) {
     const std::size_t count = block.points.size();
     if (block.kind == CageBlock::Kind::loop) return {};
@@ -194,7 +194,7 @@ Expected<TableSize> read_table(const std::string& path,
     TableSize size;
     std::string_view text = *file, line;
     while (take_line(text, line)) {
-        // In a table of one column each empty line before the last is a cell.
+        // In a table of one column, an empty line is a cell, except the last.
         const bool is_end = text.find_first_not_of(size.columns > 1 ? " \t\r\n" : "") == text.npos;
         if (detail::trim(line).empty() && is_end) break;
         const auto refuse = [&](const std::string& why) {

@@ -1,8 +1,7 @@
 #pragma once
 
-// Reads points from text: two or three numbers per line, separated by commas. They are read in batches, so
-// a file may have any length. Also reads cages, which are blocks of such lines, and labels of their
-// vertices.
+// CSV files: points (two or three numbers per line, read in batches), tables, cages (blocks of points) and
+// vertex labels. Also the parsing and formatting of numbers for all file formats.
 
 #include "io/input_file.hpp"
 #include "io/point2.hpp"
@@ -23,17 +22,17 @@ namespace detail {
 
 std::string_view trim(std::string_view text);
 
-/// The parts of a text between separators, without blanks around them.
+/// Splits a text at a separator and trims the parts.
 std::vector<std::string_view> parts_of(std::string_view text, char separator);
 
-/// A word of a file for a message: no control characters, and not too much of it.
+/// A word of a file in quotes for a message: control characters replaced, at most 40 bytes.
 std::string quoted(std::string_view word);
 
-/// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success. A
-/// number beyond double precision is infinite, or as near to 0 as double precision allows.
+/// Parses what std::from_chars accepts, "nan" and "inf" included, with an optional '+'. A number out of the
+/// range of double becomes infinite or the nearest to 0. Returns the error; empty on success.
 std::string parse_number(std::string_view field, double& number);
 
-/// Works as parse_number(); fails also where the number is not finite.
+/// As parse_number(), but fails if the number is not finite.
 std::string parse_finite(std::string_view text, double& number);
 
 /// Appends a number with the fewest digits that restore it in its own precision.
@@ -65,7 +64,7 @@ inline std::string counted(std::size_t n, const std::string& noun) {
 /// Formats a number for messages, with at most six digits.
 std::string short_number(double number);
 
-/// Returns why a number is not finite in single precision; empty if it is.
+/// Returns the error if a number is not finite in single precision; else empty.
 std::string single_precision_fault(double number);
 
 /// Returns the error "NAME:NUMBER: WHY" on a line of CSV. A hint follows if the line has semicolons, tabs,
@@ -73,13 +72,13 @@ std::string single_precision_fault(double number);
 FileError row_fault(const std::string& name, std::size_t number, std::string_view line,
                     const std::string& why);
 
-/// Takes the first cell of a row of CSV, without blanks and quotes around it; false at the end.
+/// Takes the first cell off a row of CSV, without surrounding spaces and quotes; false at the end.
 bool take_cell(std::string_view& row, std::string_view& cell);
 
-/// The cells of a row of CSV. Empty cells at its end are left out, but for the first `least` cells.
+/// Splits a row of CSV into cells. Trailing empty cells are dropped, but at least `least` cells are kept.
 std::vector<std::string_view> cells_of(std::string_view row, std::size_t least = 1);
 
-/// "x,y" or "x,y,z"; an empty reason is success.
+/// Parses "x,y" or "x,y,z". Returns the error; empty on success.
 template <std::size_t D>
 std::string parse_point(std::string_view line, std::array<double, D>& point) {
     static_assert(D == 2 || D == 3);
@@ -87,25 +86,23 @@ std::string parse_point(std::string_view line, std::array<double, D>& point) {
     std::string why;
     for (std::string_view cell; take_cell(line, cell);) {
         if (column < D && why.empty()) why = parse_number(cell, point[column]);
-        if (++column <= D || !cell.empty()) columns = column; // empty cells at the end do not count
+        if (++column <= D || !cell.empty()) columns = column; // trailing empty cells do not count
     }
     if (columns == D) return why;
     return counted(columns, "column") +
            (D == 2 ? ", but a point in the plane has two: x,y" : ", but a point in space has three: x,y,z");
 }
 
-/// Whether the cells of a line hold no text.
+/// Whether all cells of a line are empty.
 bool is_empty_row(std::string_view line);
 
-/// A first row of words, such as "x,y", is a header. A row with a number is none, whatever separates its
-/// cells.
+/// Whether a first row is a header, such as "x,y": it has words and no number, whatever the separator.
 bool is_header(std::string_view line);
 
-/// Tells rows from other lines of a CSV file.
+/// Skips the lines of a CSV file that are not rows.
 class RowFilter {
 public:
-    /// Takes the blanks around a line off. Returns false for an empty row, for a line that begins with '#',
-    /// and for a header.
+    /// Trims a line. Returns false for an empty row, a comment (first character '#') and a header.
     bool take(std::string_view& line);
 
 private:
@@ -114,22 +111,21 @@ private:
 
 } // namespace detail
 
-/// Reads the points of a file some at a time. Empty lines, lines that begin with '#' and a header are
-/// skipped.
+/// Reads the points of a file in batches. Empty lines, comments and a header are skipped.
 ///
-///   D    2 or 3: the numbers of a line
-///   T    what the points are for: a strict reader refuses a number that is not finite in T
+///   D   2 or 3: numbers per line
+///   T   scalar of the points; a strict reader refuses numbers that are not finite in T
 template <std::size_t D, class T = double>
 class PointReader {
 public:
-    /// On failure `error()` says why.
+    /// On failure error() is set.
     explicit PointReader(const std::string& path, bool is_strict = false)
         : path_(path)
         , is_strict_(is_strict)
         , lines_(path)
         , error_(lines_.error()) {}
 
-    /// Fills `points` with the next at most `most` points; false at the end of the file or on an error.
+    /// Reads up to `most` points into `points`; false at the end of the file or on an error.
     bool read(std::vector<std::array<double, D>>& points, std::size_t most) {
         points.clear();
         std::string_view line;
@@ -152,10 +148,10 @@ public:
 
     const std::string& error() const { return error_; }
 
-    /// Returns the line of the last point read, counted from 1.
+    /// Line number of the last point read, from 1.
     std::size_t line() const { return lines_.line(); }
 
-    /// Returns the share of the file that has been read, in [0, 1].
+    /// Fraction of the file that has been read, in [0, 1].
     double fraction() const { return lines_.fraction(); }
 
 private:
@@ -166,21 +162,19 @@ private:
     std::string error_;
 };
 
-/// Rows and columns of a table.
 struct TableSize {
     std::size_t rows = 0, columns = 0;
 };
 
-/// Reads a table: a row a line, cells between commas, all rows as long as the first.
+/// Reads a table of cells separated by commas, one row per line, all rows of equal length.
 ///
-///   take    gets each cell's text, without blanks around it, row by row; returns why it is wrong, else
-///           nothing
-///   fails   where the file cannot be read, holds no row, rows differ, or a cell is wrong: with line and
-///           column
+///   take    called with each trimmed cell, row by row; returns an error, or empty to accept the cell
+///   fails   if the file cannot be read, has no rows or rows of different lengths, or `take` rejects a cell;
+///           with line and column
 Expected<TableSize> read_table(const std::string& path,
                                const std::function<std::string(std::string_view)>& take);
 
-/// Lines of a cage's file that belong together.
+/// A block of lines of a cage's file.
 struct CageBlock {
     enum class Kind { loop, chain, point };
 
@@ -189,25 +183,24 @@ struct CageBlock {
     std::vector<Point2> points;
 };
 
-/// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains,
-/// headed by a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are
-/// skipped.
+/// Parses a cage: blocks of "x,y" lines separated by empty lines. A block is a loop (the outer loop comes
+/// first), a chain (after a line "# chain") or a point (after a line "# point RADIUS"). Other lines that
+/// begin with '#' are comments.
 Expected<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
 
-/// Works as parse_cage_csv(), from a file; fails also where it cannot be read.
+/// As parse_cage_csv(), from a file; fails also if the file cannot be read.
 Expected<std::vector<CageBlock>> read_cage_csv(const std::string& path);
 
-/// The text for --help on the labels of a cage's vertices.
+/// Help text on vertex labels.
 inline constexpr const char* labels_format =
     "Labels are a text file with a line for every vertex of the cage, in its order. A\n"
     "vertex whose line is empty has no label; lines that begin with # are comments.\n";
 
-/// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines
-/// that begin with '#' are skipped, blanks at both ends of a line are left out.
+/// Reads one label per vertex of a cage, one per line; an empty line is no label. Lines that begin with '#'
+/// are comments; labels are trimmed.
 ///
-///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice
-///           or holds a
-///           control character
+///   fails   if the file cannot be read or has no labels, the number of lines is not `count`, a label occurs
+///           twice or contains a control character
 Expected<std::vector<std::string>> read_labels(const std::string& path, std::size_t count);
 
 } // namespace cageform_support

@@ -1,6 +1,6 @@
 #pragma once
 
-// A value read from a file or a text, or the error with its position.
+// The result of reading a file: a value, or an error with its position.
 
 #include <cstddef>
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace cageform_support {
 
-/// An error and its position. Line and column count from one, in bytes; zero means unknown.
+/// An error message and its position. Line and column (in bytes) count from 1; 0 is unknown.
 struct FileError {
     std::string message;
     std::size_t line = 0;
@@ -21,10 +21,10 @@ struct FileError {
 /// "message", "message (line 3)" or "message (line 3, column 7)".
 std::string to_string(const FileError& error);
 
-/// An error at a position in a text.
+/// An error at a byte offset of a text.
 FileError error_in_text(std::string why, std::string_view text, std::size_t position);
 
-/// A value or the reason why there is none; `*` and `->` only where it tests true.
+/// A value or an error. `*` and `->` require that it holds a value.
 template <class T>
 class [[nodiscard]] Expected {
 public:

@@ -18,13 +18,13 @@ namespace cageform_support {
 
 namespace {
 
-/// A name cut into text and runs of digits, which compare as numbers.
+/// A file name split into text and numbers. Numbers compare by value.
 struct NumberedName {
-    std::vector<std::string> text;    // before, between and after the numbers
+    std::vector<std::string> text;    // #numbers + 1: before, between and after the numbers
     std::vector<std::string> numbers; // without leading zeros
     std::vector<bool> is_negative;    // #numbers
 
-    ///   has_signs   whether a '-' before a number belongs to the number
+    ///   has_signs   whether a '-' before a number is a sign
     NumberedName(const std::string& name, bool has_signs) {
         text.emplace_back();
         bool in_number = false;
@@ -62,7 +62,7 @@ std::int64_t value_of(const NumberedName& name, std::size_t number) {
     return (name.is_negative[number] ? -1 : 1) * std::stoll(name.numbers[number]);
 }
 
-/// The step between neighbours that differ in one number; 0 where they differ otherwise.
+/// The difference of two names that differ in one number; 0 if they differ otherwise.
 std::uint64_t step_between(const NumberedName& a, const NumberedName& b) {
     std::int64_t step = 0;
     std::size_t differences = 0;
@@ -76,7 +76,7 @@ std::uint64_t step_between(const NumberedName& a, const NumberedName& b) {
     return differences == 1 ? std::uint64_t(step) : 0;
 }
 
-/// Whether a '-' before a number is a sign: some names have it, and names equal but for numbers have it not.
+/// Whether a '-' before a number is a sign: some names have it, and otherwise equal names do not.
 bool has_signs(const std::vector<std::string>& files) {
     std::set<std::vector<std::string>> texts, without_signs;
     for (const std::string& file : files) {
@@ -97,7 +97,7 @@ std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
     };
     std::vector<std::string> notes;
     const bool is_numbered = std::is_sorted(files.begin(), files.end(), by_number);
-    // Names in no order, or two of them, are in the order that the user gave.
+    // Two names, or names in no recognised order, keep the order of the user.
     if (files.size() < 3 || (!is_numbered && !std::is_sorted(files.begin(), files.end()))) return notes;
     if (!is_numbered) {
         std::stable_sort(files.begin(), files.end(), by_number);
@@ -211,7 +211,7 @@ Expected<std::string> read_file(const std::string& path) {
     return text;
 }
 
-/// Returns why a text cannot be read if it begins with the byte order mark of UTF-16; otherwise empty.
+/// Returns the error if a text begins with the byte order mark of UTF-16; else empty.
 static std::string encoding_fault(std::string_view text) {
     const bool is_wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
     return is_wide ? ": is UTF-16 text, and UTF-8 is read: save it as UTF-8" : "";

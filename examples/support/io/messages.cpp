@@ -17,7 +17,7 @@ namespace {
 
 std::string program_name; // set once, before a program reads its options
 
-/// The bytes of the character that a text begins with, where it may stand in a terminal and in XML; else 0.
+/// Length in bytes of the first character if it may be printed; else 0.
 std::size_t printable_bytes(std::string_view text) {
     const auto byte = [&](std::size_t k) { return k < text.size() ? unsigned(std::uint8_t(text[k])) : 0; };
     if (byte(0) < 0x80) return text.starts_with('\t') || (byte(0) >= 0x20 && byte(0) != 0x7f) ? 1 : 0;
@@ -27,14 +27,14 @@ std::size_t printable_bytes(std::string_view text) {
         if ((byte(k) & 0xc0) != 0x80) return 0;
         code = code << 6 | (byte(k) & 0x3f);
     }
-    constexpr std::array least{0x0U, 0x0U, 0xa0U, 0x800U, 0x10000U}; // below 0xa0 are controls
+    constexpr std::array least{0x0U, 0x0U, 0xa0U, 0x800U, 0x10000U}; // 0x80 to 0x9f are controls
     const bool is_character = code >= least[count] && code <= 0x10ffff &&
                               !(code >= 0xd800 && code < 0xe000) && code != 0xfffe && code != 0xffff;
     return is_character && byte(0) >= 0xc0 && byte(0) < 0xf8 ? count : 0;
 }
 
-/// Puts one that fails in the place of a standard stream that is closed: else the next file to be opened
-/// would be that stream, and what is printed would go into it.
+/// Opens /dev/null for closed standard streams. Otherwise the next opened file would get that descriptor and
+/// receive the program's output.
 void keep_streams_apart() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (fcntl(stream, F_GETFD) < 0) (void)open("/dev/null", O_RDONLY); // takes the lowest number

@@ -1,6 +1,6 @@
 #pragma once
 
-// Messages of the programs on stderr: no program ends without one, and none of them commands a terminal.
+// Messages on stderr. Control characters are escaped, so that a file's contents cannot control a terminal.
 
 #include <functional>
 #include <string>
@@ -8,21 +8,20 @@
 
 namespace cageform_support {
 
-/// Text as it may be printed and written to a file: control characters, what is no character of Unicode, and
-/// bytes that are no UTF-8, become such as \x1b. A tab stays, and a line break before two spaces: our lists
-/// have these.
+/// Escapes control characters, invalid UTF-8 and invalid code points as \x1b and so on. Tabs are kept, and
+/// line breaks before two spaces (our lists).
 std::string printable(std::string_view text);
 
-/// The exit code that asks for another try: EX_TEMPFAIL of sysexits.h.
+/// Exit code for a temporary failure: EX_TEMPFAIL of sysexits.h.
 inline constexpr int try_again = 75;
 
-/// "program: message", printable; 1, the exit code of a failure.
+/// Prints "program: message", escaped; returns 1, the exit code of a failure.
 int fail(const std::string& message);
-void warn(const std::string& text); ///< "program: warning: text", printable
-void note(const std::string& text); ///< "program: note: text", printable
+void warn(const std::string& text); ///< "program: warning: text", escaped
+void note(const std::string& text); ///< "program: note: text", escaped
 
-/// The exit code of run(), or 1 and a line on stderr when memory or the standard library gives out, or what
-/// was printed cannot be written. The program is named in all that it says.
+/// Returns the exit code of run(). Exceptions, and a failed write to stdout, give a message and code 1. Sets
+/// the program name of all messages.
 int guarded(const char* program, const std::function<int()>& run);
 
 } // namespace cageform_support

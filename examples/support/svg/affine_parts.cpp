@@ -7,9 +7,9 @@ namespace cageform_support::detail {
 
 namespace {
 
-constexpr std::size_t few_numbers = 40; // a transform that moves takes some 600 bytes
+constexpr std::size_t few_numbers = 40; // an animated transform takes about 600 bytes
 
-/// Calls `visit` with the control points of two paths of the same pieces.
+/// Calls `visit` with corresponding control points of two paths with the same segments.
 void visit_pairs(const Path& a, const Path& b, const auto& visit) {
     for (std::size_t k = 0; k < a.size(); ++k) {
         visit(a[k].start, b[k].start);
@@ -34,12 +34,11 @@ public:
     }
 
     std::vector<AffinePart> run() {
-        for (auto group = rest_.groups.rbegin(); group != rest_.groups.rend();
-             ++group) // the outer ones first
+        for (auto group = rest_.groups.rbegin(); group != rest_.groups.rend(); ++group) // outer groups first
             add({group->node, group->to_root, group->first, group->end});
         for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
             const DrawnShape& shape = rest_.shapes[i];
-            if (!shape.is_box) add({shape.node, shape.to_root, i, i + 1}); // boxes have maps of their own
+            if (!shape.is_box) add({shape.node, shape.to_root, i, i + 1}); // boxes always move affinely
         }
         return std::move(parts_);
     }
@@ -50,7 +49,7 @@ private:
         part.maps.resize(frames_);
         bool moves = false;
         for (std::size_t n = 0; n < frames_; ++n) {
-            const std::size_t f = (n + frames_ / 2) % frames_; // motions often begin at rest
+            const std::size_t f = (n + frames_ / 2) % frames_; // motions often start at rest: fail early
             Motion motion;
             for (std::size_t i = part.first; i < part.end; ++i) motion.add(curves_.motion(i, f));
             const auto best = motion.best_map();
@@ -101,7 +100,7 @@ private:
         return true;
     }
 
-    const Drawing& rest_; // but for its paths
+    const Drawing& rest_; // its paths are not used
     const CurveDeformer& curves_;
     std::size_t frames_;
     double tolerance_;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Parts of a drawing that one affine map moves: in an animation they need no paths.
+// Parts of a drawing that move affinely. In an animation they need a transform only, no paths.
 
 #include "svg/curves.hpp"
 #include "svg/style.hpp"
@@ -10,18 +10,18 @@
 
 namespace cageform_support::detail {
 
-/// An element that is moved as a whole: shapes [first, end).
+/// An element that moves by a transform; it contains the shapes [first, end).
 struct AffinePart {
     pugi::xml_node node;
     Affine2 to_root;
     std::size_t first = 0, end = 0;
-    std::vector<Affine2> maps = {}; // in every frame, in root user space
+    std::vector<Affine2> maps = {}; // #frames, in root user space
     Box box = {};                   // at rest, in its own user space
 };
 
-/// The largest groups and shapes for which one affine map is right in every frame, up to the tolerance,
-/// strokes included. No part lies in a clip path or mask. No part has markers, a clip path, a mask, a filter
-/// or text on a path. A shape alone is left out where its path takes fewer bytes than a transform.
+/// Finds the largest groups and shapes that move affinely in every frame, within the tolerance, strokes
+/// included. Parts are not in a clip path or mask, and contain no markers, clip path, mask, filter or text on
+/// a path. A single shape is skipped if its path takes fewer bytes than a transform.
 std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& curves, std::size_t frames,
                                      double tolerance);
 

@@ -1,4 +1,4 @@
-// Documents whose attributes change from frame to frame.
+// Key frames of animated documents (AnimatedSvg).
 
 #include "svg/document.hpp"
 #include "svg/shapes.hpp"
@@ -24,24 +24,24 @@ Numbers rounded(Numbers numbers, int decimals) {
     return numbers;
 }
 
-/// The fewest decimals that change what `sensitivity` is about by a tenth of a tolerance at most.
+/// Fewest decimals whose rounding error, times `sensitivity`, is at most a tenth of the tolerance.
 int fewest_decimals(double sensitivity, double tolerance) {
     int enough = 0;
     while (enough < 15 && 5 * sensitivity > tolerance * std::pow(10.0, enough)) ++enough;
     return enough;
 }
 
-/// How time passes between two key frames: by a Bézier curve whose control points stand at `handle` and
-/// 1 - `handle` of the time, at these heights.
+/// Easing between two key frames: a Bézier curve of time with control points at the times `handle` and 1 -
+/// `handle` and the values `first` and `second`.
 struct Ease {
     double handle = handles.front(), first = handle, second = 1 - handle;
 
-    /// 1/3: any cubic in time. 0.42: the ease-in-out of CSS.
+    /// 1/3 gives any cubic in time; 0.42 is the ease-in-out of CSS.
     static constexpr std::array<double, 2> handles{1.0 / 3, 0.42};
 
     bool is_steady() const { return std::abs(first - handle) + std::abs(second - 1 + handle) < 1e-3; }
 
-    /// The curve's parameter at a time.
+    /// The curve's parameter at a time, by Newton's method.
     static double parameter(double handle, double time) {
         double t = time;
         for (int n = 0; n < 8; ++n) {
@@ -57,23 +57,23 @@ struct Ease {
     }
 };
 
-/// Numbers in every frame, and the key frames that are enough for them.
+/// The numbers of an attribute in every frame, and the key frames that reproduce them.
 struct KeyFrames {
-    /// Whether numbers are right in a frame.
+    /// Whether numbers are accurate enough in a frame.
     using Test = std::function<bool(std::size_t frame, const Numbers& numbers)>;
 
     std::vector<Numbers> exact;
-    int decimals = 0; // of key frames
+    int decimals = 0; // of the numbers in key frames
     std::vector<std::size_t> kept{0};
-    std::vector<Ease> eases; // of each step
+    std::vector<Ease> eases; // #kept - 1
 
-    /// Keeps as few frames as are found by taking the longest step each time. A step is straight.
+    /// Chooses key frames greedily: each step is the longest that passes the test.
     void choose(const Test& test) {
         kept = {0};
         eases.clear();
         while (kept.back() + 1 < exact.size()) {
             const std::size_t from = kept.back();
-            std::size_t good = from + 1, bad = 0; // there is nothing between two neighbours
+            std::size_t good = from + 1, bad = 0; // a step to the next frame always passes
             Ease best;
             const auto reaches = [&](std::size_t to) {
                 const auto ease = step(from, to, test);
@@ -81,7 +81,7 @@ struct KeyFrames {
                 (ease ? good : bad) = to;
                 return bool(ease);
             };
-            reaches(next_turn(from)); // an ease may be right as a whole, and not in part
+            reaches(next_turn(from)); // easing may fit the whole motion, but not a part
             for (bad = good + 1; bad < exact.size() && reaches(bad);) bad = good + (good - from);
             bad = std::min(bad, exact.size());
             while (good + 1 < bad) reaches(good + (bad - good) / 2);
@@ -90,7 +90,7 @@ struct KeyFrames {
         }
     }
 
-    /// The numbers that are played in a frame.
+    /// The interpolated numbers in a frame.
     Numbers played(std::size_t frame) const {
         const auto next = std::upper_bound(kept.begin() + 1, kept.end() - 1, frame);
         const std::size_t from = *(next - 1), to = *next;
@@ -99,13 +99,13 @@ struct KeyFrames {
                        ease.at(double(frame - from) / double(to - from)));
     }
 
-    /// Whether key frames are always these numbers.
+    /// Whether all key frames equal these numbers.
     bool are(const Numbers& numbers) const {
         return std::all_of(kept.begin(), kept.end(),
                            [&](std::size_t frame) { return rounded(exact[frame], decimals) == numbers; });
     }
 
-    /// The attributes of time.
+    /// Returns keyTimes and keySplines.
     AnimationTiming timing() const {
         AnimationTiming timing;
         const double last = double(exact.size() - 1);
@@ -126,7 +126,7 @@ struct KeyFrames {
         return timing;
     }
 
-    /// Key frames with semicolons between them, each as `write` has it.
+    /// The attribute `values`: key frames formatted by `write`, separated by semicolons.
     std::string values(const std::function<std::string(std::size_t)>& write) const {
         std::string text;
         for (const std::size_t frame : kept) text += write(frame) + ';';
@@ -135,7 +135,7 @@ struct KeyFrames {
     }
 
 private:
-    /// The first frame after another one in which the motion turns back, begins or stops, or the last.
+    /// The next frame at which the motion reverses, starts or stops; else the last frame.
     std::size_t next_turn(std::size_t frame) const {
         while (++frame + 1 < exact.size()) {
             double product = 0, before = 0, after = 0;
@@ -156,8 +156,8 @@ private:
         return from;
     }
 
-    /// The ease of a step between two frames that is right in all frames between them, if there is one. Its
-    /// heights are found by least squares; where they have too few frames it is steady.
+    /// Finds an easing between two frames that passes the test in all frames between. Its values are fitted
+    /// by least squares, regularised towards linear time.
     std::optional<Ease> step(std::size_t from, std::size_t to, const Test& test) const {
         const Numbers a = rounded(exact[from], decimals), b = rounded(exact[to], decimals);
         double square = 0;
@@ -195,8 +195,8 @@ private:
     }
 };
 
-/// A transform as animations whose product it is, since SVG animates no matrix. All of them but a shift turn
-/// about a place inside.
+/// A matrix animation as a product of animated transforms, since SVG cannot animate a matrix: translation,
+/// rotation, skew and scale. All but the translation are about `centre`.
 class AnimatedTransform {
 public:
     enum Part { shift, turn, lean, scale };
@@ -205,10 +205,10 @@ public:
     std::array<KeyFrames, 4> parts;
     Point2 centre;
 
-    /// Chooses key frames so that no place is farther than the tolerance from where the maps take it.
+    /// Chooses key frames such that every point stays within the tolerance of its exact position.
     AnimatedTransform(const AnimatedSvg::Track& track, double tolerance) {
         std::vector<Affine2> maps = track.maps;
-        maps.push_back(maps.front()); // ends as it begins
+        maps.push_back(maps.front()); // the animation repeats
         Point2 low = track.places.front(), high = low;
         for (const Point2& p : track.places) {
             low = {std::min(low.x, p.x), std::min(low.y, p.y)};
@@ -263,8 +263,8 @@ private:
         const Point2 there = apply(m, centre);
         const double before = parts[turn].exact.empty() ? 0 : parts[turn].exact.back()[0] * per_degree;
         double angle = std::atan2(m.b, m.a);
-        angle +=
-            2 * std::numbers::pi * std::round((before - angle) / (2 * std::numbers::pi)); // the shorter way
+        angle += 2 * std::numbers::pi *
+                 std::round((before - angle) / (2 * std::numbers::pi)); // nearest to the last angle
         const double along = m.c * std::cos(angle) + m.d * std::sin(angle);
         const double across = -m.c * std::sin(angle) + m.d * std::cos(angle);
         parts[shift].exact.push_back({there.x, there.y});
@@ -297,10 +297,10 @@ Numbers numbers_of(const Path& path) {
     return numbers;
 }
 
-/// Plays one attribute after the other.
+/// Adds animation elements for tracks.
 class Player {
 public:
-    ///   animations   gets those added
+    ///   animations   out: added elements are appended
     Player(double seconds, double tolerance, std::vector<pugi::xml_node>& animations)
         : seconds_(seconds)
         , tolerance_(tolerance)
@@ -313,7 +313,7 @@ public:
         KeyFrames frames;
         frames.decimals = fewest_decimals(track.scale, tolerance_);
         const std::size_t count = std::max(track.paths.size(), track.numbers.size());
-        for (std::size_t f = 0; f <= count; ++f) { // ends as it begins
+        for (std::size_t f = 0; f <= count; ++f) { // the animation repeats
             frames.exact.push_back(track.paths.empty() ? Numbers{track.numbers[f % count]}
                                                        : numbers_of(track.paths[f % count]));
         }
@@ -388,7 +388,7 @@ pugi::xml_node AnimatedSvg::append_animation(pugi::xml_node node, const std::str
     const pugi::xml_node root = detail::root_element(node.root());
     const std::string element = detail::name_prefix(root) + (type.empty() ? "animate" : "animateTransform");
     const bool is_pattern =
-        detail::local_name(node) == "pattern"; // with an element in it, it takes no content
+        detail::local_name(node) == "pattern"; // a pattern with a child would not inherit its content
     pugi::xml_node animation = is_pattern ? node.parent().insert_child_before(element.c_str(), node)
                                           : node.append_child(element.c_str());
     const auto put = [&](const std::string& name, const std::string& text) {

@@ -15,7 +15,7 @@ namespace cageform_support {
 
 namespace detail {
 
-/// Names of colours, each with its number: CSS Color Module Level 4, sec. 6.1.
+/// Colour names and values: CSS Color Module Level 4, section 6.1.
 constexpr std::string_view colour_names = R"(
 aliceblue f0f8ff antiquewhite faebd7 aqua 00ffff aquamarine 7fffd4 azure f0ffff beige f5f5dc bisque ffe4c4
 black 000000 blanchedalmond ffebcd blue 0000ff blueviolet 8a2be2 brown a52a2a burlywood deb887
@@ -68,7 +68,7 @@ std::optional<PaintColour> of_name(const std::string& name) {
     return found == numbers.end() ? std::nullopt : of_hex(found->second);
 }
 
-/// Reads the arguments of rgb() or rgba().
+/// Parses the arguments of rgb() or rgba().
 std::optional<PaintColour> of_numbers(std::string text) {
     std::array<double, 4> value{0, 0, 0, 1};
     std::size_t count = 0;

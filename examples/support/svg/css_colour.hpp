@@ -1,6 +1,6 @@
 #pragma once
 
-// Colours as SVG and CSS write them.
+// Colours in SVG and CSS notation.
 
 #include <optional>
 #include <string_view>
@@ -8,22 +8,22 @@
 namespace cageform_support {
 
 struct Colour {
-    float r = 0, g = 0, b = 0; // in [0, 1], as displayed
+    float r = 0, g = 0, b = 0; // in [0, 1], sRGB
 };
 
 struct PaintColour {
-    Colour colour; // as displayed
+    Colour colour;
     float alpha = 1;
 };
 
-/// #rgb, #rgba, #rrggbb, #rrggbbaa, rgb() and rgba() of numbers or percentages, the names of CSS,
-/// transparent. Nothing where the text is none of these: `none`, a gradient, `currentColor`.
+/// Parses #rgb, #rgba, #rrggbb, #rrggbbaa, rgb() and rgba() of numbers or percentages, CSS colour names and
+/// `transparent`. Returns nothing for other texts, such as `none`, url() and `currentColor`.
 std::optional<PaintColour> parse_colour(std::string_view text);
 
-/// The opacity of a colour in any notation of CSS; 1 where the text gives none.
+/// Opacity of a CSS colour in any notation; 1 if the text has none.
 double alpha_of(std::string_view text);
 
-/// Light, in proportion to its energy, from what a display is sent, and back: IEC 61966-2-1 (sRGB).
+/// Conversion between sRGB values and linear light: IEC 61966-2-1.
 double to_linear(double displayed);
 double to_displayed(double linear);
 

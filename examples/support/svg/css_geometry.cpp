@@ -14,14 +14,14 @@ namespace {
 
 using Values = StyleSheets::Values;
 
-/// A word of a value, or a function with the words between its brackets.
+/// A word of a value, or a function with its arguments.
 struct CssItem {
     std::string name; // in lower case
     std::vector<std::string> words;
     bool is_function = false;
 };
 
-/// The items of a value. Nothing where a bracket stays open.
+/// Splits a value into items; nothing if a bracket is not closed.
 std::optional<std::vector<CssItem>> css_items(std::string_view text) {
     const auto words = css_words(text);
     if (!words) return std::nullopt;
@@ -43,14 +43,14 @@ std::optional<double> length_in(const std::string& word, double whole, const Vie
     return parse_length(word, whole, view.em, view.root_em).if_any();
 }
 
-/// A factor of scale: a number or a percentage.
+/// A scale factor: a number or a percentage.
 std::optional<double> factor_of(std::string_view word) {
     const auto number = read_quantity(word);
     if (!number || (!number->unit.empty() && number->unit != "%")) return std::nullopt;
     return number->unit.empty() ? number->value : number->value / 100;
 }
 
-/// A place in a box, from one or two words such as "left", "30%", "2em". A third word, of depth, is ignored.
+/// A position in a box, from one or two words such as "left", "30%", "2em". A third word (depth) is ignored.
 std::optional<Point2> position_in(std::vector<std::string> words, const Box& box, const Viewport& view) {
     if (words.empty() || words.size() > 3) return std::nullopt;
     for (std::string& word : words) word = lowered(word);
@@ -74,7 +74,7 @@ std::optional<Point2> position_in(std::vector<std::string> words, const Box& box
     return x && y ? std::optional(Point2{*x, *y}) : std::nullopt;
 }
 
-/// A transform function of CSS as the attribute has it. Nothing where the function leaves the plane.
+/// Converts a CSS transform function to attribute syntax; nothing if it is not planar.
 std::optional<std::string> transform_function(const CssItem& item, const Box& box, const Viewport& view) {
     std::string name = item.name;
     const std::vector<std::string>& words = item.words;
@@ -125,8 +125,8 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
     return text + ')';
 }
 
-/// Rewrites a value of the property `rotate` as a function of `transform`. The axis is a letter or three
-/// numbers, before or after the angle.
+/// Rewrites a value of the property `rotate` as a transform function. The axis is a letter or three numbers,
+/// before or after the angle.
 CssItem turn_about(std::vector<std::string> words) {
     if (words.size() < 2) return {"rotate", words, true};
     if (words[0].size() > 1 && is_letter(words[0].back())) // the angle, which has a unit
@@ -135,7 +135,7 @@ CssItem turn_about(std::vector<std::string> words) {
     return {"rotate3d", words, true};
 }
 
-/// The map of a value of `transform` if `name` is null, else of `name`: translate, rotate or scale.
+/// The map of a value of the property `name` (translate, rotate or scale), or of `transform` if null.
 std::optional<Affine2> css_transform(std::string_view value, const char* name, const Box& box,
                                      const Viewport& view) {
     if (value.empty() || lowered(value) == "none") return Affine2();
@@ -194,7 +194,7 @@ private:
     }
 
     struct Place {
-        bool is_foreign = false, is_used = false; // in a foreignObject; in what a `use` refers to
+        bool is_foreign = false, is_used = false; // in a foreignObject; in the target of a `use`
         int depth = 0;
     };
 
@@ -228,7 +228,7 @@ private:
         keep_in_style(node, values);
     }
 
-    /// Writes the values that did not become attributes.
+    /// Writes back the values that did not become attributes.
     static void keep_in_style(pugi::xml_node node, const Values& values) {
         drop_from_style(node);
         for (const auto& [property, value] : values) {
@@ -264,7 +264,8 @@ private:
                            value);
     }
 
-    /// Writes properties as attributes, and removes them from `values`. Returns whether all could be read.
+    /// Converts geometry properties to attributes and removes them from `values`. Returns whether all are
+    /// valid.
     bool take_geometry(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view,
                        bool is_used) {
         static const std::vector<const char*> of_box{"x", "y", "width", "height"}, none;
@@ -283,8 +284,8 @@ private:
                 by_css ? found->second.text
                        : styles_.substituted(node, attribute).value_or(is_used ? attribute : "unset");
             const auto written = has_name ? geometry_text(name, text, view, is_used) : std::nullopt;
-            const bool is_fault = !by_css && !is_valid(name, text, true); // the walk names it
-            // Browsers ignore these properties of a nested svg. They disagree on the size of a use.
+            const bool is_fault = !by_css && !is_valid(name, text, true); // the walk reports it
+            // Browsers ignore these properties on a nested svg, and disagree on the size of a use.
             const bool is_ignored = by_css && (kind == "svg" ? has_name : kind == "use" && is_size);
             if ((has_name && !written && !is_fault) || is_ignored) {
                 report(node, name, text);
@@ -297,8 +298,8 @@ private:
         return all;
     }
 
-    /// Returns the text of the attribute, or nothing if the value cannot be read. In an element that a `use`
-    /// refers to, functions stay: each copy may have another font size or viewport.
+    /// Returns the attribute text; nothing if the value is invalid. In the target of a `use`, functions are
+    /// kept, because each copy may have another font size or viewport.
     static std::optional<std::string> geometry_text(const std::string& name, const std::string& text,
                                                     const Viewport& view, bool is_used) {
         const bool is_across = name == "width" || name.find('x') != std::string::npos;
@@ -329,7 +330,7 @@ private:
         return quoted.substr(1, quoted.size() - 2);
     }
 
-    /// Returns whether the transform could be read.
+    /// Converts transform properties to the attribute; returns whether they are valid.
     bool take_transform(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
         const bool is_drawn =
             is_group(kind) || is_shape(kind) || is_fixed(kind) || kind == "use" || kind == "clipPath";
@@ -361,8 +362,9 @@ private:
         return true;
     }
 
-    /// Returns nothing where a property cannot be read.
-    ///   fault   the property that cannot be read; empty if the walk reports the fault
+    /// Returns the combined map; nothing if a property is invalid.
+    ///
+    ///   fault   out: the invalid property; empty if the walk reports the error
     template <class Given>
     std::optional<Affine2> whole_transform(pugi::xml_node node, const Values& values, const Given& given,
                                            const Viewport& view, std::string& fault) {
@@ -378,7 +380,7 @@ private:
         box = box.grown(*width);
         const Point2 start = of_view ? Point2{0, 0} : Point2{box.x0, box.y0};
         fault = "transform-origin";
-        const auto items = css_items("at(" + given(fault.c_str()) + ')'); // of which calc() is one word
+        const auto items = css_items("at(" + given(fault.c_str()) + ')'); // so that calc() stays one word
         if (!items || items->size() != 1) return std::nullopt;
         const auto& words = items->front().words;
         const auto about = words.empty() ? std::optional(start) : position_in(words, box, view);
@@ -392,7 +394,7 @@ private:
         }
         fault.clear();
         const auto attribute = parse_transform(attribute_text(node, "transform"));
-        if (!attribute) return std::nullopt; // the walk says why
+        if (!attribute) return std::nullopt; // the walk reports the error
         const auto own = values.count("transform") != 0
                              ? css_transform(text_of(values, "transform"), nullptr, box, view)
                              : attribute.if_any();
@@ -403,7 +405,7 @@ private:
         return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
     }
 
-    /// How far the stroke of a shape reaches beyond its box. Nothing where joins or caps decide.
+    /// The distance that a shape's stroke extends beyond its box; nothing if joins or caps decide.
     std::optional<double> stroke_reach(pugi::xml_node shape, const Viewport& view) const {
         const auto inherited = [&](const char* property) {
             std::string text;
@@ -419,11 +421,11 @@ private:
         return read ? std::optional(*read / 2) : std::nullopt;
     }
 
-    /// The box of what an element draws, in its user space; empty where it is not known.
+    /// Bounding box of an element in its user space; empty if unknown.
     Box object_box(pugi::xml_node node, const Viewport& view, int depth) {
         const std::string kind = local_name(node);
         Box box;
-        if (++looked_at_ > 1'000'000) return box; // uses of uses are too many
+        if (++looked_at_ > 1'000'000) return box; // limit for nested uses
         if (is_shape(kind)) {
             std::vector<FileError> told_by_the_walk;
             return bounds(shape_path(document_, node, view, told_by_the_walk));
@@ -555,12 +557,12 @@ private:
         return BasicShape{write_path_data(transformed(*parsed, to_box), 9), even_odd};
     }
 
-    /// From one to four lengths for the four sides, or corners, as in margin.
+    /// Reads one to four lengths for four sides or corners, as in `margin`.
     bool four(std::array<double, 4>& to, const std::array<double, 4>& whole) {
         const std::size_t first = at_;
         std::size_t count = 0;
         while (count < 4 && next(whole[count], to[count])) ++count;
-        for (std::size_t k = count; count > 0 && k < 4; ++k) { // a percentage may be of another side
+        for (std::size_t k = count; count > 0 && k < 4; ++k) { // percentages refer to each side
             at_ = first + (k == 3 && count > 1 ? 1 : 0);
             next(whole[k], to[k]);
         }
@@ -568,7 +570,7 @@ private:
         return count > 0;
     }
 
-    /// The rectangle of inset(), rect() or xywh() in the box; nothing where it cannot be read.
+    /// The rectangle of inset(), rect() or xywh() in the box; nothing if invalid.
     std::optional<Box> inner_box(const std::string& name) {
         const Box& b = box_;
         const double w = b.width(), h = b.height();
@@ -600,11 +602,11 @@ private:
         if (take("round")) {
             const std::size_t first = at_;
             if (!four(rx, {w, w, w, w})) return false;
-            if (!take("/")) at_ = first; // the same, of the other side
+            if (!take("/")) at_ = first; // reuse the horizontal radii
             if (!four(ry, {h, h, h, h})) return false;
         }
         if (inner.empty()) return true;
-        double fit = 1; // radii that meet are made smaller, all by the same
+        double fit = 1; // overlapping radii are scaled down together
         for (const auto& [size, a, b] :
              {std::tuple(inner.width(), rx[0], rx[1]), std::tuple(inner.width(), rx[2], rx[3]),
               std::tuple(inner.height(), ry[1], ry[2]), std::tuple(inner.height(), ry[3], ry[0])}) {
@@ -651,7 +653,7 @@ private:
                                : radius(radii[0], {x[0], x[1]}, size.width);
         const auto ry = circle ? rx : radius(radii[1], {y[0], y[1]}, size.height);
         if (!rx || !ry) return false;
-        if (!(*rx > 0 && *ry > 0)) return true; // nothing is left
+        if (!(*rx > 0 && *ry > 0)) return true; // empty
         add_ellipse(builder, centre, *rx, *ry);
         return true;
     }
@@ -668,7 +670,7 @@ std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fi
                                             const Viewport& viewport) {
     const auto items = css_items(text);
     if (!items) return std::nullopt;
-    Box box = stroke; // where no box is named
+    Box box = stroke; // default
     const CssItem* shape = nullptr;
     for (const CssItem& item : *items) {
         if (item.is_function && shape == nullptr) {

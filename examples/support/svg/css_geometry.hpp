@@ -1,6 +1,6 @@
 #pragma once
 
-// Geometry and transforms that CSS gives: they become attributes, which the rest of the reader knows.
+// Geometry and transforms in CSS. They are converted to attributes, which the walk reads.
 
 #include "svg/shapes.hpp"
 #include "svg/style.hpp"
@@ -11,31 +11,31 @@
 
 namespace cageform_support::detail {
 
-/// A value that is given and not "inherit"; else empty.
+/// The value of a property; empty if not given or inherited.
 std::string text_of(const StyleSheets::Values& values, std::string_view property);
 
-/// An angle in degrees.
+/// Parses a CSS angle; returns degrees.
 std::optional<double> angle_of(std::string_view word);
 
-/// The size of an element's font.
+/// The font size of an element in user units.
 ///
-///   parent   has that of the element it stands in
+///   parent   viewport of the parent element, with its font size
 double font_size(const StyleSheets::Values& values, const Viewport& parent);
 
 /// Moves geometry and transforms from style attributes and sheets to attributes, for all elements but the
-/// root. A `transform` then has all of transform, translate, rotate, scale, transform-origin and
-/// transform-box. An element whose values are not read stays unmoved, with a warning.
+/// root. The resulting `transform` combines transform, translate, rotate, scale, transform-origin and
+/// transform-box. Elements with unsupported values are left unmoved, with a warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
 
-/// A basic shape, as clip-path has them: circle(), ellipse(), inset(), rect(), xywh(), polygon(), path().
+/// A CSS basic shape: circle(), ellipse(), inset(), rect(), xywh(), polygon() or path().
 struct BasicShape {
-    std::string data; // of a path
+    std::string data; // path data
     bool even_odd = false;
 };
 
-/// Returns nothing if the text is no basic shape, or an unsupported one.
+/// Parses a basic shape; nothing if the text is not a supported one.
 ///
-///   box    that its lengths refer to: of the geometry, or with the stroke around it
+///   fill, stroke   reference boxes: of the geometry, and with strokes
 std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fill, const Box& stroke,
                                             const Viewport& viewport);
 

@@ -1,7 +1,6 @@
 #pragma once
 
-// Paths under a deformation: curves and long lines are refined until they follow the deformed shape in all
-// frames.
+// Deforms paths. Curves and long lines are subdivided until they follow the deformed shape in all frames.
 
 #include "io/csv.hpp"
 #include "svg/document.hpp"
@@ -19,7 +18,7 @@
 
 namespace cageform_support::detail {
 
-/// The largest that may be written; beyond it sums and products of coordinates overflow.
+/// Largest coordinate that is written; beyond it sums and products overflow.
 constexpr double most_coordinate = 1e100;
 
 inline bool in_range(const Point2& p, double most = most_coordinate) {
@@ -35,7 +34,7 @@ inline bool in_range(const Path& path, double most = most_coordinate) {
     });
 }
 
-/// The layer of a path's points, and where they are seen.
+/// The layer of a path's points, and the box in which they are visible.
 struct PathRole {
     std::size_t layer = 0;
     Box seen;
@@ -43,11 +42,13 @@ struct PathRole {
     PointRole at(const Point2& p) const { return {layer, seen.contains({p.x, p.y, p.x, p.y})}; }
 };
 
-/// Deforms paths in one or more frames and covers the result with cubics. Every segment is sampled at equal
-/// steps, a multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every
-/// frame all other samples are within the tolerance of it at the same parameter, and is halved otherwise: a
-/// path has the same pieces in all frames. A line that stays straight in all stays one. All pieces of all
-/// paths go to the deformer together, so there are only as many calls as halvings.
+/// Deforms paths in one or more frames and approximates the result by cubics.
+///
+/// Every segment is sampled at equal steps, their number a multiple of six. A piece becomes the cubic through
+/// its samples at 0, 1/3, 2/3 and 1 if in every frame all other samples are within the tolerance at the same
+/// parameter. Otherwise it is halved, so a path has the same pieces in all frames. A line that stays straight
+/// in all frames stays a line. All pieces of all paths are sampled together: the deformer is called once per
+/// level of halving.
 class CurveDeformer {
 public:
     CurveDeformer(const FrameDeformer& deformer, std::size_t frames, double tolerance, double diagonal,
@@ -59,8 +60,9 @@ public:
         , max_halvings_(max_halvings)
         , report_(report) {}
 
-    /// False if the deformer stopped: see `failure()`.
-    ///   roles   of each path, for the deformer
+    /// Deforms all paths; false if the deformer stopped, see failure().
+    ///
+    ///   roles   #paths, passed to the deformer
     bool run(const std::vector<Path>& paths, std::vector<PathRole> roles) {
         roles_ = std::move(roles);
         lost_.resize(paths.size());
@@ -101,19 +103,19 @@ public:
 
     const std::string& failure() const { return failure_; }
 
-    /// Whether the deformer gave a point of a path that is not finite, or out of range. Such a path has no
-    /// pieces and has not moved.
+    /// Whether a deformed point of the path is not finite or out of range. Such a path has no pieces and
+    /// counts as unmoved.
     bool is_lost(std::size_t index) const { return lost_[index]; }
 
-    /// A path in a frame.
+    /// The deformed path in a frame.
     Path path(std::size_t index, std::size_t frame) const {
         return in_pieces(
             index, [&](std::size_t k) { return start_of(k, frame); },
             [&](const Piece& piece) { return piece.result[frame]; });
     }
 
-    /// A path in a frame by one cubic for each segment that was drawn, which leaves and arrives as the
-    /// moved segment does: its vertices are the author's.
+    /// The deformed path in a frame with one cubic per original segment, with the tangents of the deformed
+    /// segment at its ends. Its vertices are those of the file.
     Path path_of_vertices(std::size_t index, std::size_t frame) const {
         Path path;
         for (std::size_t k = paths_[index].first; k < paths_[index].second; ++k) {
@@ -129,14 +131,14 @@ public:
                     segments.push_back(s);
                 }
             });
-            // Z draws the line that it has added, and no other one.
+            // Z replaces only the closing line that it has added.
             if (subpath.closed && !segments.empty())
                 segments.back().degree = subpath.has_closing_line ? 1 : 3;
         }
         return path;
     }
 
-    /// A path at rest, in the pieces that it has in all frames.
+    /// The path at rest, subdivided as in all frames.
     Path rest(std::size_t index) const {
         return in_pieces(
             index, [&](std::size_t k) { return subpaths_[k].start; },
@@ -146,7 +148,7 @@ public:
             });
     }
 
-    /// How a path has moved until a frame, from its first samples.
+    /// The motion of a path in a frame, from its initial samples.
     const Motion& motion(std::size_t index, std::size_t frame) const {
         static const Motion none;
         return is_lost(index) ? none : motions_[index * frames_ + frame];
@@ -168,11 +170,11 @@ private:
 
     struct Piece {
         std::size_t curve = 0;
-        double from = 0; // the part of the curve
+        double from = 0; // parameter range on the curve
         double to = 1;
         int halvings = 0;
         std::vector<Point2> samples; // deformed, frame by frame, at equal steps from `from` to `to`
-        std::vector<Segment> result; // in every frame, once settled
+        std::vector<Segment> result; // #frames, once settled
         bool settled = false;
     };
 
@@ -211,8 +213,8 @@ private:
         return std::span(piece.samples).subspan(frame * n, n);
     }
 
-    /// Returns the number of samples: at least six, and enough that none is longer than a 64th of the
-    /// diagonal, so that no narrow bulge is missed.
+    /// Number of steps: at least six, each at most 1/64 of the diagonal, so that narrow bulges are not
+    /// missed.
     std::size_t steps(const Point2& from, const Segment& s) const {
         const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
         std::size_t n = 6;
@@ -220,7 +222,7 @@ private:
         return n;
     }
 
-    /// Deforms the samples 1, 1 + stride, ... of every piece not settled; of stride 1 the starts too.
+    /// Deforms samples 1, 1 + stride, … of every unsettled piece; with stride 1, also the starts.
     bool sample(std::size_t stride) {
         std::vector<Point2> in;
         std::vector<PointRole> roles;
@@ -273,7 +275,8 @@ private:
         return true;
     }
 
-    /// Records all samples except starts, which repeat the end of a closed path, or have no length.
+    /// Records the motion of all samples. Starts have no weight: they repeat the end of a closed path or have
+    /// no length.
     void record_motions() {
         motions_.resize(paths_.size() * frames_);
         for (std::size_t p = 0; p < paths_.size(); ++p) {
@@ -287,7 +290,7 @@ private:
         }
     }
 
-    /// Adds what a piece, which is a whole curve, does in every frame.
+    /// Adds the motion of a piece that is a whole curve.
     void add_motion(const Piece& piece, Motion* motions) const {
         const Curve& curve = curves_[piece.curve];
         const std::size_t n = piece.samples.size() / frames_;
@@ -301,7 +304,7 @@ private:
         }
     }
 
-    /// True if some pieces were halved and need more samples.
+    /// Settles or halves all pieces; true if some were halved and need more samples.
     bool settle_all() {
         std::vector<Piece> next;
         next.reserve(pieces_.size());
@@ -373,18 +376,18 @@ private:
         }
     }
 
-    /// Pieces of a document beyond which none is halved, and their segments in all frames.
+    /// Limits: above them no piece is halved.
     static constexpr std::size_t most_pieces = 1u << 20, most_segments = 1u << 22;
     static constexpr std::size_t most_places = 1u << 27; // of samples in all frames
 
-    /// Whether coordinates are so large that rounding alone is more than the tolerance.
+    /// Whether rounding errors of the coordinates exceed the tolerance.
     bool is_rounded(std::span<const Point2> samples) const {
         return std::any_of(samples.begin(), samples.end(), [&](const Point2& p) {
             return 0x1p-50 * std::max(std::abs(p.x), std::abs(p.y)) > tolerance_;
         });
     }
 
-    /// Whether a curve's control points lie on its ends, so that it stops there.
+    /// Whether a curve's control points coincide with its ends, so that its derivative vanishes there.
     struct Stops {
         bool at_start = false, at_end = false;
     };
@@ -400,8 +403,8 @@ private:
         return {{(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3}, {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3}, d, 1};
     }
 
-    /// Where the curve stops, the cubic does too: its direction there would be that of rounding, which
-    /// strokes show.
+    /// Where the derivative of the curve vanishes, that of the cubic does too. Otherwise rounding would
+    /// determine the tangent, which strokes show.
     static Segment cubic_through(std::span<const Point2> samples, Stops stops) {
         const std::size_t n = samples.size() - 1;
         const Point2& a = samples[0];
@@ -420,7 +423,7 @@ private:
         return cubic;
     }
 
-    /// Whether a segment is within the tolerance of all samples.
+    /// Whether all samples are within the tolerance of the segment.
     bool is_near(std::span<const Point2> samples, const Segment& segment) const {
         const std::size_t n = samples.size() - 1;
         for (std::size_t i = 0; i <= n; ++i) {
@@ -430,7 +433,7 @@ private:
         return true;
     }
 
-    /// The control point that is left of a cubic that stops at one end, by least squares.
+    /// The remaining control point of a cubic whose derivative vanishes at one end, by least squares.
     static Point2 control_of_stopping(std::span<const Point2> samples, bool at_start) {
         const std::size_t n = samples.size() - 1;
         Point2 sum;

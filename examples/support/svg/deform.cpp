@@ -21,11 +21,11 @@ int decimals_for(const Affine2& to_root, double tolerance) {
     return enough;
 }
 
-/// Moves an element as a whole: its transform is P⁻¹ best P before its own one, where P is that of what it
-/// stands in.
+/// Adds a transform track for an element: its transform is preceded by P⁻¹ best P, where P maps the parent's
+/// user space to the root.
 ///
-///   best   of every frame
-///   box    of what it holds, in its own user space
+///   best   #frames, in root user space
+///   box    content of the element, in its own user space
 void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine2>& best, const Box& box,
            std::vector<AnimatedSvg::Track>& tracks) {
     const auto own = parse_transform(attribute_text(node, "transform"));
@@ -42,7 +42,8 @@ void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine
     tracks.push_back(std::move(track));
 }
 
-/// Puts a carried element into a group that takes its clip path and mask. Their shapes move by themselves.
+/// Moves an element into a group that takes over its clip path and mask, whose shapes are deformed
+/// separately.
 void leave_clips_behind(const Drawing& drawing, const StyleSheets& styles, pugi::xml_node node) {
     const auto is_its = [&](const Reference& each) { return each.node == node && !is_filter(each); };
     if (std::none_of(drawing.references.begin(), drawing.references.end(), is_its)) return;
@@ -53,12 +54,12 @@ void leave_clips_behind(const Drawing& drawing, const StyleSheets& styles, pugi:
         styles.set(group, property, value);
         styles.set(node, property, "none");
     }
-    if (const auto own = node.attribute("transform")) group.append_copy(own); // a clip path lies under it
+    if (const auto own = node.attribute("transform")) group.append_copy(own); // applies to the clip path
     node.remove_attribute("transform");
     group.append_move(node);
 }
 
-/// Whether a path that is filled shows: a line has no inside, and what it is bent to must not get one.
+/// Whether a filled path has area. A straight line has none, and must not get any when it bends.
 bool has_inside(const Path& path) {
     return std::any_of(path.begin(), path.end(), [](const Subpath& subpath) {
         const Point2& a = subpath.start;
@@ -83,7 +84,7 @@ bool has_inside(const Path& path) {
     });
 }
 
-/// Grows the viewBox of the root to a box; its width and height too, so that nothing gets smaller.
+/// Enlarges the viewBox of the root to a box, and its width and height in proportion.
 void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     set_view_box(root, to, 6);
     const auto grow = [&](const char* name, double factor) {
@@ -96,7 +97,7 @@ void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     grow("height", to.height() / view.height);
 }
 
-/// Whether an element in the root may have a length in percent of the picture. Moved shapes have none.
+/// Whether any element has a length in percent of the picture. Deformed shapes have none.
 bool has_percentages(pugi::xml_node root) {
     for (pugi::xml_node node = next_node(root, root); node; node = next_node(node, root)) {
         const std::string kind = local_name(node);
@@ -114,7 +115,7 @@ bool has_percentages(pugi::xml_node root) {
     return false;
 }
 
-/// Puts what the root holds into a nested svg of the given size, whose percentages stay as they are.
+/// Moves the content of the root into a nested svg of the given size, so that percentages stay the same.
 void keep_percentages(pugi::xml_node root, const ViewBox& view) {
     pugi::xml_node inner = root.append_child(root.name());
     while (root.first_child() != inner) inner.append_move(root.first_child());
@@ -128,28 +129,27 @@ void drop_markers(const StyleSheets& styles, pugi::xml_node node) {
     for (const char* property : marker_properties) styles.set(node, property, "none");
 }
 
-/// Adds a path after another that has its style, but shows its markers alone. Paints stay, since markers may
-/// take them.
+/// Adds a copy of a path that shows only its markers. Its paints are kept, since markers may use them.
 pugi::xml_node add_marked_path(const StyleSheets& styles, pugi::xml_node node) {
     pugi::xml_node marked = node.parent().insert_child_after(node.name(), node);
     for (const pugi::xml_attribute attribute : node.attributes()) {
         if (std::string_view(attribute.name()) != "id") marked.append_copy(attribute);
     }
-    for (const auto& [property, value] : styles.values(node)) { // rules may ask for the id
+    for (const auto& [property, value] : styles.values(node)) { // rules may match the id
         if (value.source == StyleValue::Source::sheet) styles.set(marked, property, value.text);
     }
     for (const char* property : {"fill-opacity", "stroke-opacity"}) styles.set(marked, property, "0");
     return marked;
 }
 
-/// Whether a map is more than a turn and a scale, so that it makes an ellipse of a pen.
+/// Whether a map is not a similarity, so that it makes pens elliptical.
 bool is_skewed(const Affine2& map) {
     const double largest = largest_scale(map);
     return largest * largest > (1 + 1e-6) * std::abs(map.a * map.d - map.b * map.c);
 }
 
-/// The turn, or mirroring turn, about a place that is nearest to a map: its polar factor. The identity for
-/// one that does not turn.
+/// The rotation, or reflection, about a point that is nearest to a map: its polar factor. The identity if the
+/// map does not rotate.
 Affine2 turn_of(const Affine2& map, const Point2& centre) {
     const double side = map.a * map.d < map.b * map.c ? -1 : 1;
     const double x = map.a + side * map.d, y = map.b - side * map.c, length = std::hypot(x, y);
@@ -161,7 +161,7 @@ Affine2 turn_of(const Affine2& map, const Point2& centre) {
     return turn;
 }
 
-/// Whether a filter draws at an offset, so that a viewer sees its direction.
+/// Whether a filter has a visible direction: an offset or a drop shadow.
 bool has_direction(const StyleSheets& styles, const Reference& filter) {
     if (!filter.target)
         return styles.value(filter.node, "filter").text.find("drop-shadow(") != std::string::npos;
@@ -175,7 +175,7 @@ bool has_direction(const StyleSheets& styles, const Reference& filter) {
     });
 }
 
-/// Whether a filter draws noise, which has a place in user space.
+/// Whether a filter draws noise, which is fixed in user space.
 bool has_noise(const Reference& filter) {
     return std::any_of(filter.target.begin(), filter.target.end(),
                        [](pugi::xml_node primitive) { return local_name(primitive) == "feTurbulence"; });
@@ -185,7 +185,7 @@ bool is_shift(const Affine2& map) {
     return std::abs(map.a - 1) + std::abs(map.b) + std::abs(map.c) + std::abs(map.d - 1) <= 1e-9;
 }
 
-/// A deformation on its way: what is known of every shape in every frame.
+/// Deforms a document.
 class DocumentMover {
 public:
     DocumentMover(SvgDocument& work, const FrameDeformer& deformer, std::size_t frames,
@@ -198,8 +198,8 @@ public:
         , styles_(work)
         , ids_(root_element(work.xml)) {}
 
-    /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as
-    /// it was.
+    /// Returns the error, if any. If moved() is false, nothing moves and the document should be left
+    /// unchanged.
     std::optional<FileError> run() {
         view_ = view_box(work_);
         diagonal_ = std::hypot(view_.width, view_.height);
@@ -238,19 +238,20 @@ public:
     bool moved() const { return std::find(moves_.begin(), moves_.end(), true) != moves_.end(); }
 
 private:
-    struct Moved {                  // a shape in every frame
+    struct Moved {                  // a deformed shape, by frame
         std::vector<Path> paths;    // in its own user space
-        std::vector<Path> marked;   // the same by the author's vertices, of one that has markers there
-        std::vector<Affine2> maps;  // the best; where there is none, that of the frame before
-        std::vector<Affine2> turns; // of its pen, where a skewed map makes it an ellipse
+        std::vector<Path> marked;   // the same with the vertices of the file; only with markers
+        std::vector<Affine2> maps;  // best affine map; if none exists, that of the frame before
+        std::vector<Affine2> turns; // rotation of an elliptical pen
         std::vector<Box> boxes;     // in its own user space
         bool has_map = false, gains_inside = false, pen_stays = false;
     };
 
-    /// The role of every shape's points; fails where a layer has no shape.
+    /// The role of the points of each shape; fails if a layer has no shape.
     Expected<std::vector<PathRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
         std::vector<PathRole> roles;
-        for (const Box& box : seen_before_) roles.push_back({0, box.grown(1e-9 * diagonal_)}); // by roundings
+        for (const Box& box : seen_before_)
+            roles.push_back({0, box.grown(1e-9 * diagonal_)}); // for rounding errors
         for (std::size_t n = 0; n < options_.layers.size(); ++n) {
             bool found = false;
             for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -273,7 +274,7 @@ private:
         regions_.resize(rest_.references.size());
         find_filter_maps(curves);
         std::vector<bool> has_inside_at_rest;
-        std::set<std::size_t> referring; // by hash: their user space is that of what they refer to
+        std::set<std::size_t> referring; // elements with references, by hash
         for (const Reference& reference : rest_.references) referring.insert(reference.node.hash_value());
         for (const DrawnShape& shape : shapes) {
             has_inside_at_rest.push_back(has_inside(shape.path));
@@ -306,7 +307,7 @@ private:
                     moved.turns.push_back(turn);
                     from_root = compose(from_root, *inverse(turn));
                 }
-                if (shape.carrier && moves_[*shape.carrier]) { // goes before the text's own motion
+                if (shape.carrier && moves_[*shape.carrier]) { // undo the motion of the text
                     const auto undone = inverse(moved_[*shape.carrier].maps.back());
                     from_root = compose(from_root, undone.value_or(Affine2()));
                 } else {
@@ -347,15 +348,15 @@ private:
         return motion;
     }
 
-    /// Finds the map by which each element with a filter moves as a whole: the best affine map of its shapes.
-    /// If a shape has a stroke or markers, only the turn of the map and the shift of the centre are used. The
-    /// shapes get the remaining deformation.
+    /// Finds the map of each element with a filter: the best affine map of its shapes. With strokes or
+    /// markers, only its rotation and the shift of the centre are used. The shapes get the remaining
+    /// deformation.
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
         filter_maps_.resize(rest_.references.size());
-        for (std::size_t k = rest_.references.size(); k-- > 0;) { // each before those inside it
+        for (std::size_t k = rest_.references.size(); k-- > 0;) { // outer elements first
             const Reference& r = rest_.references[k];
-            if (r.first < r.end && filter_of_[r.first] != none) continue; // goes along
+            if (r.first < r.end && filter_of_[r.first] != none) continue; // moves with an outer element
             const auto first = rest_.shapes.begin() + std::ptrdiff_t(r.first);
             const auto end = rest_.shapes.begin() + std::ptrdiff_t(r.end);
             if (!is_filter(r) || first == end || (first->is_box && first->node == r.node)) continue;
@@ -390,7 +391,7 @@ private:
         }
     }
 
-    /// Whether an element can move with what it holds: its clip paths and masks are of no other element.
+    /// Whether an element can move with its content: no other element may use its clip paths and masks.
     bool can_move_as_whole(const Reference& filter) const {
         if (local_name(filter.node) == "svg") return false;
         return std::all_of(rest_.references.begin(), rest_.references.end(), [&](const Reference& r) {
@@ -402,8 +403,7 @@ private:
         });
     }
 
-    /// Returns a shape's map without the map of the enclosing element that has a filter. If no such element
-    /// moves as a whole, returns the map itself.
+    /// Removes the map of the enclosing element with a filter from a shape's map.
     Affine2 unfiltered(std::size_t shape, std::size_t frame, const Affine2& map) const {
         const std::size_t by = filter_of_[shape];
         return by == none ? map : compose(*inverse(filter_maps_[by][frame]), map);
@@ -436,7 +436,7 @@ private:
                     label(work_, shape.node) +
                     ": its stroke keeps its direction: its transform is skewed, and "
                     "it has a clip path, a mask or a filter");
-            for (std::size_t f = 0; f < moved.turns.size(); ++f) // the rest of the map, in its user space
+            for (std::size_t f = 0; f < moved.turns.size(); ++f) // the map without the rotation
                 moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
             if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
             if (moved.has_map && !shape.clips)
@@ -460,20 +460,20 @@ private:
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);
         warnings.insert(warnings.end(), paint.warnings.begin(), paint.warnings.end());
         fit();
-        // Where elements are animated, the animations will be their last children.
+        // Animated elements will get children; add placeholders, so that selectors match as in the result.
         std::vector<pugi::xml_node> animations;
         const std::string name = name_prefix(root_element(work_.xml)) + "animate";
         for (const auto& track : result_.tracks) {
             if (frames_ > 1) animations.push_back(pugi::xml_node(track.node).append_child(name.c_str()));
         }
-        result_.show(0); // rules may ask for what attributes say
+        result_.show(0); // selectors may match attributes
         styles_.settle(warnings);
         for (pugi::xml_node animation : animations) animation.parent().remove_child(animation);
         return std::nullopt;
     }
 
-    /// Turns markers whose direction is given, by the turn nearest to the shape's best map. Shapes that turn
-    /// alike share a copy.
+    /// Rotates markers with a fixed direction by the rotation of the shape's best map. Shapes with equal
+    /// rotations share a copy.
     void turn_markers(const DrawnShape& shape, const std::vector<Affine2>& maps) {
         AnimatedSvg::Track track{.node = {}, .attribute = "orient", .scale = largest_scale(shape.to_root)};
         std::string name;
@@ -481,7 +481,7 @@ private:
         for (const Affine2& map : maps) {
             const Affine2 turn = turn_of(compose(compose(shape.from_root, map), shape.to_root), {});
             double angle = std::atan2(turn.b, turn.a) * 180 / std::numbers::pi;
-            if (!track.numbers.empty()) // the shorter way
+            if (!track.numbers.empty()) // nearest to the last angle
                 angle += 360 * std::round((track.numbers.back() - angle) / 360);
             track.numbers.push_back(angle);
             name += ' ' + format_number(angle, 3);
@@ -505,7 +505,7 @@ private:
         }
     }
 
-    /// Whether the path that is written has other vertices than the author's.
+    /// Whether the deformed path has other vertices than the original.
     static bool has_other_vertices(const Moved& moved) {
         for (std::size_t f = 0; f < moved.paths.size(); ++f) {
             if (write_path_data(moved.paths[f], 17) != write_path_data(moved.marked[f], 17)) return true;
@@ -519,7 +519,7 @@ private:
         const auto turned = [](const Affine2& map) { return !(map == Affine2()); };
         if (std::any_of(turns.begin(), turns.end(), turned))
             carry(node, shape.to_root, turns, boxes_at_rest_[index], result_.tracks);
-        Affine2 to_root = shape.to_root; // of the frame that enlarges most
+        Affine2 to_root = shape.to_root; // of the frame with the largest scale
         for (std::size_t f = 0; f < frames_; ++f) {
             const Affine2 there = compose(*inverse(unfiltered(index, f, {})), shape.to_root);
             if (largest_scale(there) > largest_scale(to_root)) to_root = there;
@@ -537,8 +537,8 @@ private:
         const Box window = box_of(view_);
         Box all = window;
         for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
-            if (seen_after_[i].empty() || seen_before_[i].within(window).empty()) continue; // was not seen
-            Box reach = window; // what was cut off before may stay so
+            if (seen_after_[i].empty() || seen_before_[i].within(window).empty()) continue; // was not visible
+            Box reach = window; // parts that were cut off before may stay cut off
             reach.add(seen_before_[i]);
             if (reach.grown(1e-3 * diagonal_).contains(seen_after_[i])) continue;
             ++result_.report.cut_off;
@@ -559,13 +559,13 @@ private:
     IdTable ids_;
     ViewBox view_;
     double diagonal_ = 0, tolerance_ = 0;
-    std::map<std::string, std::string> turned_markers_; // ids, by that of the marker and its turns
+    std::map<std::string, std::string> turned_markers_; // ids of copies, by marker and angles
     Drawing rest_;                                      // its paths are those of the frame looked at last
     std::vector<bool> moves_;
     std::vector<Moved> moved_;
     static constexpr std::size_t none = std::size_t(-1);
-    std::vector<std::size_t> filter_of_; // of each shape: the reference whose element moves with it
-    std::vector<std::vector<Affine2>> filter_maps_; // of each reference, in every frame
+    std::vector<std::size_t> filter_of_; // #shapes: reference of the enclosing element that moves, or none
+    std::vector<std::vector<Affine2>> filter_maps_; // #references · #frames
     std::vector<Box> boxes_at_rest_;                // each in its own user space
     std::vector<MovedRegion> regions_;              // of the references
     std::vector<Box> seen_before_, seen_after_;

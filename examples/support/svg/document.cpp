@@ -23,9 +23,9 @@ namespace cageform_support {
 
 namespace detail {
 
-constexpr std::size_t most_of_entity = 256; // bytes of a name that is looked for, so that reading is linear
+constexpr std::size_t most_of_entity = 256; // bytes of a name, so that parsing is linear
 
-/// The entities that a document type defines in the file, as raw text.
+/// The entities that the document type declares in the file, as raw text.
 std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_document& xml) {
     std::map<std::string, std::string, std::less<>> entities;
     for (const pugi::xml_node node : xml.children()) {
@@ -41,7 +41,7 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
             const std::size_t open = at + length;
             const std::size_t close = text.find(text[open], open + 1);
             if (close == std::string_view::npos) break;
-            const bool is_here = trimmed(head.substr(0, length)) == words.front(); // not in another file
+            const bool is_here = trimmed(head.substr(0, length)) == words.front(); // not external
             if (is_here)
                 entities.try_emplace(std::string(words.front()), text.substr(open + 1, close - open - 1));
             at = close;
@@ -51,8 +51,9 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
     return entities;
 }
 
-/// Reads the words of a declaration of a document type: names, quoted texts, groups in brackets.
-///   at   the place to begin at; then that of ">", or the end of the text
+/// Splits a declaration of a document type into names, quoted texts and groups in brackets.
+///
+///   at   in: start; out: position of ">", or the end of the text
 std::vector<std::string_view> doctype_words(std::string_view text, std::size_t& at) {
     std::vector<std::string_view> words;
     while ((at = text.find_first_not_of(" \t\r\n", at)) < text.size() && text[at] != '>') {
@@ -68,8 +69,9 @@ std::vector<std::string_view> doctype_words(std::string_view text, std::size_t& 
     return words;
 }
 
-/// Gives elements the attributes that the document type in the file declares with a value.
-///   returns   nothing, or why not
+/// Adds the default attributes that the document type declares.
+///
+///   returns   the error, if any
 std::optional<std::string> add_default_attributes(const pugi::xml_document& xml) {
     std::map<std::string, std::map<std::string, std::string>> defaults; // by element, by attribute
     for (const pugi::xml_node node : xml.children()) {
@@ -92,7 +94,7 @@ std::optional<std::string> add_default_attributes(const pugi::xml_document& xml)
         }
     }
     if (defaults.empty()) return std::nullopt;
-    std::size_t size = 0; // of all that was added
+    std::size_t size = 0; // of all added attributes
     const pugi::xml_node root = root_element(xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         const auto found = defaults.find(node.name());
@@ -108,13 +110,13 @@ std::optional<std::string> add_default_attributes(const pugi::xml_document& xml)
     return std::nullopt;
 }
 
-/// Puts the entities of the document type in the place of their names.
+/// Replaces references to entities of the document type by their text.
 class EntityExpander {
 public:
     explicit EntityExpander(const pugi::xml_document& xml)
         : entities_(entities_of(xml)) {}
 
-    /// Nothing, or why not.
+    /// Returns the error, if any.
     std::optional<std::string> expand(pugi::xml_node root) {
         if (entities_.empty()) return std::nullopt;
         for (pugi::xml_node node = root; node && !fault_;) {
@@ -160,7 +162,7 @@ private:
             }
             const auto& [name, value] = *found;
             size_ += value.size();
-            if (is_attribute && value.find('<') != std::string::npos) { // as the rules of XML ask
+            if (is_attribute && value.find('<') != std::string::npos) { // not well-formed XML
                 fault_ = "the entity \"" + name + "\" in an attribute has a <";
                 return {};
             }
@@ -176,11 +178,11 @@ private:
     }
 
     std::map<std::string, std::string, std::less<>> entities_;
-    std::size_t size_ = 0; // of all that was put in
+    std::size_t size_ = 0; // of all replacements
     std::optional<std::string> fault_;
 };
 
-/// Gives elements of SVG under another prefix the root's, where both mean SVG.
+/// Replaces other prefixes of the SVG namespace by the prefix of the root.
 void unify_prefixes(pugi::xml_node root) {
     constexpr std::string_view space = "http://www.w3.org/2000/svg";
     const std::string prefix = name_prefix(root);
@@ -206,7 +208,8 @@ Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
     const auto refuse = [&](const std::string& why) { return FileError{document.name + ": " + why}; };
     if (detail::is_blank(text)) return refuse("the file is empty");
 
-    // no parse_escapes, parse_eol or parse_wconv_attribute: text stays as it is, entities of a doctype too
+    // without parse_escapes, parse_eol and parse_wconv_attribute, so that text and entities stay as in the
+    // file
     const unsigned flags = pugi::parse_pi | pugi::parse_comments | pugi::parse_cdata |
                            pugi::parse_declaration | pugi::parse_doctype | pugi::parse_ws_pcdata |
                            pugi::parse_fragment;
@@ -248,7 +251,7 @@ Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
             counted = at;
             document.lines[node.hash_value()] = line;
         }
-        for (pugi::xml_attribute attribute : node.attributes()) { // they were between single quotes
+        for (pugi::xml_attribute attribute : node.attributes()) { // values that were in single quotes
             std::string value = attribute.value();
             if (value.find('"') == std::string::npos) continue;
             for (std::size_t at = value.find('"'); at != std::string::npos; at = value.find('"', at)) {
@@ -266,7 +269,7 @@ Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
         }
         node = next;
     }
-    detail::unify_prefixes(root); // looks at all that an element stands in, which is not much now
+    detail::unify_prefixes(root); // searches ancestors: after the check of the depth
     for (const pugi::xml_node node : document.xml.children()) {
         const bool states = node.type() == pugi::node_declaration && node.attribute("encoding");
         if (states && !utf8) node.attribute("encoding").set_value("UTF-8");
@@ -276,9 +279,9 @@ Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
 
 namespace {
 
-/// Unpacks a gzip file, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
+/// Decompresses a gzip file (.svgz). Fails if it is damaged or too large.
 Expected<std::string> unpacked(std::string_view packed, const std::string& name) {
-    constexpr std::size_t most = std::size_t{1} << 28; // bytes, which 256 kB of packed zeros become
+    constexpr std::size_t most = std::size_t{1} << 28; // bytes
     z_stream stream{};
     if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return FileError{name + ": out of memory"};
     std::vector<Bytef> in(packed.begin(), packed.end()), out(std::size_t{1} << 16);
@@ -334,7 +337,7 @@ ViewBox view_box(const SvgDocument& document) {
 
 namespace detail {
 
-/// The shapes of a document that stays as it is.
+/// Shapes of a document, which stays unchanged.
 Expected<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool as_cage = false) {
     SvgDocument work = copy_of(document);
     std::vector<std::string> ignored;
@@ -353,8 +356,9 @@ Expected<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool as
     return shapes;
 }
 
-/// Empty if all subpaths are loops of lines with three corners or more, else what the path is instead.
-///   loops   the corners of each subpath, the first not repeated at the end, in the order drawn
+/// Returns empty if all subpaths are closed polygons; else a description of the path.
+///
+///   loops   out: the corners of each subpath in document order, the first not repeated
 std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& loops) {
     loops.clear();
     for (const Subpath& subpath : path) {
@@ -372,10 +376,10 @@ std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& lo
     return loops.empty() ? "an empty path" : "";
 }
 
-/// Puts the ends of subpaths on their starts where they are within a tolerance, without the line that Z has
-/// added between them. Subpaths without segments are left out.
+/// Closes subpaths whose ends are within the coincidence tolerance of their starts, without the line that Z
+/// has added between. Subpaths without segments are removed.
 ///
-///   returns   for each whether it is closed
+///   returns   #path: whether it is closed
 std::vector<bool> close_loops(std::vector<Subpath>& path) {
     std::erase_if(path, [](const Subpath& subpath) { return subpath.segments.empty(); });
     std::vector<cageform::Vec<double, 2>> points;

@@ -1,36 +1,37 @@
 #pragma once
 
-// SVG documents: reading, finding the shapes, deforming them, writing back. The XML is pugixml's; what is
-// not touched is written as it was read, comments, white space and character references included.
+// SVG documents: parse, find shapes, deform, write. pugixml parses the XML. Parts that do not change are
+// written as they were read, including comments, white space and character references.
 //
-// Deformed shapes: path, rect, circle, ellipse, line, polyline and polygon. They are deformed wherever they
-// are drawn: in g, a, switch, nested svg, copies for `use`, and clip paths or masks of drawn elements. Each
-// use of an element of the same file becomes a group with its own copy. A clip path or mask is copied if
-// elements under different transforms share it, or if it is in units of their boxes. Each shape becomes a
-// <path> in its place. Shapes that do not move are not rewritten.
+// Deformed shapes: path, rect, circle, ellipse, line, polyline and polygon, wherever they are drawn: in g, a,
+// switch, nested svg, targets of `use`, and clip paths and masks of drawn elements. Each use of an element of
+// the same file becomes a group with its own copy. A clip path or mask is copied if elements under different
+// transforms share it, or if it uses objectBoundingBox units. Each shape becomes a <path>. Shapes that do not
+// move are not rewritten.
 //
-// Affine followers: gradients and patterns of a shape, in user space or in units of its box (paint.hpp),
-// and a whole text, image or foreignObject follow the affine map that fits the motion of their points
-// best, by least squares. Under a strong bend this fit is poor. An element with a filter moves as a whole, by
-// the best affine map of its shapes. If a shape has a stroke or markers, the element only turns and shifts.
-// Regions of filters, of their primitives and of masks are enlarged to hold the moved shapes; lights follow.
-// The region of a mask, a nested svg or a used symbol that clips becomes a clip path. Markers of a fixed
-// direction turn with their shape.
+// Affine motion: gradients and patterns of a shape (paint.hpp), and texts, images and foreignObjects as a
+// whole, follow the affine map that fits the motion of their points best, by least squares. Under strong
+// bending this fit is poor. An element with a filter moves as a whole, by the best affine map of its shapes;
+// if a shape has a stroke or markers, only by a rotation and a translation. Regions of filters, filter
+// primitives and masks are enlarged to hold the moved shapes; light sources follow. The clipping region of a
+// mask, a nested svg or a used symbol becomes a clip path. Markers with a fixed direction rotate with their
+// shape.
 //
-// Unchanged: the width of strokes. Shapes under a transform without inverse stay. A filter does not turn
-// on an svg element. A filter on another element does not turn if elements outside share a clip path or mask
-// with the content of the element. Warnings name both. Warnings also name every unknown property, attribute
-// or element, and every one that should change with the pose but does not (properties.hpp). If a transform makes a stroke's pen elliptical, the pen turns with the shape.
+// Not deformed: stroke widths. Shapes under a singular transform stay unchanged. A filter does not rotate on
+// an svg element, or if elements outside share a clip path or mask with the content of its element; warnings
+// name both. Warnings also name every unknown property, attribute or element, and every one that should
+// change with the pose but does not (properties.hpp). If a transform makes a stroke's pen elliptical, the pen
+// rotates with the shape.
 //
-// Markers stand at the vertices of the file. If deformation adds vertices to a path, an unpainted second
-// path after it carries the markers.
+// Markers are drawn at the vertices of the file. If the deformation adds vertices to a path, an unpainted
+// second path carries the markers.
 //
-// The part of an attribute that cannot be read is left out, as browsers do, with a warning. Cages and poses
-// are read strictly: there it is an error.
+// Invalid parts of attributes are ignored, as in browsers, with a warning. For cages and poses they are
+// errors.
 //
-// Style sheets stay as they are, but for geometry and transforms, which become attributes. If an element's
-// matching rules change (a rect has become a path, a copy stands elsewhere), its style attribute keeps the
-// values that the earlier rules gave.
+// Style sheets are kept, except geometry and transforms, which become attributes. If the rules that match an
+// element change (a rect has become a path, a copy has another parent), its style attribute gets the values
+// of the earlier rules.
 
 #include "svg/path.hpp"
 
@@ -48,13 +49,12 @@
 
 namespace cageform_support {
 
-/// The parsed file. Text and attribute values are kept escaped, exactly as in the file.
+/// A parsed file. Text and attribute values stay escaped, as in the file.
 struct SvgDocument {
     pugi::xml_document xml;
-    std::string name;                                   // for messages: the file's name
+    std::string name;                                   // of the file, for messages
     std::unordered_map<std::size_t, std::size_t> lines; // xml_node::hash_value() -> line in the file
-    /// The boxes of texts in their own user space, as far as they were measured: xml_node::hash_value() ->
-    /// x0, y0, x1, y1
+    /// Measured boxes of texts in their own user space: xml_node::hash_value() -> x0, y0, x1, y1
     std::unordered_map<std::size_t, std::array<double, 4>> text_boxes;
 };
 
@@ -65,46 +65,45 @@ struct ViewBox {
     double height = 0;
 };
 
-/// A shape as it is drawn, in the user space of the root element (the units of its viewBox).
+/// A drawn shape in the user space of the root element (the units of its viewBox).
 struct SvgShape {
     std::string label; // such as: rect "wall" (line 12)
     Path path;
-    bool is_circle = false; // a circle element: four arcs, or no path where it has no radius
+    bool is_circle = false; // a circle element: four arcs, or no path if the radius is 0
 };
 
-/// Maps `in` to `out`, of the same length, both in root user space; false stops the deformation. Has to be
-/// a pure function of the point: curves meet because the same point always goes to the same place.
+/// Maps points `in` to `out`, of equal length, in root user space; false stops the deformation. It has to be
+/// a pure function of the point: curves stay connected because equal points have equal images.
 using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
 
-/// The role of a point in the drawing.
+/// Layer and visibility of a point.
 struct PointRole {
-    std::size_t layer = 0; // as DeformOptions::layers has them
+    std::size_t layer = 0; // index into DeformOptions::layers, from 1; 0: none
     bool is_seen = true;   // false: in a clip path or mask, hidden, transparent, unpainted or clipped off
 };
 
-/// Works as Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
+/// As Deformer, into several frames: out[f * in.size() + i] is point i in frame f.
 ///
-///   roles   of each point
+///   roles   #in
 using FrameDeformer =
     std::function<bool(std::span<const Point2> in, std::span<const PointRole> roles, std::span<Point2> out)>;
 
 struct DeformOptions {
-    double tolerance =
-        0; // user units of the root; 0 takes 2e-5 of the viewBox's diagonal, which is invisible
-    int max_halvings = 8; // of a piece that misses the tolerance
-    bool fit = false;     // grow the viewBox, and the size, to what has moved
-    int decimals = -1;    // written; negative takes what makes rounding a twentieth of the tolerance
-    /// Identifiers of elements: what is drawn in the first is layer 1, and so on; all else is layer 0.
+    double tolerance = 0; // in root user units; 0: 2e-5 of the diagonal of the viewBox
+    int max_halvings = 8; // of a piece outside the tolerance
+    bool fit = false;     // enlarge the viewBox and the size to hold the moved shapes
+    int decimals = -1;    // of coordinates; negative: rounding errors of at most 1/20 of the tolerance
+    /// Ids of elements: content of the first is layer 1 and so on; all else is layer 0.
     std::vector<std::string> layers = {};
 };
 
 struct DeformReport {
     std::size_t shapes = 0;
-    std::size_t points = 0;   // handed to the deformer
+    std::size_t points = 0;   // passed to the deformer
     std::size_t batches = 0;  // calls of the deformer
     std::size_t segments = 0; // written
-    std::size_t coarse = 0;   // of these, accepted outside the tolerance after `max_halvings`
-    std::size_t cut_off = 0;  // shapes that now reach further beyond the viewBox than they did
+    std::size_t coarse = 0;   // segments outside the tolerance after `max_halvings`
+    std::size_t cut_off = 0;  // shapes that extend farther beyond the viewBox than before
     std::vector<std::string> warnings;
 };
 
@@ -112,168 +111,163 @@ namespace detail {
 
 pugi::xml_node root_element(pugi::xml_node node);
 
-/// "svg:" where the root is <svg:svg>, else empty: what the names of SVG's elements begin with.
+/// Namespace prefix of SVG elements: "svg:" if the root is <svg:svg>, else empty.
 std::string name_prefix(pugi::xml_node node);
 
 std::string attribute_text(pugi::xml_node node, const char* name);
 
 void set_attribute(pugi::xml_node node, const char* name, const std::string& raw);
 
-/// A copy that knows the lines of its elements.
+/// A copy, with line numbers.
 SvgDocument copy_of(const SvgDocument& document);
 
 } // namespace detail
 
-/// A document from the text of a file.
+/// Parses a document.
 ///
-///   name     stands before every message
-///   fails    where the text is empty, is not XML, has no <svg> as its only root, or nests too deeply
-///   encodings other than UTF-8 are read too, with lines unknown; writing is always UTF-8
+///   name       prefix of every message
+///   encoding   any that pugixml detects; line numbers only in UTF-8; output is always UTF-8
+///   fails      if the text is empty, not XML, nested too deeply, or <svg> is not its only root
 Expected<SvgDocument> parse_svg(std::string_view text, std::string name);
 
-/// Works as parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or
-/// unpacked.
+/// As parse_svg(), from a file, also compressed by gzip; fails also if it cannot be read or decompressed.
 Expected<SvgDocument> load_svg(const std::filesystem::path& path);
 
-/// The document's text in UTF-8; untouched parts are as they were read, but for the space inside tags, the
+/// The document as UTF-8 text. Unchanged parts are as they were read, except white space inside tags, the
 /// kind of quotes, and <a></a> for <a/>.
 std::string to_text(const SvgDocument& document);
 
-/// The viewBox of the root; without a valid one its width and height; without these 300 x 150, as in CSS.
+/// The viewBox of the root; if invalid, its width and height; else 300 x 150, as in CSS.
 ViewBox view_box(const SvgDocument& document);
 
 namespace detail {
 
-/// The viewBox of an element; nothing where it is not four numbers.
+/// The viewBox of an element; nothing if invalid.
 std::optional<ViewBox> view_box_of(pugi::xml_node node);
 
-/// A shape found by the walk. Other requested elements (text, an image) have the outline of their box as
-/// path.
+/// A shape found by walk(). Texts and images, if requested, have the outline of their box as path.
 struct DrawnShape {
     pugi::xml_node node;
     Affine2 to_root;
     Affine2 from_root;
     Path path;                  // in root user space
-    std::string fill = "black"; // as CSS has them here, inherited
+    std::string fill = "black"; // computed values, as for the fields below
     std::string stroke = "none";
     double stroke_width = 1; // in its own user space
     double fill_opacity = 1, stroke_opacity = 1;
-    bool has_fill = true, has_stroke = false; // that is not transparent
+    bool has_fill = true, has_stroke = false; // visible
     double miter_limit = 4;
     bool has_miters = true;             // stroke-linejoin
     bool has_square_caps = false;       // stroke-linecap
     bool has_dashes = false;            // stroke-dasharray
     bool even_odd = false;              // fill-rule
     bool is_visible = true;             // visibility
-    bool is_transparent = false;        // itself or what it stands in
-    std::array<std::string, 3> markers; // the ids of those at its start, between and at its end
-    int level = 0;                      // of clip paths and masks that it stands in; 0 is the picture itself
-    bool clips = false;                 // stands in a clip path
+    bool is_transparent = false;        // itself or an ancestor
+    std::array<std::string, 3> markers; // ids: start, mid, end
+    int level = 0;                      // number of enclosing clip paths and masks
+    bool clips = false;                 // inside a clip path
     bool is_box = false;                // text or an image
-    std::optional<std::size_t> carrier; // the text that it holds letters of, which has others beside them
-    bool is_extent = false; // about where letters stand on a path: says how far they reach, is not written
+    std::optional<std::size_t> carrier; // index of the text that follows this path in part
+    bool is_extent = false;             // extent of letters on a path: not written
 };
 
-/// Returns the drawn shapes in document order. The document is changed without changing its appearance:
-/// every `use` becomes a group with a copy, and clip paths and masks needed under several transforms are
-/// copied.
+/// Returns the drawn shapes in document order. Changes the document without changing its appearance: every
+/// `use` becomes a group with a copy, and clip paths and masks in use under several transforms are copied.
 Expected<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
 
-/// Makes the element a <path> of this data; `d` takes the place of the first attribute it replaces.
+/// Converts the element to a <path> with this data; `d` replaces the first geometry attribute.
 void write_shape(pugi::xml_node node, const std::string& data);
 
 } // namespace detail
 
-/// All drawn shapes in document order, uses expanded, without what is in clip paths and masks. Fails where an
-/// attribute cannot be read: of a cage or a pose every corner counts.
+/// All drawn shapes in document order, uses expanded, without clip paths and masks. Fails on an invalid
+/// attribute, since cages and poses have to be exact.
 Expected<std::vector<SvgShape>> shapes(const SvgDocument& document);
 
-/// A cage: the loops of the first shape that is made of closed polygons only, in root user space.
+/// A cage: the loops of the first shape that consists of closed polygons, in root user space.
 ///
-///   returns   the loops in the order and orientation drawn, all their corners, the first not repeated at the
-///             end: a pose has to match its cage corner by corner, so nothing is merged or sorted
-///   counts    a polygon, a closed path of lines, a rect without round corners, a polyline that returns
-///   fails     where no shape is one; the message says what the first shape is instead
+///   shapes    a polygon, a closed path of lines, a rect without round corners, a closed polyline
+///   returns   loops in document order and orientation with all corners, the first not repeated. Nothing is
+///             merged or sorted, since a pose has to match its cage corner by corner
+///   fails     if there is no such shape; the message describes the first shape
 Expected<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document);
 
-/// A cage of curves: the subpaths of the first shape that has a closed one, in root user space.
+/// A cage of curves: the subpaths of the first shape with a closed subpath, in root user space.
 ///
-///   returns   them in the order and direction drawn, with the degrees of their segments; each ends exactly
-///             where it begins. Arcs are cubics of at most 45 degrees
-///   closing   the line that Z adds is left out where it is no longer than the coincidence tolerance of the
+///   returns   subpaths in document order and direction, with the degrees of their segments; each ends
+///             exactly at its start. Arcs become cubics of at most 45 degrees
+///   closing   the line that Z adds is dropped if it is not longer than the coincidence tolerance of the
 ///             shape's control points
-///   fails     where there is no such shape, or another subpath of it is open; the message has its number,
+///   fails     if there is no such shape, or another of its subpaths is open; the message has its number,
 ///             counted from 0
 Expected<std::vector<Subpath>> first_outline(const SvgDocument& document);
 
-/// The points of every subpath, in root user space, in the order drawn; fails where one has curves.
+/// The vertices of every subpath, in root user space, in document order; fails if one has curves.
 Expected<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document);
 
-/// A figure's vertices: the end points of all segments in root user space, in document order. The point
-/// where a subpath returns to its start is not repeated: a polygon of 30 corners gives 30.
+/// A figure's vertices: the end points of all segments in root user space, in document order. The start of a
+/// closed subpath is not repeated.
 Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 
-/// Deforms every shape of the document, see the head of this file.
+/// Deforms all shapes, as described at the top of this file.
 ///
 ///   document   changed only on success
-///   deformer   called with all points of the document at once, then with those of the pieces that
-///              have to be halved, at most 1 + max_halvings times
-///   accuracy   every sample of a deformed curve is within the tolerance of the path written, before the
-///              rounding to `decimals`; features narrower than a 64th of the viewBox's diagonal may be missed
-///   left       a shape out of range stays as it is, with a warning; so does a shape for which the deformer
-///              gives a point that is not finite
-///   fails      where copies are too many or nested too deeply, or when the deformer returns false
+///   deformer   called with all points of the document, then with those of halved pieces: at most 1 +
+///              max_halvings times
+///   accuracy   all samples of a deformed curve are within the tolerance of the path before rounding to
+///              `decimals`; features narrower than 1/64 of the diagonal of the viewBox may be missed
+///   skipped    shapes out of range, and shapes with a point whose image is not finite, with a warning
+///   fails      if copies are too many or nested too deeply, or the deformer returns false
 Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                               const DeformOptions& options = {});
 
-/// When an animation has which value: attributes, empty where an animation goes steadily.
+/// Timing attributes of an animation; empty for constant speed.
 struct AnimationTiming {
     std::string times = {}, splines = {};
-    bool adds = false; // to the animations before it
+    bool adds = false; // additive="sum"
 };
 
-/// A document whose attributes change from frame to frame. It shows the first.
+/// A document whose attributes change from frame to frame. Initially it shows frame 0.
 struct AnimatedSvg {
-    /// An attribute in every frame: as numbers, transforms or paths.
+    /// The values of an attribute: numbers, transforms or paths, one per frame.
     struct Track {
         pugi::xml_node node;
         std::string attribute;
-        double scale = 1; // upper bound of the factor from the attribute's units to root units
+        double scale = 1; // upper bound of the scale from the attribute's units to root units
         std::vector<double> numbers = {};
         std::vector<Affine2> maps = {};
-        std::vector<Point2> places = {}; // of maps: corners about all that they move
+        std::vector<Point2> places = {}; // of maps: corners of the moved box
         std::vector<Path> paths = {};
-        int decimals = 6; // of numbers and paths where a frame is shown
+        int decimals = 6; // of numbers and paths in show()
     };
 
     SvgDocument document;
     std::vector<Track> tracks;
     DeformReport report;
 
-    /// Writes the attributes of a frame.
+    /// Sets the attributes to a frame.
     void show(std::size_t frame);
 
-    /// Adds the animations that play all frames, equally far apart, again and again: the first comes after
-    /// the last. They replace those of an earlier call.
+    /// Adds animations that repeat all frames at equal intervals. Replaces those of an earlier call.
     ///
-    ///   tolerance   the largest distance, in root units, between a played frame and the exact one; key
-    ///               frames that this allows are left out
-    ///   returns     the number of key frames, of all attributes
+    ///   tolerance   largest distance, in root units, between a played and an exact frame; key frames are
+    ///               removed within it
+    ///   returns     number of key frames of all attributes
     std::size_t play(double seconds, double tolerance);
 
-    /// Adds one animation, without end, to an element.
+    /// Adds one repeating animation to an element.
+    ///
     ///   type     of a transform: translate, rotate, skewX or scale; else empty
-    ///   values   with semicolons between them
+    ///   values   separated by semicolons
     static pugi::xml_node append_animation(pugi::xml_node node, const std::string& attribute,
                                            const std::string& type, double seconds, const std::string& values,
                                            const AnimationTiming& timing = {});
 
 private:
-    std::vector<pugi::xml_node> animations_; // that play() has added
+    std::vector<pugi::xml_node> animations_; // added by play()
 };
 
-/// Works as deform(), in several frames. The pieces of a path are the same in all; the picture fits all
-/// frames.
+/// As deform(), for several frames. A path has the same pieces in all frames; `fit` holds all frames.
 ///
 ///   frames   at least one
 Expected<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,

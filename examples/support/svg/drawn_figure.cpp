@@ -16,7 +16,7 @@ Vec2 to_vec(const Point2& p) {
     return {p.x, p.y};
 }
 
-/// A subpath as a polyline, the first point not repeated at the end of a closed one.
+/// A flattened subpath. The first point of a closed subpath is not repeated.
 struct Outline {
     std::vector<Vec2> points;
     std::vector<bool> is_corner; // not inside a curve
@@ -51,12 +51,12 @@ Vec2 direction(const Vec2& from, const Vec2& to) {
     return size > 0 ? (1 / size) * e : Vec2{0, 0};
 }
 
-/// Adds the segment from a corner to the tip of its mitre, unless the limit cuts it off (SVG 2, "Line
+/// Adds the segment from a corner to the tip of its mitre, unless the mitre limit cuts it off (SVG 2, "Line
 /// join shape").
 void add_miter(const Vec2& before, const Vec2& corner, const Vec2& after, double radius, double limit,
                DrawnFigure& figure) {
     const Vec2 u = direction(before, corner), v = direction(corner, after);
-    const Vec2 across = u - v; // points away from the inside of the bend
+    const Vec2 across = u - v; // points to the outside of the corner
     const double half_sine = std::sqrt(std::max((1 + -dot(u, v)) / 2, 0.0)); // of half the turn
     const double cosine = std::sqrt(std::max((1 + dot(u, v)) / 2, 0.0));     // the sine of half the angle
     if (half_sine < 1e-6 || !(cosine * limit >= 1)) return;
@@ -101,7 +101,7 @@ void add_shape(const DrawnShape& shape, double tolerance, DrawnFigure& figure) {
         if (n == 1) figure.segments.push_back({outline.points[0], outline.points[0], thick});
         for (std::size_t i = 0; i + 1 < n; ++i)
             figure.segments.push_back({outline.points[i], outline.points[i + 1], thick});
-        if (n > 1 && (outline.closed || filled)) // what fills an open path closes it
+        if (n > 1 && (outline.closed || filled)) // fills close open paths
             figure.segments.push_back({outline.points[n - 1], outline.points[0], outline.closed ? thick : 0});
     }
     if (filled) figure.areas.push_back({begin, figure.segments.size(), shape.even_odd});
@@ -109,12 +109,12 @@ void add_shape(const DrawnShape& shape, double tolerance, DrawnFigure& figure) {
     for (const Outline& outline : outlines) add_stroke(outline, shape, radius, figure);
 }
 
-/// The root's viewBox, or its size; all of the plane where it has neither.
+/// The root's viewBox or size; the whole plane if it has neither.
 Box page_of(const SvgDocument& document) {
     const pugi::xml_node root = root_element(document.xml);
     const auto view = view_box(document);
     const auto is_given = [&](const char* name) {
-        const auto length = parse_length(attribute_text(root, name), 0); // of percentages 0
+        const auto length = parse_length(attribute_text(root, name), 0); // percentages become 0
         return length && *length > 0;
     };
     constexpr double far = std::numeric_limits<double>::infinity();
@@ -132,7 +132,7 @@ Expected<DrawnFigure> drawn_figure(const SvgDocument& document) {
     const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, warnings);
     if (!drawing) return drawing.error();
     for (std::string& line : styles.report.lines()) warnings.push_back(std::move(line));
-    // Shapes beside the page are not seen, unless all lie there.
+    // Shapes off the page are ignored, unless all are.
     const auto page = detail::page_of(work);
     const auto& all = drawing->shapes;
     const std::vector<detail::Box> seen = detail::seen_boxes(*drawing);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Converts the painted parts of an SVG document to the segments that make_cage takes.
+// Converts the visible parts of an SVG document to the input of make_cage.
 
 #include "svg/document.hpp"
 
@@ -10,19 +10,19 @@
 
 namespace cageform_support {
 
-/// Strokes as segments with half their width, tips of mitred corners and square caps included; outlines of
-/// what is filled. In root user space.
+/// Strokes as segments with half the stroke width as radius, including tips of mitred corners and square
+/// caps; outlines of fills. In root user space.
 struct DrawnFigure {
     std::vector<cageform::DrawnSegment<double>> segments;
-    std::vector<cageform::PaintedArea> areas; // one for each filled shape
+    std::vector<cageform::PaintedArea> areas; // one per filled shape
 };
 
-/// All that shows. Not what is not displayed, hidden, wholly transparent, or has neither fill nor stroke;
-/// nor what lies beside the page, unless all does; nor clip paths and masks: a shape that they cut off
-/// counts whole, as it is deformed whole. Text and images count as their boxes.
+/// All visible shapes. Excluded: shapes that are not displayed, hidden, transparent, without fill and stroke,
+/// or in clip paths and masks; shapes off the page, unless all are. A shape that is clipped counts whole,
+/// since it is deformed whole. Texts and images count as their boxes.
 ///
-///   curves   become lines no farther off than 5e-4 of the document's diagonal, and as thick as that
-///   fails    as shapes() does, and where nothing shows
+///   curves   flattened with a tolerance of 5e-4 of the document's diagonal, and thickened by it
+///   fails    as shapes() does, and if nothing is visible
 Expected<DrawnFigure> drawn_figure(const SvgDocument& document);
 
 } // namespace cageform_support

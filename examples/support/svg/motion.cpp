@@ -59,10 +59,10 @@ std::optional<Affine2> Motion::best_map() const {
     const double spread = xx_ + yy_;
     if (!(spread > 0)) return about_means(1, 0, 0, 1);
 
-    // the best turn and scale: columns (a, b) and (-b, a)
+    // the best similarity: columns (a, b) and (-b, a)
     const double a = (mixed_xx_ + mixed_yy_) / spread;
     const double b = (mixed_yx_ - mixed_xy_) / spread;
-    // what it misses, times the points at rest; the best map adds D with D (second moments + ridge) = this
+    // its residual times the points at rest; the best map adds D with D (second moments + ridge) = this
     const double miss_xx = mixed_xx_ - (a * xx_ - b * xy_);
     const double miss_xy = mixed_xy_ - (a * xy_ - b * yy_);
     const double miss_yx = mixed_yx_ - (b * xx_ + a * xy_);
@@ -78,7 +78,7 @@ std::optional<Affine2> Motion::best_map() const {
             (miss_xx * q - miss_xy * xy_) / determinant, (miss_yx * q - miss_yy * xy_) / determinant,
             (miss_xy * p - miss_xx * xy_) / determinant, (miss_yy * p - miss_yx * xy_) / determinant};
     };
-    constexpr double rounding = 1e-14; // of the second moments, and then some
+    constexpr double rounding = 1e-14; // relative error of the second moments
     const Difference plain = with_ridge(rounding * spread);
     const double explained = (a + plain.a) * mixed_xx_ + (b + plain.b) * mixed_yx_ +
                              (plain.c - b) * mixed_xy_ + (a + plain.d) * mixed_yy_;

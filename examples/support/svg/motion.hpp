@@ -1,6 +1,6 @@
 #pragma once
 
-// How the points of a shape have moved, in short: the affine map that is nearest to it.
+// Best affine map of a motion, from accumulated moments.
 
 #include "svg/path.hpp"
 
@@ -8,19 +8,19 @@
 
 namespace cageform_support::detail {
 
-/// Sums over the points of a shape at rest and moved, weighted by the length they stand for.
+/// Moments of the points of a shape at rest and moved, weighted by length.
 class Motion {
 public:
     void add(const Point2& rest, const Point2& moved, double weight);
     void add(const Motion& other);
 
-    /// Whether any point moved at all.
+    /// Whether any point has moved.
     bool moved() const { return moved_; }
 
-    /// The affine map from the points at rest to the moved points that misses them by the least sum of
-    /// squares. Where the points lie along one line, the map across it is taken from the best turn and
-    /// scale; so it is the more, the less the points spread across it compared with what the map misses
-    /// them by. Nothing where all have come to one place or the map would flatten the plane.
+    /// The least-squares affine map from the points at rest to the moved points, regularised towards the best
+    /// similarity: points on a line determine the map across the line only by it, and so do points whose
+    /// spread across is small compared with the residual. Nothing if all points coincide after the motion, or
+    /// the map is nearly singular.
     std::optional<Affine2> best_map() const;
 
 private:
@@ -29,7 +29,7 @@ private:
     double weight_ = 0;
     Point2 rest_mean_, moved_mean_;
     double xx_ = 0, xy_ = 0, yy_ = 0; // second moments at rest, about the mean
-    double mixed_xx_ = 0, mixed_xy_ = 0, mixed_yx_ = 0, mixed_yy_ = 0; // of moved by rest
+    double mixed_xx_ = 0, mixed_xy_ = 0, mixed_yx_ = 0, mixed_yy_ = 0; // moved times rest
     double square_ = 0;                                                // of moved
     bool moved_ = false;
 };

@@ -19,10 +19,10 @@ Affine2 from_unit_square(const Box& box) {
 
 struct InheritedAttribute {
     const char* name;
-    const char* otherwise; // empty: its absence has a meaning of its own
+    const char* otherwise; // default; empty: none
 };
 
-/// The attributes that a gradient or pattern takes from those it refers to, but for its transform.
+/// The inherited attributes of a gradient or pattern, except its transform.
 std::vector<InheritedAttribute> inherited_attributes(const std::string& kind) {
     if (kind == "pattern") {
         return {{"patternUnits", ""},
@@ -43,14 +43,14 @@ std::vector<InheritedAttribute> inherited_attributes(const std::string& kind) {
     return all;
 }
 
-/// Whether an attribute of a gradient is about more than its stops.
+/// Whether an attribute positions a gradient.
 bool places_colours(const std::string& kind, std::string_view name) {
     const auto all = inherited_attributes(kind);
     return is_reference(name) || name == "gradientTransform" ||
            std::any_of(all.begin(), all.end(), [&](const auto& each) { return each.name == name; });
 }
 
-/// Whether it has stops or a tile, rather than those of another one.
+/// Whether a paint server has its own stops or tile.
 bool has_content(pugi::xml_node server) {
     const bool is_pattern = local_name(server) == "pattern";
     return bool(server.find_child([&](pugi::xml_node child) {
@@ -108,7 +108,7 @@ std::optional<PaintServer> PaintFollower::find(const std::string& value) {
     server.is_pattern = local_name(server.chain.front()) == "pattern";
     const char* const name = transform_name(server);
     auto transform = parse_transform(chain_text(server, name));
-    for (; !transform; transform = parse_transform(chain_text(server, name))) { // browsers take the next one
+    for (; !transform; transform = parse_transform(chain_text(server, name))) { // browsers use the next one
         const auto has_it = [&](pugi::xml_node node) { return bool(node.attribute(name)); };
         pugi::xml_node owner = *std::find_if(server.chain.begin(), server.chain.end(), has_it);
         warnings.push_back(to_string(error_in(document_, owner, name, transform.error())) +
@@ -129,17 +129,17 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     if (rest.empty() || moved.front().empty()) return;
 
     const auto from_rest = inverse(from_unit_square(rest));
-    if (server->of_box && !from_rest) { // browsers paint a box without an area by what stands behind url()
+    if (server->of_box && !from_rest) { // browsers use the fallback for a box without area
         const auto has_area = [](const Box& box) { return inverse(from_unit_square(box)).has_value(); };
         const std::string otherwise(trimmed(std::string_view(value).substr(value.find(')') + 1)));
         if (std::any_of(moved.begin(), moved.end(), has_area))
             styles_.set(shape.node, property, otherwise.empty() ? "none" : otherwise);
         return;
     }
-    // Whether paint goes where it is to go, by maps in user space or in units of the box.
+    // Whether maps, in user space or box units, move the paint with the shape.
     const auto goes_right = [&](bool of_box, const auto& map_of) {
         for (std::size_t n = 0; n < local.size(); ++n) {
-            const std::size_t f = (n + local.size() / 2) % local.size(); // motions often begin at rest
+            const std::size_t f = (n + local.size() / 2) % local.size(); // motions often start at rest
             const Affine2 placed =
                 of_box ? compose(from_unit_square(moved[f]), compose(map_of(f), *from_rest)) : map_of(f);
             for (const Point2& p : rest.corners()) {
@@ -150,12 +150,12 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
         }
         return true;
     };
-    const bool fills_box = server->of_box && !server->is_pattern; // tiles keep what they hold in user space
+    const bool fills_box = server->of_box && !server->is_pattern; // patterns map in user space
     if (goes_right(fills_box, [](std::size_t) { return Affine2(); })) return;
 
     std::vector<Affine2> maps;
     for (std::size_t f = 0; f < local.size(); ++f) {
-        const auto from_moved = inverse(from_unit_square(moved[f])); // nothing without an area
+        const auto from_moved = inverse(from_unit_square(moved[f])); // nothing if the area is 0
         if (fills_box && !from_moved && maps.empty()) return;
         maps.push_back(!fills_box   ? local[f]
                        : from_moved ? compose(*from_moved, compose(local[f], from_unit_square(rest)))
@@ -210,7 +210,7 @@ pugi::xml_node PaintFollower::copy_of_gradient(const Server& gradient) {
     return copy;
 }
 
-/// Some programs let a gradient take nothing but stops from another one, which then has to have no place.
+/// Some programs inherit only stops from a gradient, and require that it has no position.
 std::string PaintFollower::stops_of(pugi::xml_node gradient) {
     const std::string kind = local_name(gradient), id = attribute_text(gradient, "id");
     const auto places = [&](pugi::xml_attribute each) { return places_colours(kind, each.name()); };
@@ -232,8 +232,8 @@ bool PaintFollower::content_is_of_box(const Server& pattern) const {
            chain_text(pattern, "patternContentUnits") == "objectBoundingBox";
 }
 
-/// A pattern's tile in units of the box is written in user space, where the transform applies. The content is
-/// that of the original: a pattern without elements takes it from the one that it refers to.
+/// Converts a pattern's tile in box units to user space, where the transform applies. The content stays that
+/// of the original: a pattern without elements inherits it.
 pugi::xml_node PaintFollower::copy_of_pattern(const Server& pattern, const Box& rest) {
     pugi::xml_node copy = add_copy(pattern);
     if (const pugi::xml_node owner = content_owner(pattern.chain)) refer(copy, attribute_text(owner, "id"));
@@ -251,7 +251,7 @@ pugi::xml_node PaintFollower::copy_of_pattern(const Server& pattern, const Box& 
         set_attribute(copy, "height", format_number(down * height, 12));
         set_attribute(copy, "patternUnits", "userSpaceOnUse");
     }
-    if (content_is_of_box(pattern)) { // a viewBox scales it as the box would
+    if (content_is_of_box(pattern)) { // a viewBox has the same effect
         const double w = pattern.of_box ? width : width / rest.width();
         const double h = pattern.of_box ? height : height / rest.height();
         set_attribute(copy, "viewBox", "0 0 " + format_number(w, 15) + ' ' + format_number(h, 15));
@@ -263,23 +263,23 @@ pugi::xml_node PaintFollower::copy_of_pattern(const Server& pattern, const Box& 
 
 namespace {
 
-/// A region as its element gives it: in user units, or as fractions of the box.
+/// A region in user units, or in fractions of the box.
 struct Region {
     pugi::xml_node node;
     bool of_box = true;
-    Box written; // at first
-    Box wanted;  // by all that refer to it
+    Box written; // in the file
+    Box wanted;  // by all references
     bool changed = false;
 };
 
 using Regions = std::map<std::size_t, Region>; // by the hash of their element
 
-/// An element that refers to a mask or a filter, in its own user space.
+/// A reference to a mask or filter, in the user space of the referring element.
 struct Subject {
     const Reference& reference;
     const Box& before;
     const std::vector<Box>& after;            // in every frame
-    std::vector<std::optional<Affine2>> maps; // the best for its shapes
+    std::vector<std::optional<Affine2>> maps; // best maps of its shapes, #frames
 };
 
 Box in_user_units(const Region& region, const Box& box) {
@@ -295,7 +295,7 @@ Box in_units_of(const Region& region, const Box& r, const Box& box) {
             (r.y1 - box.y0) / box.height()};
 }
 
-/// A region whose attributes, where they are missing, have the values of `otherwise`.
+/// Reads a region. Missing attributes have the values of `otherwise`.
 Region read_region(pugi::xml_node node, bool of_box, const Viewport& viewport, const Box& otherwise) {
     Region region;
     region.node = node;
@@ -318,8 +318,8 @@ Region region_of(pugi::xml_node node, const Viewport& viewport) {
     return read_region(node, of_box, viewport, {-0.1 * w, -0.1 * h, 1.1 * w, 1.1 * h});
 }
 
-/// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the
-/// cut goes where the best map takes it.
+/// Enlarges a region for a subject, keeping its margins. A region that cuts the content moves with the best
+/// map.
 void grow(const SvgDocument& document, Region& region, const Subject& subject,
           std::vector<std::string>& warnings) {
     const Box& before = subject.before;
@@ -357,8 +357,9 @@ void write(const Region& region) {
     set_box(region.node, box, 6);
 }
 
-/// A light in user space goes where the map takes its place in the plane, and what it points at.
-///   maps    of every frame; where there is none, the light stays where it was in the frame before
+/// Moves a light source in user space, and the point it points at.
+///
+///   maps    #frames; if there is none, the position of the frame before is kept
 ///   scale   to root user space
 void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>& maps, double scale,
                 std::vector<AnimatedSvg::Track>& tracks) {
@@ -382,14 +383,15 @@ void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>&
     }
 }
 
-/// The primitives of a filter that have places in user space: their regions, and lights.
+/// Updates filter primitives in user space: their regions, and light sources.
+///
 ///   whole    the filter's region in user units, at rest
-///   shared   other elements refer to the filter too
+///   shared   whether other elements refer to the filter
 void follow_primitives(const SvgDocument& document, const Subject& subject, const Box& whole, bool shared,
                        Regions& regions, std::vector<AnimatedSvg::Track>& tracks,
                        std::vector<std::string>& warnings) {
     const pugi::xml_node filter = subject.reference.target;
-    if (attribute_text(filter, "primitiveUnits") == "objectBoundingBox") return; // they go with the box
+    if (attribute_text(filter, "primitiveUnits") == "objectBoundingBox") return; // relative to the box
     for (const pugi::xml_node primitive : filter.children()) {
         if (!local_name(primitive).starts_with("fe")) continue;
         const auto has = [&](const char* name) { return static_cast<bool>(primitive.attribute(name)); };
@@ -424,7 +426,7 @@ Box region_in_user_space(pugi::xml_node node, const Viewport& viewport, const Bo
 
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& moved,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings) {
-    std::map<std::size_t, int> users; // by the hash of what they refer to
+    std::map<std::size_t, int> users; // by the hash of the target
     for (const Reference& r : rest.references) ++users[r.target.hash_value()];
     Regions regions;
     for (std::size_t i = 0; i < rest.references.size(); ++i) {

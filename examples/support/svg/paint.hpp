@@ -13,29 +13,28 @@
 
 namespace cageform_support::detail {
 
-/// The gradient or pattern of this id, then those it takes attributes from; empty where there is none.
+/// The gradient or pattern with this id and those it inherits from; empty if there is none.
 std::vector<pugi::xml_node> server_chain(const IdTable& ids, const std::string& id);
 
-/// The first of a chain that has stops or a tile; nothing where none has.
+/// The first of a chain that has stops or a tile; nothing if none has.
 pugi::xml_node content_owner(const std::vector<pugi::xml_node>& chain);
 
-/// A gradient or pattern, and those it takes attributes from.
+/// A gradient or pattern, and those it inherits from.
 struct PaintServer {
     std::vector<pugi::xml_node> chain; // itself first
     bool is_pattern = false;
-    bool of_box = true; // its place is in units of the shape's box
+    bool of_box = true; // objectBoundingBox units
     Affine2 transform;  // its own
 };
 
-/// Makes paint follow the shapes. If an unchanged gradient or pattern would not follow its shape's best
-/// affine map, the shape gets a copy of it with that map and an id of its own. Shapes for which the same
-/// map is right share a copy. A copy has all attributes resolved. It refers to another element only for
-/// stops or for the content of tiles.
+/// Makes gradients and patterns follow the shapes. If the unchanged paint server would not follow its shape's
+/// best affine map, the shape gets a copy with that map. Shapes for which the same map fits share a copy. A
+/// copy has all attributes resolved, and refers to another element only for stops or tile content.
 class PaintFollower {
 public:
     using Tracks = std::vector<AnimatedSvg::Track>;
 
-    ///   tracks   gets the transforms of the copies in all frames
+    ///   tracks   out: transforms of the copies
     PaintFollower(SvgDocument& document, const StyleSheets& styles, IdTable& ids, double tolerance,
                   Tracks& tracks)
         : document_(document)
@@ -44,10 +43,11 @@ public:
         , tolerance_(tolerance)
         , tracks_(tracks) {}
 
-    /// The shape's fill and stroke.
-    ///   best    its best map in every frame
-    ///   rest    the shape's box in its own user space
-    ///   moved   that box in every frame
+    /// Updates the fill and stroke of a shape.
+    ///
+    ///   best    its best map, #frames
+    ///   rest    its box in its own user space
+    ///   moved   that box, #frames
     void follow(const DrawnShape& shape, const std::vector<Affine2>& best, const Box& rest,
                 const std::vector<Box>& moved);
 
@@ -58,19 +58,19 @@ private:
 
     struct Copy {
         std::string id;
-        std::vector<Affine2> maps; // in every frame, before the original's transform
-        Box tile;                  // at rest, of a pattern that is in units of it
+        std::vector<Affine2> maps; // #frames, precede the original transform
+        Box tile;                  // box at rest, for patterns in objectBoundingBox units
         std::size_t track = 0;
     };
 
     std::optional<PaintServer> find(const std::string& value);
     void follow(const DrawnShape& shape, const char* property, const std::string& value,
                 const std::vector<Affine2>& local, const Box& rest, const std::vector<Box>& moved);
-    /// A copy that has all that the original has or takes from others, but neither transform nor content.
+    /// A copy with all own and inherited attributes, without transform and content.
     pugi::xml_node add_copy(const Server& server);
     pugi::xml_node copy_of_gradient(const Server& gradient);
     pugi::xml_node copy_of_pattern(const Server& pattern, const Box& rest);
-    /// The id of a gradient that has the stops of this one and nothing else.
+    /// The id of a gradient that has the same stops and no other attributes.
     std::string stops_of(pugi::xml_node gradient);
     void refer(pugi::xml_node node, const std::string& id);
     bool content_is_of_box(const Server& pattern) const;
@@ -81,27 +81,27 @@ private:
     IdTable& ids_;
     double tolerance_; // in root user space
     Tracks& tracks_;
-    std::map<std::string, std::vector<Copy>> copies_; // by the id of what they are of
-    std::map<std::string, std::string> stops_;        // by the id of the gradient that has them
+    std::map<std::string, std::vector<Copy>> copies_; // by the id of the original
+    std::map<std::string, std::string> stops_;        // by the id of the original
 };
 
-/// The region of a mask or filter that lies about what this box holds.
+/// The region of a mask or filter for content with this box, in user space.
 Box region_in_user_space(pugi::xml_node node, const Viewport& viewport, const Box& box);
 
-/// The box of the content that a mask or filter covers, in the user space of the element that refers to it.
+/// The box of the content of a mask or filter, in the user space of the element that refers to it.
 struct MovedRegion {
     Box before;
     std::vector<Box> after; // in every frame
-    /// In every frame: the best map of the shapes, in root user space, without the map of an element that
+    /// #frames: the best map of the shapes, in root user space, without the map of an enclosing element that
     /// moves as a whole.
     std::vector<std::optional<Affine2>> maps;
     bool moved = false;
 };
 
-/// Makes the regions of masks and filters large enough for what they cover in all frames. The function also
-/// enlarges regions of filter primitives that are given in user space. Lights of a filter go where the best
-/// map of its only user takes them.
-///   regions   of the drawing's references
+/// Enlarges the regions of masks, filters and filter primitives in user space to their content in all frames.
+/// Light sources of a filter with a single user follow that user's best map.
+///
+///   regions   #references of the drawing
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);
 

@@ -9,7 +9,7 @@
 namespace cageform_support {
 
 Segment part_of(const Point2& from, const Segment& s, double first, double last) {
-    const auto blossom = [&](double a, double b, double c) { // de Casteljau, with a parameter a step
+    const auto blossom = [&](double a, double b, double c) { // de Casteljau, one parameter per step
         const auto mix = [](const Point2& p, const Point2& q, double t) {
             return Point2{(1 - t) * p.x + t * q.x, (1 - t) * p.y + t * q.y};
         };
@@ -21,7 +21,7 @@ Segment part_of(const Point2& from, const Segment& s, double first, double last)
 
 std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance) {
     if (s.is_line()) return 1;
-    // A cubic is no farther from its chord than 3/4 of its larger second difference.
+    // The distance of a cubic from its chord is at most 3/4 of its larger second difference.
     const double bend = std::max(std::hypot(from.x - 2 * s.p1.x + s.p2.x, from.y - 2 * s.p1.y + s.p2.y),
                                  std::hypot(s.p1.x - 2 * s.p2.x + s.p3.x, s.p1.y - 2 * s.p2.y + s.p3.y));
     return std::size_t(std::clamp(std::ceil(std::sqrt(0.75 * bend / tolerance)), 1.0, 1000.0));
@@ -57,7 +57,7 @@ std::string lowered(std::string_view text) {
     return result;
 }
 
-/// Reads tokens from left to right and remembers the first failure with its place.
+/// Tokenizer that keeps the first error and its position.
 class Scanner {
 public:
     explicit Scanner(std::string_view text)
@@ -91,7 +91,7 @@ public:
         const char* const first = text_.data() + begin;
         const auto [end, code] = std::from_chars(first, text_.data() + text_.size(), value);
         if (code == std::errc::result_out_of_range) {
-            // from_chars does not tell too large from too small; the latter is as good as zero
+            // from_chars does not distinguish overflow from underflow; the latter is zero
             if (!below_one({first, static_cast<std::size_t>(end - first)})) {
                 return fail("number out of range");
             }
@@ -145,7 +145,7 @@ private:
     bool failed_ = false;
 };
 
-/// The `d` attribute, one command at a time.
+/// Parser of the `d` attribute.
 class PathReader {
 public:
     PathReader(std::string_view text, double most_turn)
@@ -290,8 +290,8 @@ private:
 
     Scanner scan_;
     PathBuilder builder_;
-    std::optional<Point2> cubic_control_;     // of the command just before, if that was C or S
-    std::optional<Point2> quadratic_control_; // likewise for Q and T
+    std::optional<Point2> cubic_control_;     // of the last command, if C or S
+    std::optional<Point2> quadratic_control_; // of the last command, if Q or T
     char command_ = 'M';
     bool relative_ = false;
     bool started_ = false;
@@ -382,7 +382,7 @@ Expected<Affine2> parse_transform(std::string_view text) {
 
 namespace detail {
 
-/// Reads a length, or calc(), min(), max() or clamp() of lengths and numbers.
+/// Parser of a length, or calc(), min(), max() or clamp() of lengths and numbers.
 class LengthReader {
 public:
     LengthReader(std::string_view text, double whole, double em, double root_em)
@@ -459,7 +459,7 @@ private:
         return scan_.fail_at(end, "unknown unit \"" + unit + '"');
     }
 
-    /// Parts with one of two operations between them; `combine` is told whether it is the second.
+    /// Parses parts separated by one of two operators; `combine` gets whether it is the second.
     template <class Part, class Combine>
     bool chain(double& value, std::string_view operations, const Part& part, const Combine& combine) {
         if (!part(value)) return false;
@@ -542,11 +542,11 @@ std::string write_path_data(const Path& path, int decimals) {
 std::string write_short_path_data(const Path& path, int decimals) {
     const double unit = std::pow(10.0, decimals);
     std::string text;
-    Point2 at; // in last digits, rounded as all places are, so that steps do not add up errors
+    Point2 at; // in units of the last digit, rounded, so that errors of steps do not accumulate
     char last = 0;
     const auto put = [&](char command, std::initializer_list<Point2> points) {
         const bool repeats = command == last && (command == 'l' || command == 'c');
-        bool parted = !repeats && !(command == 'l' && last == 'm'); // by the command
+        bool parted = !repeats && !(command == 'l' && last == 'm'); // the command separates numbers
         if (parted) text += command;
         bool has_point = false; // the number before
         Point2 end = at;

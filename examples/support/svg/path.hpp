@@ -1,8 +1,8 @@
 #pragma once
 
-// The small grammars inside SVG attributes: path data, transforms, lengths and lists of numbers.
-// Everything is read into plain values; nothing here knows XML. After SVG 2: "Paths" (grammar, and the
-// implementation notes on elliptical arcs) and "Coordinate systems, transformations and units".
+// Grammars of SVG attributes: path data, transforms, lengths and lists of numbers. Independent of XML. After
+// SVG 2, "Paths" (grammar; implementation notes on elliptical arcs) and "Coordinate systems, transformations
+// and units".
 
 #include "io/expected.hpp"
 #include "io/point2.hpp"
@@ -20,24 +20,24 @@
 
 namespace cageform_support {
 
-/// One curve from the end of the one before, as a cubic. A line has its control points at its thirds, a
-/// quadratic those of the cubic that it equals.
+/// A segment as a cubic; it starts at the end of the segment before. The control points of a line are at its
+/// thirds, those of a quadratic those of the equal cubic.
 struct Segment {
     Point2 p1;
     Point2 p2;
     Point2 p3;
-    unsigned degree = 3;  // as it was drawn: 1 to 3
-    bool goes_on = false; // with the arc that the segment before it is of
+    unsigned degree = 3;  // original: 1 to 3
+    bool goes_on = false; // continues the arc of the segment before
 
     bool is_line() const { return degree == 1; }
 };
 
-/// Returns the control point of a quadratic, from those of the cubic that it equals.
+/// The control point of a quadratic, from the equal cubic.
 inline Point2 quadratic_control(const Point2& from, const Point2& p1) {
     return {1.5 * p1.x - from.x / 2, 1.5 * p1.y - from.y / 2};
 }
 
-/// A closed one ends exactly where it starts: its closing line is among the segments.
+/// The closing line of a closed subpath is among its segments: it ends exactly at its start.
 struct Subpath {
     Point2 start;
     std::vector<Segment> segments;
@@ -47,7 +47,7 @@ struct Subpath {
 
 using Path = std::vector<Subpath>;
 
-/// The place of a curve at `t`, 0 to 1; `from`: the end of the segment before it.
+/// The point of a curve at parameter `t`, 0 to 1; it starts at `from`.
 inline Point2 place_on(const Point2& from, const Segment& s, double t) {
     const double u = 1 - t, a = u * u * u, b = 3 * u * u * t, c = 3 * u * t * t, d = t * t * t;
     return {a * from.x + b * s.p1.x + c * s.p2.x + d * s.p3.x,
@@ -57,8 +57,7 @@ inline Point2 place_on(const Point2& from, const Segment& s, double t) {
 /// The part of a curve from one parameter to another.
 Segment part_of(const Point2& from, const Segment& s, double first, double last);
 
-/// Returns the number of pieces, equal in t, into which a curve has to be cut so that none is farther than
-/// `tolerance` from its chord; at most 1000.
+/// Number of pieces, equal in t, such that none is farther than `tolerance` from its chord; at most 1000.
 std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance);
 
 /// (x, y) -> (a x + c y + e, b x + d y + f), in the order of SVG's matrix().
@@ -88,17 +87,16 @@ inline Affine2 compose(const Affine2& outer, const Affine2& inner) {
     return {x.x, x.y, y.x, y.y, origin.x, origin.y};
 }
 
-/// Nothing for a map that flattens the plane, up to rounding, or is out of range.
+/// The inverse; nothing if the map is singular up to rounding, or out of range.
 std::optional<Affine2> inverse(const Affine2& m);
 
 Path transformed(Path path, const Affine2& map);
 
-/// The turn of an arc that one cubic stands for at most: so that it meets the radius to 2.8e-4 of itself, and
-/// as an edge of a cage, to 4e-6.
+/// Largest angle of an arc that one cubic approximates: to 2.8e-4 of the radius in figures, 4e-6 in cages.
 constexpr double arc_of_figure = std::numbers::pi / 2, arc_of_cage = std::numbers::pi / 4;
 
-/// Builds absolute subpaths; the commands have SVG's meaning. A drawing command after close() starts a
-/// new subpath where the closed one started. Overflow is remembered, see `finite()`.
+/// Builds absolute subpaths from SVG commands. A drawing command after close() starts a new subpath at the
+/// start of the closed one. Overflow is recorded, see finite().
 class PathBuilder {
 public:
     explicit PathBuilder(double most_turn = arc_of_figure)
@@ -123,8 +121,8 @@ public:
 
     void cubic_to(const Point2& p1, const Point2& p2, const Point2& p) { add(p1, p2, p, 3); }
 
-    /// The ellipse is mapped to the unit circle, where `h` is half the chord: its length is the sine of half
-    /// the turn, and beyond one the radii are too small and grow by it.
+    /// Maps the ellipse to the unit circle. There `h` is half the chord, and its length the sine of half the
+    /// angle. If it exceeds one, the radii are too small and are scaled by it.
     void arc_to(double rx, double ry, double degrees, bool large, bool sweep, const Point2& end) {
         if (end == current_) return;
         rx = std::abs(rx);
@@ -137,7 +135,7 @@ public:
         const Point2 half{end.x / 2 - current_.x / 2, end.y / 2 - current_.y / 2};
         Point2 h{(cosine * half.x + sine * half.y) / rx, (cosine * half.y - sine * half.x) / ry};
         double length = std::hypot(h.x, h.y);
-        if (length == 0 || !std::isfinite(length)) return line_to(end); // beyond what doubles can tell
+        if (length == 0 || !std::isfinite(length)) return line_to(end); // below the precision of double
         if (length > 1) {
             rx *= length;
             ry *= length;
@@ -173,7 +171,7 @@ public:
         }
     }
 
-    /// A gap of rounding size, as sums of relative steps leave it, is closed without a line.
+    /// Closes a gap of the size of rounding errors, as sums of relative steps have, without a line.
     void close() {
         if (!open_) return;
         Subpath& subpath = path_.back();
@@ -228,53 +226,51 @@ inline bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
-/// A text with its ASCII letters in lower case.
+/// Converts ASCII letters to lower case.
 std::string lowered(std::string_view text);
 
 } // namespace detail
 
-/// Path data as absolute subpaths of cubics; empty text is an empty path.
+/// Parses path data to absolute subpaths of cubics; empty text is an empty path.
 ///
-///   fails       at the first place that is not SVG's grammar, with a number beyond double's range, or where
-///               a sum of relative steps leaves it; nothing of a malformed path is returned
-///   most_turn   of an arc for one cubic
+///   fails       at the first syntax error, number out of range, or overflow of relative steps
+///   most_turn   largest angle per cubic of an arc
 Expected<Path> parse_path_data(std::string_view text, double most_turn = arc_of_figure);
 
-/// Works as parse_path_data(), and returns the path up to a fault, which is what browsers draw; of a path
-/// that leaves the range of numbers nothing.
+/// As parse_path_data(), but returns the path up to the error, as browsers do; nothing on overflow.
 struct ReadPath {
     Path path;
     std::optional<FileError> fault;
 };
 ReadPath read_path_data(std::string_view text, double most_turn = arc_of_figure);
 
-/// A number and what stands after it. Nothing where the text does not begin with a number.
+/// A number and the text after it; nothing if the text does not begin with a number.
 struct Quantity {
     double value = 0;
     std::string_view unit;
 };
 std::optional<Quantity> read_quantity(std::string_view text);
 
-/// Numbers parted by white space with at most one comma, as in `points` and `viewBox`.
+/// Parses numbers separated by white space and at most one comma, as in `points` and `viewBox`.
 Expected<std::vector<double>> parse_numbers(std::string_view text);
 
-/// A `transform` attribute as one map; the functions are those of SVG 1.1, angles in degrees.
+/// Parses a `transform` attribute to one map; functions of SVG 1.1, angles in degrees.
 Expected<Affine2> parse_transform(std::string_view text);
 
-/// A length in user units, or calc(), min(), max() or clamp() of some: 96 to the inch; a percentage is of
-/// `whole`; ex and ch are half of an em.
+/// Parses a length, or calc(), min(), max() or clamp() of lengths, to user units: 96 per inch; percentages of
+/// `whole`; ex and ch are half an em.
 ///
-///   em, root_em   the size of the font of the element and of the root
+///   em, root_em   font size of the element and of the root
 Expected<double> parse_length(std::string_view text, double whole, double em = 16, double root_em = 16);
 
 /// The shortest text that reads back as `value` rounded to `decimals` digits after the point (0 to 17).
 std::string format_number(double value, int decimals);
 
-/// Path data with M, L, C and Z, absolute; a last line back to the start is left to Z.
+/// Path data with absolute M, L, C and Z; a final line to the start is left to Z.
 std::string write_path_data(const Path& path, int decimals);
 
-/// Path data in few bytes: relative commands, and a last line back to the start is always left to Z. Paths
-/// of equal pieces get equal commands. No coordinate is off by more than half of the last digit.
+/// Compact path data: relative commands; a final line to the start is left to Z. Paths with equal pieces get
+/// equal commands. No coordinate is off by more than half of the last digit.
 ///
 ///   decimals   0 to 15
 std::string write_short_path_data(const Path& path, int decimals);

@@ -70,12 +70,12 @@ mask-type:luminance)";
 
 struct Grammar {
     std::string_view names; // of properties and functions
-    /// Up to three lists, separated by "|": values of one word, first words of longer values, and the words after
-    /// the first. Without a third list the second is used.
+    /// Up to three lists, separated by "|": values of one word, first words of longer values, and their other
+    /// words. Without a third list the second is used.
     std::string_view words;
 };
 
-/// A word in angle brackets is a kind of word, see is_of_kind().
+/// A word in angle brackets is a class of words, see is_of_kind().
 constexpr Grammar grammars[] = {
     {"clip-path", "none <url> <function> fill-box stroke-box view-box border-box padding-box content-box "
                   "margin-box|<function> fill-box stroke-box view-box border-box padding-box content-box "
@@ -115,7 +115,7 @@ constexpr Grammar grammars[] = {
     {"translatex() translatey()", "<distance>"},
     {"visibility", "visible hidden collapse"}};
 
-/// Colours and functions of colours that parse_colour() does not read.
+/// Colours that parse_colour() does not support.
 constexpr std::string_view other_colours = R"(
 hsl() hsla() hwb() lab() lch() oklab() oklch() color() color-mix() light-dark()
 accentcolor accentcolortext activeborder activecaption activetext appworkspace background buttonborder
@@ -129,7 +129,7 @@ constexpr std::string_view math_functions = R"(
 abs() acos() asin() atan() atan2() calc() calc-size() clamp() cos() exp() hypot() log() max() min() mod()
 pow() rem() round() sign() sin() sqrt() tan())";
 
-/// Units whose size a browser takes from its window or from a font.
+/// Units relative to the window or to font metrics.
 constexpr std::string_view page_units = R"(
 cap ic lh rcap ric rlh vw vh vi vb vmin vmax svw svh svi svb svmin svmax lvw lvh lvi lvb lvmin lvmax
 dvw dvh dvi dvb dvmin dvmax cqw cqh cqi cqb cqmin cqmax)";
@@ -169,7 +169,7 @@ std::set<std::string_view> set_of(std::string_view list) {
     return {words.begin(), words.end()};
 }
 
-/// Whether a word of a value, in lower case, is of a kind that a grammar names.
+/// Whether a word of a value, in lower case, is of a class.
 bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute) {
     const std::size_t open = word.find('(');
     const bool is_function = open != std::string_view::npos && word.ends_with(')');
@@ -198,7 +198,7 @@ bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute)
     return !(needs_unit && unit.empty()) && !(is_positive && value < 0);
 }
 
-/// The property that an element animates and that the deformation moves; empty for others.
+/// The deformed property that an element animates; empty if there is none.
 std::string animated_property(pugi::xml_node node, const std::string& kind) {
     if (kind == "animateMotion" || kind == "animateTransform") return "the transform";
     const std::string name = attribute_text(node, "attributeName");
@@ -222,7 +222,7 @@ PropertyUse use_of(std::string_view property) {
         put(not_applied_names, PropertyUse::not_applied);
         return uses;
     }();
-    if (property.starts_with("--")) return PropertyUse::kept; // an author's, for var()
+    if (property.starts_with("--")) return PropertyUse::kept; // custom property, for var()
     const auto found = table.find(property);
     return found == table.end() ? PropertyUse::unknown : found->second;
 }
@@ -250,7 +250,8 @@ bool is_valid(std::string_view property, std::string_view value, bool is_attribu
     const std::string text = lowered(trimmed(value));
     const bool is_open = text.find("var(") != std::string::npos || text.find("env(") != std::string::npos;
     const auto words = css_words(text);
-    if (is_open || !words || has_word(wide_keywords, text)) return true; // the end closes brackets
+    if (is_open || !words || has_word(wide_keywords, text))
+        return true; // the end of the text closes brackets
     const auto is_one_of = [&](std::string_view word, const Words& allowed) {
         return std::any_of(allowed.begin(), allowed.end(), [&](std::string_view each) {
             return each == word || (each.starts_with('<') && is_of_kind(word, each, is_attribute));
@@ -317,7 +318,7 @@ void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, 
         const std::string_view name = attribute.name();
         const bool foreign = name.find(':') != std::string_view::npos || name.starts_with("data-") ||
                              name.starts_with("aria-") || name.starts_with("on") ||
-                             name.starts_with("cageform-"); // a mark of ours
+                             name.starts_with("cageform-"); // our own marks
         if (!foreign && known_attributes.count(name) == 0) tell(name, attribute.value());
     }
     for (const Declaration& d : declarations(node.attribute("style").value())) {

@@ -1,4 +1,4 @@
-// Expands references: used elements become copies; clip paths, masks and filters are listed.
+// Expands references: copies the targets of uses; lists clip paths, masks and filters.
 
 #include "svg/collector.hpp"
 #include "svg/css_geometry.hpp"
@@ -42,7 +42,7 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
     for (pugi::xml_node node = use; node; node = node.parent()) cyclic = cyclic || node == target;
     if (cyclic) {
         warn(use, "uses itself through \"" + reference + "\" and is not drawn");
-        use_becomes_group(use); // an empty one: a use in a copy no longer uses itself
+        use_becomes_group(use); // empty, which breaks the cycle
         return {};
     }
     const std::string kind = local_name(target);
@@ -69,8 +69,8 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
 std::size_t ShapeCollector::expanded_size(pugi::xml_node top, int depth) {
     const auto known = expanded_sizes_.find(top.hash_value());
     if (known != expanded_sizes_.end()) return known->second;
-    if (depth >= max_svg_depth) return 0;  // refused for that
-    expanded_sizes_[top.hash_value()] = 0; // within itself, which is refused too
+    if (depth >= max_svg_depth) return 0;  // an error elsewhere
+    expanded_sizes_[top.hash_value()] = 0; // cycles are an error elsewhere
     std::size_t size = 0;
     for (pugi::xml_node node = top; node && size <= max_svg_copies; node = next_node(node, top)) {
         ++size;
@@ -210,7 +210,7 @@ bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values,
         const bool is_function = kind == std::string_view("filter") && id.empty() && value.ends_with(')');
         if (!is_function && (!target || local_name(target) != kind)) return true;
         const auto from_root = inverse(place.to_root);
-        if (!from_root) return true; // nothing of it is drawn
+        if (!from_root) return true; // not drawn
         Reference reference{node,  target, place.to_root, *from_root, place.viewport, place.style.level,
                             first, end};
         if (kind != std::string_view("filter") && !visit_reference(property, id, place, reference)) {
@@ -236,11 +236,11 @@ bool ShapeCollector::make_clip_path(pugi::xml_node node, const Values& values, c
         fill.add(box);
         stroke.add(box);
         stroke.add(painted);
-        has_text = has_text || local_name(shape.node) == "text"; // whose box the fonts of the viewer make
+        has_text = has_text || local_name(shape.node) == "text"; // whose box depends on the viewer's fonts
         has_tips = has_tips ||
                    (shape.has_miters && local_name(shape.node).starts_with('p') && !box.contains(painted));
     }
-    if (fill.empty()) return false; // nothing is drawn
+    if (fill.empty()) return false; // not drawn
     const auto shape = has_text ? std::nullopt : parse_basic_shape(value, fill, stroke, place.viewport);
     if (shape && has_tips && value.find("fill-box") == std::string::npos) {
         warn(node, "clip-path: the box of its stroke is taken without the tips of mitred corners");
@@ -275,7 +275,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     const auto& [first, end, level, from_root] =
         std::tie(reference.first, reference.end, reference.level, reference.from_root);
     const Box box = bounds(drawing.shapes, first, end, level, from_root);
-    Box window; // of a mask that cuts what is painted
+    Box window; // region of a mask, if it clips painted content
     if (!clip && !box.empty()) {
         const Box region = region_in_user_space(target, place.viewport, box);
         const Box painted = painted_bounds(drawing.shapes, first, end, level, from_root);
@@ -286,8 +286,8 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     Affine2 to_root = place.to_root;
     Affine2 unit_square;
     if (of_box) {
-        if (box.empty() || !(box.width() > 0 && box.height() > 0)) {          // nothing is drawn
-            if (!box.empty()) styles_.set(reference.node, "display", "none"); // in no pose either
+        if (box.empty() || !(box.width() > 0 && box.height() > 0)) {          // not drawn
+            if (!box.empty()) styles_.set(reference.node, "display", "none"); // not in any pose
             return true;
         }
         unit_square = {box.width(), 0, 0, box.height(), box.x0, box.y0};
@@ -322,7 +322,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     const auto is_text = [](pugi::xml_node part) { return local_name(part) == "text"; };
     reference.hides_rest = claim->first < claim->end || !target.find_node(is_text);
     reference.target = ids_.find(claim->id);
-    if (claim->has_window) { // and its region no longer cuts
+    if (claim->has_window) { // its region must not clip
         Box region = region_in_user_space(reference.target, place.viewport, box);
         region.add(box);
         set_attribute(reference.target, "maskUnits", "userSpaceOnUse");
@@ -339,7 +339,7 @@ void ShapeCollector::to_user_space(pugi::xml_node content, const char* units, co
     set_attribute(content, units, "userSpaceOnUse");
     const std::string map = write_transform(unit_square, 17);
     if (local_name(content) == "clipPath") {
-        const std::string own = content.attribute("transform").value(); // applies after the box's map
+        const std::string own = content.attribute("transform").value(); // outside the box's map
         return set_attribute(content, "transform", own.empty() ? map : own + ' ' + map);
     }
     pugi::xml_node group = content.append_child((name_prefix(content) + 'g').c_str());

@@ -11,7 +11,7 @@ namespace cageform_support::detail {
 
 namespace {
 
-constexpr int max_selector_depth = 8; // of :not, :is and :where inside each other; reading them is recursive
+constexpr int max_selector_depth = 8; // of nested :not, :is and :where; parsing is recursive
 constexpr std::size_t max_compounds = 64;
 constexpr std::size_t rank_of_id = 1'000'000, rank_of_class = 1'000, rank_of_type = 1;
 
@@ -19,7 +19,7 @@ bool is_element(pugi::xml_node node) {
     return node.type() == pugi::node_element;
 }
 
-/// Counts steps down. Returns whether any are left.
+/// Decrements the budget. Returns whether it is positive.
 bool spend(std::size_t& steps, std::size_t cost = 1) {
     steps -= std::min(steps, cost);
     return steps != 0;
@@ -36,7 +36,7 @@ public:
     explicit SelectorReader(std::string_view text)
         : text_(text) {}
 
-    /// Reads a list up to its end or, inside brackets, up to ")".
+    /// Parses a list up to its end or, inside brackets, up to ")".
     std::vector<Selector> list(bool& complete, int depth) {
         std::vector<Selector> all;
         for (;;) {
@@ -77,7 +77,7 @@ private:
         }
     }
 
-    /// A name, with its escapes resolved; empty if there is none.
+    /// Parses a name and resolves escapes; empty if there is none.
     std::string name() {
         std::string result;
         while (at_ < text_.size()) {
@@ -254,7 +254,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// The name without a prefix: a type of any namespace.
+/// The name without prefix, for types of any namespace.
 std::string_view type_of(pugi::xml_node node) {
     const std::string_view name = node.name();
     return name.substr(name.find(':') + 1); // npos + 1 is zero
@@ -278,7 +278,7 @@ bool meets_comparison(std::string value, const SimpleSelector& part) {
     }
 }
 
-/// Counts the places of all children of an element.
+/// Computes the positions of all children of an element.
 void store_sibling_positions(pugi::xml_node parent, SelectorSearch& search) {
     std::unordered_map<std::string_view, long long> of_type;
     std::vector<pugi::xml_node> children;
@@ -329,7 +329,7 @@ bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, 
         return spend(steps, value.size() / letters_of_step) && meets_comparison(value, part);
     }
     case Kind::any_of: return any_of_list();
-    case Kind::none_of: // an element at rest has no state
+    case Kind::none_of: // no element has a state
         return std::none_of(part.list.begin(), part.list.end(), [&](const Selector& each) {
             return !each.has_state && each.matches(node, search, top);
         });
@@ -344,7 +344,7 @@ bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, 
     }
 }
 
-/// A failure says which other candidates fail too, so that no chain of elements is tried twice.
+/// A failure tells which other candidates fail too, so that no chain of elements is tried twice.
 enum class Match { yes, no, no_sibling, never };
 
 Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pugi::xml_node node,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Selectors of CSS: which elements a rule applies to, and its rank.
+// CSS selectors: parsing, matching and specificity.
 
 #include <pugixml.hpp>
 
@@ -15,17 +15,17 @@ namespace cageform_support::detail {
 
 struct SimpleSelector;
 
-/// The state that all searches by selectors share. The places of siblings hold until the document changes.
+/// State shared by all matches. `places` is valid until the document changes.
 struct SelectorSearch {
-    std::size_t steps = 0; // that are left; once none is left, answers mean nothing
-    /// xml_node::hash_value() -> the element's position among its siblings, from 1. Order: from the start, from
-    /// the end, from the start within its type, from the end within its type.
+    std::size_t steps = 0; // remaining budget; results are invalid once it is 0
+    /// xml_node::hash_value() -> position among siblings, from 1: from the start, from the end, then both
+    /// within the type.
     std::unordered_map<std::size_t, std::array<long long, 4>> places = {};
 };
 
-/// Simple selectors that one element has to meet, such as rect.wall:first-child
+/// Simple selectors for one element, such as rect.wall:first-child
 struct CompoundSelector {
-    char combinator = ' '; // to the compound before: ' ', '>', '+' or '~'
+    char combinator = ' '; // with the compound before: ' ', '>', '+' or '~'
     std::vector<SimpleSelector> parts;
 };
 
@@ -33,33 +33,32 @@ struct CompoundSelector {
 struct Selector {
     std::vector<CompoundSelector> compounds;
     std::size_t specificity = 0;
-    bool has_state = false; // asks for a state such as :hover, which no picture at rest has
+    bool has_state = false; // requires a state such as :hover
 
-    /// Whether the selector matches the element. Every state that it asks for counts as met.
+    /// Whether the selector matches the element. States count as met.
     ///
-    ///   top   matching ignores every element outside this one
+    ///   top   elements outside this one are ignored
     bool matches(pugi::xml_node node, SelectorSearch& search, pugi::xml_node top = {}) const;
 
-    /// One id ("#id"), class (".class") or type that every matching element has; empty if the selector
-    /// requires none.
+    /// An id ("#id"), class (".class") or type that every matching element has; empty if there is none.
     std::string key() const;
 };
 
 struct SimpleSelector {
     enum class Kind { type, id, class_name, attribute, any_of, none_of, nth, root, empty, state };
     Kind kind = Kind::type;
-    std::string name, value; // of an attribute; or the name alone
-    char comparison = 0;     // of an attribute's value: '=', '~', '|', '^', '$', '*'; 0: none
+    std::string name, value; // value: of attributes only
+    char comparison = 0;     // of attributes: '=', '~', '|', '^', '$', '*'; 0: none
     bool ignores_case = false;
     std::vector<Selector> list;             // of any_of and none_of
     bool of_type = false, from_end = false; // of nth: the (step · n + offset)th child
     int step = 0, offset = 1;
 };
 
-/// Reads a list of selectors with commas between them.
-/// Reads structural pseudo-classes, states, :not, :is and :where. A selector with anything else is left out.
+/// Parses a comma-separated list of selectors: structural pseudo-classes, states, :not, :is and :where.
+/// Selectors with anything else are skipped.
 ///
-///   complete   receives whether all were read
+///   complete   out: whether all were parsed
 std::vector<Selector> parse_selectors(std::string_view text, bool& complete);
 
 } // namespace cageform_support::detail

@@ -76,7 +76,7 @@ bool Box::contains(const Box& other) const {
     return other.empty() || (x0 <= other.x0 && y0 <= other.y0 && x1 >= other.x1 && y1 >= other.y1);
 }
 
-/// Adds a cubic's extreme values along one axis: those at the zeros of its derivative inside (0, 1).
+/// Extends a range by a cubic's values along one axis: its ends and extrema.
 void add_extremes(double a, double b, double c, double d, double& least, double& most) {
     least = std::min({least, a, d});
     most = std::max({most, a, d});
@@ -117,7 +117,7 @@ Box bounds(const Path& path, const Affine2& map) {
 }
 
 double largest_scale(const Affine2& m) {
-    // the larger singular value, from the sum of squares and the determinant
+    // from the sum of squares of the entries and the determinant
     const double square = m.a * m.a + m.b * m.b + m.c * m.c + m.d * m.d;
     const double determinant = m.a * m.d - m.b * m.c;
     const double spread = std::sqrt(std::max(0.0, square * square - 4 * determinant * determinant));
@@ -153,7 +153,7 @@ void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double r
     builder.close();
 }
 
-/// Reads one element.
+/// Converts an element to a path.
 class ShapeReader {
 public:
     ShapeReader(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
@@ -188,7 +188,7 @@ private:
 
     Path points_path(bool closed) {
         const auto numbers = parse_numbers(attribute_text(node_, "points"));
-        if (!numbers) { // browsers draw none of them
+        if (!numbers) { // browsers draw nothing then
             faults_.push_back(error_in(document_, node_, "points", numbers.error()));
             return {};
         }
@@ -216,7 +216,7 @@ private:
         const double width = across("width", 0);
         const double height = down("height", 0);
         if (!(width > 0 && height > 0)) return {};
-        double rx = across("rx", -1); // negative: as the other one
+        double rx = across("rx", -1); // negative: same as the other radius
         double ry = down("ry", -1);
         if (rx < 0) rx = std::max(ry, 0.0);
         if (ry < 0) ry = rx;
@@ -274,7 +274,7 @@ void write_shape(pugi::xml_node node, const std::string& data) {
         set_attribute(node, "d", data);
     } else {
         const std::vector<const char*>& geometry = shape_attributes().at(kind);
-        node.remove_attribute("d"); // one without meaning here
+        node.remove_attribute("d"); // has no meaning on this element
         pugi::xml_attribute d;
         for (const pugi::xml_attribute attribute : node.attributes()) {
             const bool replaced = std::find(geometry.begin(), geometry.end(),
@@ -286,7 +286,7 @@ void write_shape(pugi::xml_node node, const std::string& data) {
         for (const char* name : geometry) node.remove_attribute(name);
         node.set_name((name_prefix(node) + "path").c_str());
     }
-    // by these an editor would rebuild the shape as it was
+    // editors would restore the original shape from these
     for (const char* name :
          {"sodipodi:type", "sodipodi:nodetypes", "inkscape:path-effect", "inkscape:original-d"}) {
         node.remove_attribute(name);

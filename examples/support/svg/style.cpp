@@ -12,8 +12,7 @@ namespace cageform_support::detail {
 
 namespace {
 
-/// The place after what begins at `at` and belongs together: a comment, a quoted text, a character
-/// reference, or one character.
+/// The position after the token at `at`: a comment, a quoted text, a character reference, or one character.
 std::size_t after_token(std::string_view text, std::size_t at) {
     const auto beyond = [&](std::size_t found, std::size_t size) {
         return found == std::string_view::npos ? text.size() : found + size;
@@ -36,7 +35,7 @@ std::string_view without_comments_before(std::string_view text) {
     return text;
 }
 
-/// A text with spaces in place of its comments, so that places in it are those of the text.
+/// Replaces comments by spaces, so that positions stay the same.
 std::string without_comments(std::string_view css) {
     std::string text(css);
     for (std::size_t at = 0; at < css.size();) {
@@ -51,16 +50,16 @@ std::string without_comments(std::string_view css) {
     return text;
 }
 
-constexpr int max_rule_depth = 30; // of rules inside each other; reading them is recursive
+constexpr int max_rule_depth = 30; // of nested rules; parsing is recursive
 
-constexpr std::size_t most_of_selectors = 10'000; // bytes, of a rule with all that it stands in
+constexpr std::size_t most_of_selectors = 10'000; // bytes of a rule with its enclosing rules
 
-/// The beginning of what stands before the block of a rule, for messages.
+/// The beginning of the text before the block of a rule, for messages.
 std::string quoted_prelude(std::string_view prelude) {
     return '"' + std::string(prelude.substr(0, 60)) + '"';
 }
 
-/// The selectors of a rule inside another rule. "&" stands for the outer rule.
+/// Selectors of a nested rule. "&" is the outer rule.
 std::string nested_selectors(const std::string& outside, std::string_view inside) {
     const std::string parent = ":is(" + outside + ')';
     std::string all, each;
@@ -72,7 +71,7 @@ std::string nested_selectors(const std::string& outside, std::string_view inside
         has_parent = false;
     };
     for (std::size_t at = 0, next = 0; at < inside.size(); at = next) {
-        if (all.size() + each.size() >= most_of_selectors) break; // which is not read
+        if (all.size() + each.size() >= most_of_selectors) break; // too long, not supported
         next = after_token(inside, at);
         const std::string_view token = inside.substr(at, next - at);
         if (token == "(" || token == "[") ++brackets;
@@ -146,7 +145,7 @@ std::optional<std::vector<std::string_view>> css_words(std::string_view value) {
 
 namespace {
 
-/// The id in url(#id) as it is written, a part of the value; empty if none.
+/// The id in url(#id) as written, a view into the value; empty if there is none.
 std::string_view written_id(std::string_view value) {
     const std::size_t url = lowered(value).find("url(");
     if (url == std::string_view::npos) return {};
@@ -178,7 +177,7 @@ std::string property_name(std::string_view written) {
 
 namespace {
 
-/// The size in a value of `font`, such as: bold 12px/1.5 serif. "inherit" where there is none.
+/// The font size in a value of `font`, such as: bold 12px/1.5 serif. "inherit" if there is none.
 std::string size_in_font(std::string_view font) {
     for (const std::string_view word : words_of(font)) {
         const std::string_view size = word.substr(0, word.find('/'));
@@ -188,11 +187,11 @@ std::string size_in_font(std::string_view font) {
     return "inherit";
 }
 
-const char* const unmoved_mark = "cageform-unmoved"; // attribute of an element that no pose moves
-const char* const rules_mark = "cageform-rules";     // attribute of an element: which of StyleSheets::marked_
+const char* const unmoved_mark = "cageform-unmoved"; // attribute of elements that are not deformed
+const char* const rules_mark = "cageform-rules";     // attribute: index into StyleSheets::marked_
 
-/// Whether a condition of @supports has no "not" and names only known properties, which browsers support. The
-/// caller has replaced its brackets by spaces.
+/// Whether a condition of @supports, brackets replaced by spaces, has no "not" and only known properties,
+/// which browsers support.
 bool asks_for_known(std::string_view condition) {
     for (std::size_t colon = 0; (colon = condition.find(':', colon)) != std::string_view::npos; ++colon) {
         const std::string_view before = trimmed(condition.substr(0, colon));
@@ -287,7 +286,7 @@ void StyleSheets::stand_alone(pugi::xml_node copy) {
     if (top >= elements_.size()) return;
     for (pugi::xml_node node = copy; node; node = next_node(node, copy)) {
         const std::size_t element = mark_of(node);
-        if (element >= elements_.size()) continue; // new, or in a copy already
+        if (element >= elements_.size()) continue; // new, or already in a copy
         const auto [place, fresh] = alone_.try_emplace({top, element}, marked_.size());
         if (fresh) marked_.push_back(matching(elements_[element], marked_[element], elements_[top]));
         set_attribute(node, rules_mark, std::to_string(place->second));
@@ -296,7 +295,7 @@ void StyleSheets::stand_alone(pugi::xml_node copy) {
 
 std::string StyleSheets::place_of(std::size_t sheet, std::string_view part) const {
     const auto& [node, css, text, counted, lines] = sheets_[sheet];
-    const char* const from = text.data() + counted; // near, as parts are asked for about in order
+    const char* const from = text.data() + counted; // near, since calls are roughly in order
     lines += std::count(from, std::max(from, part.data()), '\n');
     lines -= std::count(std::min(from, part.data()), from, '\n');
     counted = static_cast<std::size_t>(part.data() - text.data());
@@ -314,7 +313,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         return std::any_of(names.begin(), names.end(), [&](auto name) { return rule.starts_with(name); });
     };
     constexpr std::string_view media = "@media", layers = "@layer";
-    std::size_t begin = from; // of declarations of the enclosing rule
+    std::size_t begin = from; // of the enclosing rule's own declarations
     const auto end_declarations = [&](std::size_t at) {
         if (!in.selectors.empty() && begin < at) read_rule(sheet, css.substr(begin, at - begin), in);
     };
@@ -334,7 +333,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
             continue;
         }
         std::size_t close = to_any_of(open + 1, "{}");
-        for (int open_blocks = 1; close < css.size();) { // blocks inside the block
+        for (int open_blocks = 1; close < css.size();) { // nested blocks
             open_blocks += css[close] == '{' ? 1 : -1;
             if (open_blocks == 0) break;
             close = to_any_of(close + 1, "{}");
@@ -373,7 +372,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const Rule
     const bool applies = complete && std::none_of(selectors.begin(), selectors.end(), is_conditional);
     const std::string name = quoted_prelude(in.prelude);
     Block block{name, place_of(sheet, in.prelude), in.layer, {}};
-    block.layer.push_back(std::string::npos); // a layer's own rules win over those of layers in it
+    block.layer.push_back(std::string::npos); // own rules win over those of nested layers
     if (!complete) report.add(block.place, name + " has a selector that is not read");
     for (const Declaration& d : declarations(body)) {
         const std::string property = property_name(d.property);
@@ -382,7 +381,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const Rule
         if (!applies && d.value.find("url(") != std::string_view::npos) {
             report.add(place, name + " refers to an element and is not read");
         }
-        if (!is_valid(property, d.value)) continue; // browsers drop it
+        if (!is_valid(property, d.value)) continue; // ignored by browsers
         if (use_of(property) == PropertyUse::placing) {
             if (!applies)
                 report.add(place, "the property \"" + property + "\" of " + name + " is not deformed");
@@ -440,7 +439,7 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
     Values result;
     const auto set = [&](const std::string& property, std::string value, Source source, bool important) {
         if (!wanted(property)) return;
-        if (!std::all_of(property.begin(), property.end(), is_name_character)) return; // nothing to browsers
+        if (!std::all_of(property.begin(), property.end(), is_name_character)) return; // ignored by browsers
         StyleValue& old = result[property];
         if (!old.important || important) old = {std::move(value), source, important};
     };
@@ -449,7 +448,7 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
         set(property, value, source, important);
         if (property == "font") set("font-size", size_in_font(value), source, important);
     };
-    std::map<std::string_view, const Layer*> winners; // of important values, by property: the first layers
+    std::map<std::string_view, const Layer*> winners; // first layer with an important value, by property
     for (const std::size_t rule : rules) {
         if (rules_[rule].conditional) continue;
         const Block& block = blocks_[rules_[rule].block];
@@ -564,7 +563,7 @@ StyleValue StyleSheets::value(pugi::xml_node node, std::string_view property) co
 
 void StyleSheets::set(pugi::xml_node node, const std::string& property, const std::string& text) const {
     const StyleValue old = value(node, property);
-    const bool shorthand = property == "marker"; // which is no attribute
+    const bool shorthand = property == "marker"; // not an attribute
     if (old.source < StyleValue::Source::sheet && !shorthand) {
         return set_attribute(node, property.c_str(), escaped(text));
     }
@@ -582,7 +581,7 @@ void StyleSheets::set(pugi::xml_node node, const std::string& property, const st
 }
 
 void StyleSheets::remove_placing() {
-    for (auto part = placing_.begin(); part != placing_.end();) { // in the order of the sheets
+    for (auto part = placing_.begin(); part != placing_.end();) { // sorted by sheet
         const std::size_t changed = part->sheet;
         Sheet& sheet = sheets_[changed];
         std::string rest;
@@ -611,7 +610,7 @@ void StyleSheets::settle(std::vector<std::string>& warnings) const {
     const pugi::xml_node root = root_element(document_.xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) node.remove_attribute(unmoved_mark);
     if (rules_.empty()) return;
-    search_.places.clear(); // elements have changed
+    search_.places.clear(); // the document has changed
     std::vector<std::pair<pugi::xml_node, const Rules*>> elements;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.type() == pugi::node_element) elements.emplace_back(node, &rules_of(node));
@@ -621,7 +620,7 @@ void StyleSheets::settle(std::vector<std::string>& warnings) const {
     const bool asks_for_styles = std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& sheet) {
         return sheet.text.find("[style") != std::string::npos;
     });
-    for (bool is_settled = false; !is_settled;) { // rules may ask for the style attributes written here
+    for (bool is_settled = false; !is_settled;) { // selectors may match style attributes written here
         is_settled = true;
         std::vector<Rules> now;
         now.reserve(elements.size());

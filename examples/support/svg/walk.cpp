@@ -50,7 +50,7 @@ void ShapeCollector::inherit(const Values& values, Place& place) {
         if (text.empty()) return;
         to = lowered(text) == "none" ? "none"
              : text.size() < 1000    ? text
-                                     : "black"; // a long one is not copied to each shape
+                                     : "black"; // long values are not copied to each shape
     };
     take("fill", place.style.fill);
     take("stroke", place.style.stroke);
@@ -89,7 +89,7 @@ void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
     if (const auto value = opacity("fill-opacity")) style.fill_opacity = *value;
     if (const auto value = opacity("stroke-opacity")) style.stroke_opacity = *value;
     if (const auto value = opacity("opacity"); value && *value <= 0)
-        style.is_transparent = true; // what it holds too
+        style.is_transparent = true; // descendants too
 }
 
 bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
@@ -103,9 +103,9 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     const std::string_view extensions = trimmed(node.attribute("requiredExtensions").value());
     const bool known = extensions.empty() || extensions == "http://www.w3.org/1999/xhtml" ||
                        extensions == "http://www.w3.org/1998/Math/MathML";
-    if (!known) return true; // no renderer draws it
+    if (!known) return true; // not drawn by any renderer
 
-    // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
+    // Pages and hidden layers need not lie in the cage. For reading (a cage, say), hidden shapes count.
     const Values values = take_context_paint(node, parent);
     if (options_.follow_references && text_of(values, "display") == "none") {
         warn(node, "is not displayed and stays as it is");
@@ -151,7 +151,7 @@ bool ShapeCollector::visit_choices(pugi::xml_node node, Place place) {
             const bool is_chosen = !group.first_attribute();
             group.append_move(child);
             if (!visit(group, place)) return false;
-            if (is_chosen) place.style.is_transparent = true; // the others are not drawn
+            if (is_chosen) place.style.is_transparent = true; // the following alternatives are not drawn
         }
         child = next;
     }
@@ -244,7 +244,7 @@ bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewp
     box.width = view->width;
     box.height = view->height;
     if (!(box.width > 0 && box.height > 0)) {
-        if (box.width >= 0 && box.height >= 0) viewport = box; // nothing is drawn
+        if (box.width >= 0 && box.height >= 0) viewport = box; // not drawn
         return true;
     }
     double sx = viewport.width / box.width;
@@ -340,7 +340,7 @@ bool ShapeCollector::shows(std::string_view paint, const std::string& colour) {
     if (!word.starts_with("url(")) return alpha_of(word) > 0;
     const std::string id = referenced_id(paint);
     const auto chain = server_chain(ids_, id);
-    if (id.empty()) return true; // of another file
+    if (id.empty()) return true; // in another file
     if (chain.empty()) return shows(paint.substr(std::min(paint.find(')'), paint.size() - 1) + 1), colour);
     const auto [found, is_new] = paints_.try_emplace(chain.front().hash_value(), false);
     if (is_new) {
@@ -366,7 +366,7 @@ bool ShapeCollector::has_colour(pugi::xml_node stop) const {
 bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, Place place) {
     const auto is_path = [](pugi::xml_node part) { return local_name(part) == "textPath"; };
     const bool has_path = kind == "text" && node.find_node(is_path);
-    // A clip path may hold a text, but not a copy of its path.
+    // A clip path may contain a text, but not a copy of its path.
     const bool boxes = options_.boxes && !(place.style.clips && (kind != "text" || has_path));
     const bool on_paths = boxes && has_path;
     const bool beside = std::any_of(node.begin(), node.end(), [&](pugi::xml_node part) {
@@ -401,7 +401,7 @@ bool ShapeCollector::is_drawn_under(pugi::xml_node node, const Affine2& to_root)
     for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
         const std::string kind = local_name(up);
         if (up == root_element(document_.xml)) {
-            const auto undone = inverse(to_root); // up to the rounding of products in another order
+            const auto undone = inverse(to_root); // compare up to rounding errors
             const Affine2 m = undone ? compose(*undone, map) : Affine2{0, 0, 0, 0, 0, 0};
             return std::abs(m.a - 1) + std::abs(m.b) + std::abs(m.c) + std::abs(m.d - 1) < 1e-9 &&
                    std::hypot(m.e, m.f) < 1e-9 * (std::abs(to_root.e) + std::abs(to_root.f) + 1);
@@ -432,7 +432,7 @@ struct PlaceAlong {
     double length = 0; // along the path
 };
 
-/// Points along a path, in order, and how far along it they are: a step to a new subpath has no length.
+/// Samples of a path with their arc lengths. Steps to a new subpath have length 0.
 std::vector<PlaceAlong> places_along(const Path& path) {
     constexpr std::size_t steps = 32; // of a segment
     std::vector<PlaceAlong> places;
@@ -452,7 +452,7 @@ std::vector<PlaceAlong> places_along(const Path& path) {
     return places;
 }
 
-/// The part from a length along a path to another, as lines.
+/// The part of a path between two arc lengths, as lines.
 Path part_of(const std::vector<PlaceAlong>& places, double from, double to) {
     PathBuilder part;
     bool begun = false;
@@ -467,7 +467,7 @@ Path part_of(const std::vector<PlaceAlong>& places, double from, double to) {
     return part.take();
 }
 
-/// A new <defs> before the text that an element is part of.
+/// Inserts a <defs> before the text that contains an element.
 pugi::xml_node add_defs_before_text(pugi::xml_node text) {
     while (local_name(text) != "text") text = text.parent();
     return text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);
@@ -476,7 +476,8 @@ pugi::xml_node add_defs_before_text(pugi::xml_node text) {
 } // namespace
 
 bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place) {
-    if (const std::string data = attribute_text(text_path, "path"); !data.empty()) { // wins over href
+    if (const std::string data = attribute_text(text_path, "path");
+        !data.empty()) { // takes precedence over href
         pugi::xml_node path =
             add_defs_before_text(text_path).append_child((name_prefix(text_path) + "path").c_str());
         set_attribute(path, "d", escaped(data));
@@ -487,7 +488,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     }
     const std::string reference = reference_of(text_path);
     const pugi::xml_node target = ids_.referred(reference);
-    if (!target || !is_shape(local_name(target))) return true; // nothing is drawn
+    if (!target || !is_shape(local_name(target))) return true; // not drawn
     const auto path = path_of(target, place);
     const auto own = own_transform(target);
     if (!path || !own) return false;
@@ -613,7 +614,7 @@ std::vector<Box> seen_boxes(const Drawing& drawing) {
                         : shape.is_transparent ? Box()
                                                : painted_box(shape, {}));
     }
-    for (const Reference& r : drawing.references) { // those inside clip paths come first
+    for (const Reference& r : drawing.references) { // nested ones first
         if (!r.hides_rest) continue;
         Box inside;
         for (std::size_t i = r.first_inside; i < r.end_inside; ++i) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The walk over what a document draws.
+// Collects the drawn shapes of a document.
 
 #include "svg/shapes.hpp"
 #include "svg/style.hpp"
@@ -12,22 +12,22 @@
 
 namespace cageform_support::detail {
 
-/// An element whose filter, mask or clip path lies about what it draws: shapes [first, end) of its level.
+/// An element with a filter, mask or clip path; it draws the shapes [first, end) of its level.
 struct Reference {
-    pugi::xml_node node;   // that refers
-    pugi::xml_node target; // filter, mask or clipPath; nothing for a filter by functions of CSS
+    pugi::xml_node node;   // referring element
+    pugi::xml_node target; // filter, mask or clipPath; none for CSS filter functions
     Affine2 to_root;
     Affine2 from_root;
     Viewport viewport;
     int level = 0;
     std::size_t first = 0, end = 0;
     std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path or mask
-    bool hides_rest = false;                      // hides what lies beyond these shapes
+    bool hides_rest = false;                      // hides everything outside these shapes
 };
 
 bool is_filter(const Reference& reference);
 
-/// An element that holds shapes [first, end).
+/// An element that contains the shapes [first, end).
 struct Group {
     pugi::xml_node node;
     Affine2 to_root;
@@ -36,26 +36,26 @@ struct Group {
 
 /// The drawn shapes of a document.
 struct Drawing {
-    std::vector<DrawnShape> shapes; // in document order, clip paths and masks after what they belong to
+    std::vector<DrawnShape> shapes; // in document order; clip paths and masks after the shapes they apply to
     std::vector<Reference> references;
-    std::vector<Group> groups;                // each after those in it
-    std::vector<pugi::xml_node> flat_circles; // without a radius, which draw nothing
+    std::vector<Group> groups;                // inner groups first
+    std::vector<pugi::xml_node> flat_circles; // circles with radius 0, which are not drawn
 };
 
 struct WalkOptions {
-    bool follow_references = true; // list what clip paths and masks hold, leave out what is not displayed
-    bool boxes = false;            // list text and images too, with their boxes
-    bool as_cage = false;          // divide arcs as a cage's, and leave all curves as they are drawn
-    bool is_strict = false;        // fail where an attribute cannot be read; else leave it out and warn
+    bool follow_references = true; // include clip paths and masks, skip what is not displayed
+    bool boxes = false;            // include texts and images as boxes
+    bool as_cage = false;          // arcs with the accuracy of cages; keep degenerate curves
+    bool is_strict = false;        // fail on invalid attributes; else ignore them with a warning
 };
 
-/// Walks a document, which is changed on the way, without changing what it shows: every `use` becomes a
-/// group with a copy, geometry and transforms that CSS gives become attributes. Where references are
-/// followed, clip paths and masks needed under several transforms, or in units of several boxes, are copied.
+/// Collects the drawn shapes. Changes the document without changing its appearance: every `use` becomes a
+/// group with a copy, geometry and transforms in CSS become attributes. With follow_references, clip paths
+/// and masks in use under several transforms or boxes are copied.
 Expected<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options,
                        std::vector<std::string>& warnings);
 
-/// The box of shapes [first, end) that are of this level, after a map.
+/// Bounding box of the shapes [first, end) of a level, after a map.
 Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
            const Affine2& map);
 
@@ -64,14 +64,14 @@ inline constexpr std::array marker_properties{"marker-start", "marker-mid", "mar
 
 bool has_markers(const DrawnShape& shape);
 
-/// For each shape the box of the part that is seen, after all clipping. Empty where nothing is seen.
+/// #shapes: box of the visible part, after all clipping; empty if nothing is visible.
 std::vector<Box> seen_boxes(const Drawing& drawing);
 
-/// The box of what is painted of shapes [first, end) of this level, after a map.
+/// Bounding box of the painted parts of the shapes [first, end) of a level, after a map.
 Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
                    const Affine2& map);
 
-/// The box of what is painted of it, strokes included (but for the tips of mitred corners), after a map.
+/// Bounding box of the painted part, with strokes (without tips of mitred corners), after a map.
 Box painted_box(const DrawnShape& shape, const Affine2& map);
 
 } // namespace cageform_support::detail

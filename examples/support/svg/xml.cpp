@@ -213,7 +213,7 @@ pugi::xml_node IdTable::find(const std::string& id) const {
 }
 
 std::string IdTable::name(pugi::xml_node node, const std::string& stem) {
-    std::string plain = stem; // that url(#id) can have as it is
+    std::string plain = stem; // valid in url(#id)
     std::replace_if(
         plain.begin(), plain.end(),
         [](char c) { return is_space(c) || std::string_view("%()'\"\\").find(c) != std::string_view::npos; },
