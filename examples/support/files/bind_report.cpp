@@ -17,7 +17,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::degenerate_simplex:
     case Kind::sites_in_a_plane:
     case Kind::falloff_negative:
-    case Kind::no_volume: // of a mesh; no program reads a box, which would have an axis
+    case Kind::no_volume: // of a mesh; a box, which no program reads, would have an axis
         return 0;
     case Kind::vertex_not_finite:
     case Kind::no_area:
@@ -249,13 +249,13 @@ std::string describe(const StoredLoss& loss) {
 
 void print_warnings(std::span<const std::string> warnings) {
     struct Kind {
-        std::string who, text; // the label of the first, empty where it has none; the rest
+        std::string who, text; // label of the first element, may be empty; the message
         std::size_t count = 0;
     };
     std::vector<Kind> kinds;
     std::unordered_map<std::string, std::size_t> places; // in kinds, by text
     for (const std::string& warning : warnings) {
-        const std::size_t end = warning.find("): "); // of a label: rect "wall" (line 12)
+        const std::size_t end = warning.find("): "); // end of a label: rect "wall" (line 12)
         const bool has_label = end != std::string::npos;
         std::string who = has_label ? warning.substr(0, end + 1) : "",
                     text = has_label ? warning.substr(end + 3) : warning;
@@ -263,7 +263,7 @@ void print_warnings(std::span<const std::string> warnings) {
         if (is_new) kinds.push_back({std::move(who), std::move(text), 0});
         ++kinds[place->second].count;
     }
-    constexpr std::size_t most_kinds = 100; // a drawing may have many properties that are not known
+    constexpr std::size_t most_kinds = 100;
     for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
         const auto& [who, text, count] = kinds[i];
         const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";

@@ -63,7 +63,7 @@ bool has_curves(const std::vector<Subpath>& outline) {
     });
 }
 
-/// The path data of closed loops that reads back to the bit.
+/// Path data of closed loops that restores every bit.
 std::string path_data_of(const std::vector<Subpath>& outline) {
     std::string path;
     for (const Subpath& loop : outline) {
@@ -164,7 +164,7 @@ Expected<std::string> pose_text(const CageFile& pose, const std::string& path, c
 
 namespace {
 
-/// Draws the ends of edges as squares, and their control points as circles on thin lines.
+/// Draws ends of edges as squares, and inner control points as circles connected by thin lines.
 void draw_curve_handles(pugi::xml_node group, const CageFile& cage, double diagonal) {
     const double size = diagonal / 120;
     auto marks = group.append_child("g");
@@ -321,7 +321,7 @@ Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<
     CageFile pose = cage;
     pose.name = name;
     const auto rest = cage.places();
-    const double rounding = 1e-6 * cageform::bounds_of(std::span(rest)).diagonal(); // of an editor
+    const double rounding = 1e-6 * cageform::bounds_of(std::span(rest)).diagonal(); // by editors
     const auto differ = [&](const Point2& p, const Point2& q) {
         return !(std::hypot(p.x - q.x, p.y - q.y) <= rounding);
     };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Cages in the plane and poses of them, as files.
+// Files of planar cages and their poses.
 
 #include "files/lattice_file.hpp"
 #include "io/csv.hpp"
@@ -30,20 +30,21 @@ namespace cageform_support {
 struct SvgDocument;
 struct ViewBox;
 
-/// A cage of curves has this beside the control points of its loops.
+/// Additional data of a cage of curves.
 struct CageCurves {
-    std::vector<std::vector<unsigned>> degrees; // of each loop's edges, as drawn: 1 to 3
+    std::vector<std::vector<unsigned>> degrees; // #loops · #edges: original degree, 1 to 3
 };
 
-/// A cage in the plane, as read: loops, and perhaps chains and points inside them. The blocks of a lattice
-/// are its rows and columns, as chains; the vertices are its control points, then the still handles. A
-/// block of curves, which are posed as cubics, has three points for every edge: its start and the control
-/// points that follow.
+/// A planar cage: loops, and optionally chains and points inside.
+///
+/// A lattice has its rows and columns as blocks (chains); its vertices are the control points, then the still
+/// handles. A loop of curves, posed as cubics, has three points per edge: the start and the two inner control
+/// points.
 struct CageFile {
     std::string name;
     std::vector<CageBlock> blocks;
-    std::vector<std::vector<std::size_t>> handles; // of each block's points
-    std::vector<Point2> vertices; // by handle: the loops', then those that chains and points add
+    std::vector<std::vector<std::size_t>> handles; // #blocks · #points: vertex indices
+    std::vector<Point2> vertices; // by handle: first those of loops, then those of chains and points
     std::optional<LatticeBox<2>> lattice = {};
     std::optional<CageCurves> curves = {};
 
@@ -53,24 +54,23 @@ struct CageFile {
     }
     bool has_cells() const { return has(CageBlock::Kind::chain) || has(CageBlock::Kind::point); }
 
-    std::vector<cageform::Vec<double, 2>> places() const; ///< of the vertices
+    std::vector<cageform::Vec<double, 2>> places() const; ///< the vertices
 
-    /// The loops of a cage of curves, each closed. Edges are of the degrees that their control points allow.
+    /// The closed loops of a cage of curves. Edges have the lowest degree that their control points allow.
     std::vector<Subpath> outline() const;
 
-    /// The loops as polygons. Each curve is cut into at least `least_pieces` lines, and into so many that
-    /// they are at most `distance` off it.
+    /// The loops as polygons. Each curve becomes at least `least_pieces` lines, within `distance` of it.
     std::vector<std::vector<Point2>> loops(double distance, std::size_t least_pieces = 1) const;
 
     /// The loops of a cage of curves.
     template <class T>
     cageform::CurvedPolygon<T> curved_polygon() const;
 
-    /// By handle, what moves along with it: of curves, with the end of an edge the control points beside it;
-    /// of other cages nothing, and the list is empty.
+    /// #vertices: vertices that move with each vertex. For curves, the control points beside the end of an
+    /// edge; else empty.
     std::vector<std::vector<std::size_t>> followers() const;
 
-    /// The loops alone.
+    /// The loops, without chains and points.
     template <class T>
     cageform::Polygon<T> polygon() const {
         std::vector<Point2> points;
@@ -83,7 +83,7 @@ struct CageFile {
         return {points, sizes};
     }
 
-    /// The loops and what is inside them.
+    /// The loops, chains and points.
     template <class T>
     cageform::CellComplex<T, 2> complex() const {
         cageform::CellComplex<T, 2> cage(polygon<T>());
@@ -91,14 +91,14 @@ struct CageFile {
         return cage;
     }
 
-    /// Calls f(cage) with a Polygon, or with a CellComplex where there are chains or points.
+    /// Calls f(cage) with a Polygon, or a CellComplex if there are chains or points.
     template <class T, class F>
     auto visit(F&& f) const {
         return has_cells() ? f(complex<T>()) : f(polygon<T>());
     }
 
-    /// Calls f(i, j) with the handles of every edge of a loop or chain, of curves of every leg from a control
-    /// point to the next; f(i, i) for a point.
+    /// Calls f(i, j) with the vertices of every edge of loops and chains (for curves, of every pair of
+    /// adjacent control points), and f(i, i) for points.
     template <class F>
     void for_each_edge(F&& f) const {
         for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -108,7 +108,7 @@ struct CageFile {
         }
     }
 
-    /// Adds a chain or a point to a cage; returns the handles, none for a loop.
+    /// Adds a chain or point to a cage; returns its handles; none for a loop.
     template <class T>
     static std::vector<std::size_t> add_cells(cageform::CellComplex<T, 2>& cage, const CageBlock& block) {
         if (block.kind == CageBlock::Kind::chain) return cage.add_chain(block.points);
@@ -142,7 +142,7 @@ cageform::CurvedPolygon<T> CageFile::curved_polygon() const {
     return cageform::CurvedPolygon<T>(std::move(loops));
 }
 
-/// The text for --help on the formats of a cage in the plane and its pose.
+/// Help text on the formats of planar cages and poses.
 inline constexpr const char* cage_formats =
     "A cage in the plane is the first closed polygon of an SVG file (a polygon, a rect\n"
     "or a path of lines), or a CSV file (.csv) of blocks of lines x,y with empty lines\n"
@@ -159,77 +159,76 @@ inline constexpr const char* cage_formats =
     "degree (C in place of L).\n"
     "Options and messages count vertices and points from 0, blocks from 1.\n";
 
-/// How the edges of a cage are read.
+/// Whether edges are lines or curves.
 enum class CageEdges {
-    lines,   ///< an outline with curves is refused
-    curves,  ///< all are curves, lines too
-    as_drawn ///< a polygon has lines, an outline with curves has curves
+    lines,   ///< curves are an error
+    curves,  ///< lines become curves
+    as_drawn ///< curves if the outline has any
 };
 
 CageFile make_cage(std::string name, std::vector<CageBlock> blocks);
 CageFile make_cage(std::string name, LatticeBox<2> lattice);
 
 /// Reads a cage: the first closed polygon or outline of an SVG file, a CSV file of loops, chains and points,
-/// or a lattice.
+/// or a lattice file.
 Expected<CageFile> load_cage(const std::string& path, CageEdges edges = CageEdges::lines);
 
-/// A cage of curves.
+/// Makes a cage of curves.
 ///
-///   loops   each ends exactly where it begins, as first_outline() returns them
+///   loops   each ends exactly at its start, as from first_outline()
 CageFile make_curved_cage(std::string name, const std::vector<Subpath>& loops);
 
-/// Makes the edges of loops curves. A cage of curves and a lattice stay as they are; fails where there are
-/// chains or points.
+/// Converts the edges of loops to curves. Cages of curves and lattices are returned unchanged; fails for
+/// chains and points.
 Expected<CageFile> with_curves(CageFile cage);
 
-/// A cage as the file that load_cage() reads back to the bit: an SVG document, or CSV. A lattice is written
-/// as load_pose() reads it: its rows and columns, or in CSV its control points.
+/// Writes a cage to SVG or CSV such that load_cage() restores every bit. A lattice is written as load_pose()
+/// reads it: rows and columns in SVG, control points in CSV.
 ///
-///   view    the document's viewBox
-///   cage    of loops, in SVG; in CSV not of curves
-///   fails   in SVG, where the first and the last vertex of a loop lie at one place: there they would be one
+///   view    viewBox of the document
+///   cage    in SVG loops only; in CSV no curves
+///   fails   in SVG, if the first and last vertex of a loop coincide, since SVG would merge them
 Expected<std::string> to_svg(const CageFile& cage, const ViewBox& view);
 std::string to_csv(const CageFile& cage);
 
-/// A pose of a cage as the text of a file, .svg or .csv by the ending of its path.
+/// The text of a pose file, .svg or .csv by the extension of its path.
 ///
-///   fails   as to_svg() does, and where the cage has what the format cannot hold: chains or points in SVG,
-///           curves in CSV
+///   fails   as to_svg(); for chains or points in SVG, and curves in CSV
 Expected<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view);
 
 /// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as
-/// circles. Ends of curves are squares, and their control points circles on thin lines to them; an edge that
-/// is a line shows none.
+/// circles. Ends of curves are squares; inner control points are circles connected to them by thin lines,
+/// except on straight edges.
 ///
-///   diagonal   of the picture, which thicknesses go by
+///   diagonal   of the picture; determines line widths
 void draw_cage(SvgDocument& document, const CageFile& cage, double diagonal, const std::string& colour);
 
-/// Returns the cage with its vertices (by handle) at other positions.
+/// The cage with new vertex positions (by handle).
 CageFile moved_cage(CageFile cage, std::span<const cageform::Vec<double, 2>> places);
 
-/// "(412, 88), …" for the first few of a list of points.
+/// "(412, 88), …": the first three points of a list.
 std::string name_points(std::span<const Point2> points, const std::vector<std::size_t>& indices);
 
 /// "a chain of 3 points".
 std::string describe(const CageBlock& block);
 
-/// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of
-/// the cage, and what is one vertex there has to be at one place.
+/// Checks a pose, read as a cage, against its cage, and assigns the cage's handles. The blocks have to match,
+/// and points of one vertex have to coincide.
 Expected<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
-/// A pose of a lattice, from lines of points: its rows along x, then its columns. Where a row and a column
-/// differ, the one that has moved counts.
+/// Makes a pose of a lattice from its rows along x, then its columns. If a row and a column differ, the moved
+/// point counts.
 ///
-///   fails   where the lines are not those of the lattice, or both have moved a point, to different places
+///   fails   if the lines do not match the lattice, or both moved a point to different positions
 Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
                                      const CageFile& cage);
 
-/// Works as make_pose(), of a cage of curves. The loops of the pose have to have as many edges as the cage's,
-/// none of a lower degree; the message names the first edge that differs.
+/// As make_pose(), for a cage of curves. Each loop must have as many edges as in the cage, none of lower
+/// degree; the message names the first edge that differs.
 Expected<CageFile> make_curved_pose(CageFile pose, const CageFile& cage);
 
-/// Works as make_pose(), from a file; fails also as load_cage() does. A pose of a lattice is an SVG file of
-/// its rows and columns, or a CSV file of its control points.
+/// As make_pose(), from a file; fails also as load_cage(). A pose of a lattice is an SVG file of its rows and
+/// columns, or a CSV file of its control points.
 Expected<CageFile> load_pose(const std::string& path, const CageFile& cage);
 
 } // namespace cageform_support

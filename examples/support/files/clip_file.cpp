@@ -22,8 +22,7 @@ Expected<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_co
 
 namespace {
 
-/// Field k as a finite number; `why` becomes the reason where it is none, and stays what it is if it is one
-/// already.
+/// Parses field k as a finite number. An error is stored in `why`, unless it has one already.
 double field_number(const std::vector<std::string_view>& fields, std::size_t k, std::string& why) {
     double x = 0;
     const std::string fault = k < fields.size() ? detail::parse_finite(fields[k], x) : "a number is missing";
@@ -31,7 +30,7 @@ double field_number(const std::vector<std::string_view>& fields, std::size_t k, 
     return x;
 }
 
-/// Returns why a line has too many columns, as one with decimal commas has; otherwise empty.
+/// Returns the error if a line has too many columns, for example by decimal commas; else empty.
 std::string fault_of_columns(const std::vector<std::string_view>& fields) {
     const std::string_view word = fields.front();
     if (word == "vertices" || word == "time") return {};
@@ -43,7 +42,7 @@ std::string fault_of_columns(const std::vector<std::string_view>& fields) {
            " at most";
 }
 
-/// "vertices,11:0.5,10"; an empty reason is success.
+/// Parses "vertices,11:0.5,10". Returns the error; empty on success.
 std::string add_shares(const std::vector<std::string_view>& fields, std::size_t vertex_count,
                        ClipControl& control) {
     for (std::size_t k = 1; k < fields.size(); ++k) {
@@ -60,7 +59,7 @@ std::string add_shares(const std::vector<std::string_view>& fields, std::size_t 
     return {};
 }
 
-/// "pin,NAME,X,Y[,WEIGHT]"; an empty reason is success.
+/// Parses "pin,NAME,X,Y[,WEIGHT]". Returns the error; empty on success.
 std::string add_pin(const std::vector<std::string_view>& fields, ClipControl& control) {
     std::string why;
     const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
@@ -68,7 +67,7 @@ std::string add_pin(const std::vector<std::string_view>& fields, ClipControl& co
     return why.empty() && !(control.pin->weight > 0) ? "the weight of a pin is not positive" : why;
 }
 
-/// "TIME,X,Y,TURN,KIND"; an empty reason is success.
+/// Parses "TIME,X,Y,TURN,KIND". Returns the error; empty on success.
 std::string add_row(const std::vector<std::string_view>& fields, ClipControl& control) {
     std::string why;
     const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
@@ -90,7 +89,7 @@ std::string add_row(const std::vector<std::string_view>& fields, ClipControl& co
     return {};
 }
 
-/// Returns why the keys of a control do not fit a clip of that length; empty if they do.
+/// Returns the error if the keys of a control do not fit a clip of this length; else empty.
 std::string fault_of_rows(const ClipControl& control, double length) {
     if (control.rows.size() < 2) return "it has fewer than two keys";
     const double begin = control.rows.front().time, period = control.rows.back().time - begin;
@@ -100,7 +99,7 @@ std::string fault_of_rows(const ClipControl& control, double length) {
     if (keys > 1e5)
         return "repeated over the clip it has " + detail::short_number(keys) +
                " keys; at most 100000 are allowed";
-    // Moved into the clip by whole periods, its times would lose their digits.
+    // Shifting times by whole periods would lose too many digits.
     if (std::fabs(begin) > 1e6 * period)
         return "its first key, at " + detail::short_number(begin) +
                ", is a million of its periods from the clip's start";

@@ -1,15 +1,14 @@
 #pragma once
 
-// Motions of a cage as text: controls, each of which moves some vertices, and keys that say how far and
-// when.
+// Motion files of cages. In the plane: controls that move vertices, with keys.
 //
-//     length,2.4                  of the clip, in seconds; then it begins again
-//     late,far-legs,0.6           the element far-legs of the figure does the same 0.6 s later
-//     ground,744,166              a ground at y = 744 that passes by at 166 units a second
+//     length,2.4                  of the clip, in seconds; then it repeats
+//     late,far-legs,0.6           the element far-legs moves 0.6 s later
+//     ground,744,166              a ground at y = 744 that moves by at 166 units per second
 //
 //     control,the tail sways
-//     vertices,11:0.5,10,9        with weights, 1 where not given
-//     pivot,775,400               about which the vertices turn
+//     vertices,11:0.5,10,9        with weights, 1 by default
+//     pivot,775,400               rotation centre of the vertices
 //     time,x,y,turn,kind
 //     0.0,0,0,-6,ease
 //     1.2,0,0,6,ease
@@ -20,10 +19,9 @@
 //     0.0,0,0,0,ease
 //     …
 //
-// A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its
-// kind is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A
-// control begins again after its last key, so its time is a part of the clip's. Where several controls
-// move a vertex, it does all of it.
+// A key moves the vertices by x and y and turns them by degrees, clockwise on the screen. Its kind is hold,
+// linear, automatic, or ease (Bézier handles with zero slope). A control repeats after its last key, so its
+// duration has to divide that of the clip. Motions of several controls of a vertex add up.
 
 #include "svg/path.hpp"
 
@@ -39,7 +37,7 @@
 
 namespace cageform_support {
 
-/// The text for --help: the format at the head of this file.
+/// Help text on the format above.
 inline constexpr const char* clip_format =
     "A motion of a cage in the plane is a CSV file of controls. Each control moves some\n"
     "vertices, and its keys give the distances and times:\n"
@@ -69,7 +67,7 @@ inline constexpr const char* clip_format =
     "    time,x,y,turn,kind\n"
     "    0.0,0,0,0,ease\n";
 
-/// The text for --help on poses in space.
+/// Help text on motions in space.
 inline constexpr const char* pose_clip_format =
     "A motion of a cage in space is a CSV file of its poses:\n"
     "\n"
@@ -97,7 +95,7 @@ struct ClipControl {
         double weight = 1;
     };
     std::string name;
-    std::vector<Share> shares; // none of a pin
+    std::vector<Share> shares; // empty for a pin
     Point2 pivot;
     std::vector<Row> rows;
     std::optional<Pin> pin = {};
@@ -109,36 +107,34 @@ struct ClipFile {
         double seconds = 0;
     };
     struct Ground {
-        double y = 0, speed = 0; // units a second, to the right
+        double y = 0, speed = 0; // speed to the right, in units per second
     };
     std::string name;
     double length = 0;
     std::vector<Late> late;
     std::optional<Ground> ground;
-    std::vector<ClipControl> controls; // all of vertices, or all pins
+    std::vector<ClipControl> controls; // either all of vertices or all pins
 
     bool has_pins() const { return !controls.empty() && controls.front().pin.has_value(); }
 };
 
-/// A motion in the plane from the text of a file.
+/// Parses a planar motion.
 ///
-///   name    stands before every message
-///   fails   where a line is none of the above, a number is not finite, a vertex is not one of
-///           `vertex_count`, or
-///           the times of a control do not ascend or are no part of the length, or there are controls
-///           beside pins
+///   name    prefix of every message
+///   fails   on an unknown line, a number that is not finite, a vertex not below `vertex_count`; if times of
+///           a control do not ascend, its duration does not divide the length, or controls and pins are mixed
 Expected<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
-/// Works as parse_clip(), from a file; fails also where it cannot be read.
+/// As parse_clip(), from a file; fails also if it cannot be read.
 Expected<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
 
-/// A clip as the text of a file that parse_clip() reads back, all but turns to the bit.
+/// The text of a clip file. parse_clip() restores every bit except of turns.
 std::string clip_text(const ClipFile& clip, const std::string& heading);
 
-/// The motion of a cage with these vertices. It begins again at its end.
+/// The repeating motion of a cage with these vertices.
 Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
 
-/// The interpolation into and out of a pose.
+/// Interpolation at a pose.
 enum class PoseWay { smooth, linear, ease };
 
 struct PoseKey {
@@ -147,32 +143,33 @@ struct PoseKey {
     std::vector<cageform::Vec<double, 3>> places; // of all vertices
 };
 
-/// A motion in space. The first key is at 0, times ascend and are less than the length, at which the first
-/// pose comes again.
+/// A motion in space. The first key is at time 0; times ascend and are less than the length, after which the
+/// motion repeats.
 struct PoseClip {
     std::string name; // for messages
     double length = 0;
     std::vector<PoseKey> keys;
 };
 
-/// A clip in space from the text of a file.
+/// Parses a motion in space.
 ///
-///   name    stands before every message
-///   fails   where a line is no number, time or way, a number is beyond single precision, a pose has not
-///           `vertex_count` lines, or times do not ascend from 0 to less than the length, in single precision
+///   name    prefix of every message
+///   fails   on an invalid number, time or interpolation, a number out of single precision; if a pose does
+///           not have `vertex_count` lines, or times do not ascend from 0 to less than the length in single
+///           precision
 Expected<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
-/// Works as parse_pose_clip(), from a file; fails also where it cannot be read.
+/// As parse_pose_clip(), from a file; fails also if it cannot be read.
 Expected<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
 
-/// The text of a clip in space, numbers to a millionth.
+/// The text of a motion in space, with six decimals.
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
 
-/// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from
-/// every key to the next. Linear in the values, so that whatever is linear in the poses goes the same way.
+/// The curve of a number through the clip's keys, `values` (#keys), over one period: one piece per key. It is
+/// linear in the values, so any linear function of the poses has such a curve.
 cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values);
 
-/// The motion of the vertices. It begins again at its end.
+/// The repeating motion of the vertices.
 template <cageform::Scalar T>
 cageform::CageClip<T, 3> make_clip(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<T>> curves;
@@ -191,15 +188,15 @@ cageform::CageClip<T, 3> make_clip(const PoseClip& clip) {
     return cageform::CageClip<T, 3>(curves, cycle, cycle);
 }
 
-/// Poses of a motion: those of the keys, and three or more between each and the next.
+/// Poses of a motion: those of the keys, and at least three between consecutive keys.
 struct SampledPoses {
     std::vector<double> times;   // in seconds
-    std::vector<double> numbers; // #times · #vertices · 3, as PackOptions::poses has them
+    std::vector<double> numbers; // #times · #vertices · 3, as in PackOptions::poses
 };
-///   rate   how many a second at least
+///   rate   minimum number of poses per second
 SampledPoses sample_poses(const PoseClip& clip, double rate = 0);
 
-/// "walk.csv after 0.5 s": stands before messages about one of its poses.
+/// "walk.csv after 0.5 s": names a pose in messages.
 std::string name_of_pose(const PoseClip& clip, double time);
 
 } // namespace cageform_support

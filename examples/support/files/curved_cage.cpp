@@ -1,4 +1,4 @@
-// Cages of curves: those functions of cage_file.hpp.
+// Functions of cage_file.hpp for cages of curves.
 #include "files/cage_file.hpp"
 
 #include "svg/document.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using detail::counted;
 
-/// Returns the degree of a cubic: 1 or 2 if a line or a quadratic has exactly these control points.
+/// The lowest degree of a segment: 1 or 2 if its control points are exactly those of a line or quadratic.
 unsigned degree_of(const Point2& from, const Segment& s) {
     if (s.p1 == PathBuilder::third(from, s.p3) && s.p2 == PathBuilder::third(s.p3, from)) return 1;
     const Point2 control = quadratic_control(from, s.p1);
@@ -24,13 +24,13 @@ std::string name_of_degree(unsigned n) {
     return names[n - 1];
 }
 
-/// The loops of a polygon, as closed paths of lines.
+/// The loops of a polygon as closed paths of lines.
 std::vector<Subpath> outline_of(const CageFile& polygon) {
     PathBuilder builder;
     for (const CageBlock& block : polygon.blocks) {
         builder.move_to(block.points.front());
         for (std::size_t k = 1; k < block.points.size(); ++k) builder.line_to(block.points[k]);
-        builder.line_to(block.points.front()); // also where it is no longer than rounding
+        builder.line_to(block.points.front()); // even if shorter than rounding errors
     }
     return builder.take();
 }

@@ -36,7 +36,7 @@ static std::string_view text_of(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Reads ranges of a file in blocks, by a descriptor of its own.
+/// Reads ranges of a file in blocks, with its own descriptor.
 class BlockReader {
 public:
     explicit BlockReader(const std::filesystem::path& path)
@@ -48,7 +48,7 @@ public:
         if (file_ >= 0) close(file_);
     }
 
-    /// Calls use(bytes) for each block of a range; false where it cannot be read, or the file is shorter.
+    /// Calls use(bytes) for each block of a range; false if it cannot be read, or the file is shorter.
     template <class Use>
     bool read(std::uint64_t begin, std::uint64_t bytes, const Use& use) {
         while (code_ == 0 && bytes > 0) {
@@ -139,7 +139,7 @@ bool FigureStream::append(std::span<const std::byte> piece, Points points) {
                     const std::uint64_t before = array == order ? header_.points : header_.rows;
                     for (std::uint32_t& number : numbers) number += std::uint32_t(before);
                     const std::size_t known =
-                        array == row_begin && !is_first ? 1 : 0; // the end of the rows before
+                        array == row_begin && !is_first ? 1 : 0; // the first entry repeats the last end
                     put_rest(array, std::as_bytes(std::span(numbers).subspan(known)));
                 } else {
                     put_rest(array, from);
@@ -208,7 +208,7 @@ bool FigureStream::finish(TileRecord& record) {
     figure_.write_at(sizeof(header), text_of(std::as_bytes(std::span(table))));
     figure_.write_at(blob_begin, text_of(bytes_of(header_)));
     if (!is_sound(figure_)) return false;
-    // Either checksum covers all that follows it; the figure's covers that of the blob.
+    // Each checksum covers all bytes after it; that of the figure includes that of the blob.
     BlockReader written(figure_.temporary());
     for (const auto& [begin, end] :
          {std::array{blob_begin, record_begin}, std::array{std::uint64_t{0}, bytes_}}) {

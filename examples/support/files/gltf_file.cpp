@@ -19,7 +19,7 @@ Expected<ObjTexture> read_texture(const ObjFile& file) {
                 if (!why.empty()) return refuse(why);
                 if (!std::isfinite(float(st[k]))) return refuse("a texture coordinate is not finite");
             }
-            texture.coordinates.push_back({float(st[0]), 1 - float(st[1])}); // 3.7.2.1: v counts from the top
+            texture.coordinates.push_back({float(st[0]), 1 - float(st[1])}); // 3.7.2.1: v is 0 at the top
         } else if (words[0] == "f") {
             auto& corners = texture.of_face.emplace_back();
             for (const std::string_view word : std::span(words).subspan(1)) {
@@ -44,7 +44,7 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts&
     std::vector<std::vector<std::size_t>> of_object(parts.objects.size()); // triangles
     for (std::size_t t = 0; t < file.triangles.size(); ++t)
         of_object[parts.face_objects[file.triangle_faces[t]]].push_back(t);
-    std::vector<std::uint32_t> place(file.vertices.size()); // of a vertex in the mesh
+    std::vector<std::uint32_t> place(file.vertices.size()); // index in the mesh
     for (std::size_t o = 0; o < of_object.size(); ++o) {
         GltfMesh mesh{parts.objects[o], {}, {}, {}, false};
         std::fill(place.begin(), place.end(), of_object.size() == 1 ? 0 : ObjCorner::none);
@@ -57,7 +57,7 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts&
             mesh.corners.push_back({v, ObjCorner::none, ObjCorner::none});
         }
         std::map<GltfMesh::Corner, std::uint32_t> known;
-        std::vector<bool> met(mesh.corners.size()); // whether a corner has taken the vertex's own place
+        std::vector<bool> met(mesh.corners.size()); // whether a corner uses the vertex's own index
         std::map<std::uint32_t, std::size_t> part_of;
         for (const std::size_t t : of_object[o]) {
             const std::size_t f = file.triangle_faces[t];
@@ -95,7 +95,7 @@ Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts&
 }
 
 std::vector<Point3> joined_places(const ObjFile& figure) {
-    std::vector<double> edges; // so that vertices of a small part are not joined when another part is huge
+    std::vector<double> edges; // limits the distance if parts differ much in size
     for (const auto& triangle : figure.triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
             const Point3 edge = figure.vertices[triangle[k]] - figure.vertices[triangle[(k + 1) % 3]];
@@ -108,7 +108,7 @@ std::vector<Point3> joined_places(const ObjFile& figure) {
     const double apart = std::min(1e-6 * size_of(figure), most);
     if (!(apart > 0) || !std::isfinite(apart)) return figure.vertices;
     std::vector<Point3> places;
-    std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes with edges of 2 apart
+    std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes of edge length 2 · apart
     const auto cube = [&](const Point3& p) {
         std::array<double, 3> lower;
         for (std::size_t k = 0; k < 3; ++k)
@@ -137,7 +137,7 @@ void make_sums_exact(cageform::SkinWeights& skin) {
     constexpr double one = 1 << 24; // multiples of its inverse up to 1 are floats
     for (std::size_t first = 0; first < skin.weights.size(); first += skin.influences) {
         const auto weights = std::span(skin.weights).subspan(first, skin.influences);
-        double sum = 0; // exact, as all numbers here
+        double sum = 0; // exact, like all numbers here
         for (float& weight : weights) {
             weight = float(std::round(one * double(weight)) / one);
             sum += double(weight);
@@ -188,7 +188,7 @@ std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFi
         if (const double length = std::hypot(n[0], n[1], n[2]); length > 0 && std::isfinite(length))
             n = (1 / length) * n;
         else
-            n = {0, 0, 1}; // any will do where the faces have no area
+            n = {0, 0, 1}; // arbitrary, since the faces have no area
         normals.push_back({float(n[0]), float(n[1]), float(n[2])});
     }
     return normals;
@@ -223,7 +223,7 @@ std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<
         const Point3 n =
             cageform::vec_cast<double>(cageform::Vec<float, 3>{normals[i][0], normals[i][1], normals[i][2]});
         Point3 tangent = along_u[i] - dot(along_u[i], n) * n;
-        if (!(dot(tangent, tangent) > 0)) // any will do where the pictures have no direction
+        if (!(dot(tangent, tangent) > 0)) // arbitrary, since u has no direction
             tangent = std::fabs(n[0]) < 0.6 ? Point3{1, 0, 0} - n[0] * n : Point3{0, 1, 0} - n[1] * n;
         tangent = unit(tangent);
         const float side = dot(cross(n, tangent), along_v[i]) > 0 ? -1.0f : 1.0f; // v is downwards
@@ -273,8 +273,8 @@ GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const Glt
     return primitives;
 }
 
-/// Whether the header of a PNG file announces alpha, in its pixels or for some colours (chunk tRNS; PNG 3rd
-/// edition, sections 11.2.1 and 11.3.1).
+/// Whether a PNG file has alpha, in its pixels or for some colours (chunk tRNS; PNG 3rd edition, sections
+/// 11.2.1 and 11.3.1).
 bool png_has_alpha(std::string_view bytes) {
     constexpr std::size_t colour_type = 25;
     if (bytes.size() <= colour_type) return false;
@@ -288,7 +288,7 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
         bool has_alpha = false;
     };
     std::vector<std::string> warnings;
-    std::map<std::string, Texture> known; // by the names of pictures
+    std::map<std::string, Texture> known; // by path of the image
     const auto texture_of = [&](const ObjMaterial& material, const std::string& picture) -> Texture {
         if (picture.empty()) return {};
         if (!textured) {
@@ -335,10 +335,10 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
         const Texture of_emission = texture_of(material, material.emission_texture);
         if (of_emission.index) written["emissiveTexture"] = {{"index", *of_emission.index}};
         constexpr std::array<double, 3> black{}, white{1, 1, 1};
-        // The picture is multiplied by Ke, which some programs leave out or black.
+        // The image is multiplied by Ke, which some programs omit or set to black.
         const auto& e = of_emission.index && material.emission == black ? white : material.emission;
         if (const double most = std::max({e[0], e[1], e[2]}); most > 0) {
-            const double scale = std::max(most, 1.0); // 3.9.3: factors end at 1
+            const double scale = std::max(most, 1.0); // 3.9.3: factors are at most 1
             written["emissiveFactor"] = {e[0] / scale, e[1] / scale, e[2] / scale};
             if (scale > 1) {
                 written["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", scale}};

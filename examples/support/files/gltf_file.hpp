@@ -1,10 +1,9 @@
 #pragma once
 
-// glTF 2.0: meshes that came from an OBJ file, their materials, their skin or morph targets, and how they
-// move.
+// Writes glTF 2.0: meshes from OBJ files, materials, skins, morph targets and animations.
 //
-// A file is a JSON object and a buffer of bytes; both end in one file, .gltf (the bytes as text in the
-// JSON) or .glb (the bytes as they are). References are to the sections of the glTF 2.0 specification.
+// A file consists of JSON and a binary buffer, stored in one file: .gltf (buffer as base64 in the JSON) or
+// .glb (binary). Section numbers refer to the glTF 2.0 specification.
 
 #include "files/clip_file.hpp"
 #include "files/obj_parts.hpp"
@@ -25,16 +24,16 @@ namespace cageform_support {
 
 using GltfJson = nlohmann::ordered_json;
 
-/// The JSON and the bytes of a file in the making.
+/// A document under construction: JSON and buffer.
 class GltfDocument {
 public:
     enum class Use { vertices = 34962, indices = 34963, other = 0 }; // 5.11.5
 
     GltfJson json = {{"asset", {{"version", "2.0"}, {"generator", "cageform export_gltf"}}}};
 
-    /// Appends an accessor of N numbers an element, in a view of its own; returns its index.
+    /// Appends an accessor with N numbers per element and its own buffer view; returns its index.
     ///
-    ///   bounds  whether to tell the least and the largest of each component, as positions and times have to
+    ///   bounds   whether to write min and max of each component, as for positions and times
     template <class T, std::size_t N>
     std::size_t add(std::span<const std::array<T, N>> values, Use use, bool bounds = false,
                     bool normalised = false) {
@@ -72,7 +71,7 @@ public:
         return add(std::span<const std::array<T, N>>(values), use, bounds, normalised);
     }
 
-    /// Appends bytes as they are, such as a picture, in a view of their own; returns its index.
+    /// Appends raw bytes, such as an image, with their own buffer view; returns its index.
     std::size_t add_bytes(std::string_view contents) {
         bytes_.resize((bytes_.size() + 3) / 4 * 4);
         GltfJson view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", contents.size()}};
@@ -80,13 +79,13 @@ public:
         return append("bufferViews", std::move(view));
     }
 
-    /// Appends to an array of the JSON's root; returns the index.
+    /// Appends to an array of the root object; returns the index.
     std::size_t append(const char* array, GltfJson object) {
         json[array].push_back(std::move(object));
         return json[array].size() - 1;
     }
 
-    /// Returns the file's contents. Bytes of names that are not UTF-8 are replaced.
+    /// The file's contents. Invalid UTF-8 in names is replaced.
     std::string text(bool binary) const {
         GltfJson whole = json;
         std::string bytes = bytes_;
@@ -125,86 +124,83 @@ private:
     std::string bytes_;
 };
 
-/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner,
-/// in the order of the OBJ file; then the duplicates, whose faces differ in normal or texture coordinate.
-/// Where it is the only mesh of a file it has all vertices of that, else those that its faces have.
+/// A mesh with one vertex per distinct combination of position, normal and texture coordinate at a corner: in
+/// the order of the OBJ file, then the duplicates. If it is the only mesh of a file, it has all vertices of
+/// the file, else only those of its faces.
 struct GltfMesh {
     struct Corner {
-        std::uint32_t vertex, normal, texture; // of the OBJ file; ObjCorner::none where there is none
+        std::uint32_t vertex, normal, texture; // indices of the OBJ file, or ObjCorner::none
         friend auto operator<=>(const Corner&, const Corner&) = default;
     };
     /// The faces of a material.
     struct Part {
         std::uint32_t material = 0;                        // of the ObjParts
-        std::vector<std::array<std::uint32_t, 1>> indices; // three a triangle, among the corners
+        std::vector<std::array<std::uint32_t, 1>> indices; // into `corners`, three per triangle
     };
     std::string name;
     std::vector<Corner> corners;               // #vertices
     std::vector<Part> parts;                   // in the order of their first faces
-    std::vector<std::array<float, 2>> texture; // #vertices, v downwards; empty where the file has none
-    bool takes_tangents = false;               // whether a material of it has a picture of normals
+    std::vector<std::array<float, 2>> texture; // #vertices, v downwards; empty if the file has none
+    bool takes_tangents = false;               // whether a material has a normal map
 };
 
-/// The texture coordinates of a file, which ObjFile leaves alone.
+/// The texture coordinates of an OBJ file, which ObjFile does not parse.
 struct ObjTexture {
-    std::vector<std::array<float, 2>> coordinates; // v downwards
-    std::vector<std::vector<std::uint32_t>>
-        of_face; // #faces, of every corner; ObjCorner::none where there is none
+    std::vector<std::array<float, 2>> coordinates;   // v downwards
+    std::vector<std::vector<std::uint32_t>> of_face; // #faces · #corners, or ObjCorner::none
 };
 
-/// Fails where one is no numbers or is not there.
+/// Fails on an invalid number or index.
 Expected<ObjTexture> read_texture(const ObjFile& file);
 
-/// The meshes of a file, one an object: splits vertices as glTF needs it. Fails where the file has no
-/// faces, or as read_texture() does.
+/// One mesh per object of a file; splits vertices as glTF requires. Fails if the file has no faces, or as
+/// read_texture().
 Expected<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts);
 
-/// The mesh's positions where the file's vertices are at `places`.
+/// The positions of the mesh for the file's vertices at `places`.
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places);
 
-/// The mesh's normals after a deformation of the file's vertices, of unit length: those of the file; where
-/// there are none, the mean of the faces about the vertex, weighted by area.
+/// Unit normals of the mesh after a deformation: those of the file; if it has none, area-weighted means of
+/// adjacent faces.
 std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
                                                const MovedVertices& moved);
 
-/// The tangents of a mesh that takes them, along its pictures' u, across its normals; the fourth number is
-/// the side of v (glTF 2.0, 3.7.2.1). None of other meshes.
+/// Tangents along u, perpendicular to the normals; the fourth number is the handedness (3.7.2.1). Empty for
+/// meshes without normal maps.
 std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<const Point3> places,
                                                 std::span<const std::array<float, 3>> normals);
 
 /// The attributes of a mesh at rest.
 GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file);
 
-/// The primitives of a mesh, one a material, which share its attributes and its targets.
+/// One primitive per material; they share attributes and targets.
 ///
-///   targets   null where there are none
+///   targets   null if there are none
 GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const GltfJson& attributes,
                          const GltfJson& targets = {});
 
-/// Appends the materials, with the pictures of their textures, which the file then holds. If `map_d` names
-/// the picture of the colour and the picture has alpha, the material gets alphaMode BLEND. Returns warnings
-/// of pictures that are left out.
+/// Appends the materials and embeds their images. If `map_d` names the image of the colour and it has alpha,
+/// alphaMode is BLEND. Returns warnings on images that are not written.
 ///
 ///   textured   whether the meshes have texture coordinates
 std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured);
 
-/// Some numbers through the keys of a clip as a sampler of an animation, CUBICSPLINE. Nothing is lost but
-/// what single precision rounds.
+/// Converts curves of numbers through the keys of a clip to a CUBICSPLINE sampler, exactly up to single
+/// precision.
 ///
-///   values   of every key, `components` numbers
-///   returns  as to_gltf_cubicspline()
+///   values    #keys · components
+///   returns   as to_gltf_cubicspline()
 cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
 gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components);
 
-/// Rounds weights to multiples of 2^-24, so that the weights of each point sum to exactly 1. An error of the
-/// sum would move the point by that share of its distance from the origin.
+/// Rounds weights to multiples of 2^-24, such that the weights of each point sum to exactly 1. An error of
+/// the sum would move a point by that fraction of its distance from the origin.
 void make_sums_exact(cageform::SkinWeights& skin);
 
-/// The largest error of a player that computes in single precision: a few roundings of the largest
-/// coordinate.
+/// Rounding error of players that compute in single precision: a few roundings of the largest coordinate.
 double rounding_of_players(std::span<const Point3> places);
 
-/// How many sets of four joints a skin fills: the last that has a weight.
+/// Number of sets of four joints with a nonzero weight.
 inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
     std::size_t most = 1;
     for (std::size_t n = 0; n < skin.weights.size(); ++n) {
@@ -213,20 +209,20 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
     return (most + 3) / 4;
 }
 
-/// The places of the vertices, for weights. Files split vertices where normals or texture coordinates
-/// differ, and some round the copies apart. A vertex near an earlier place gets that place. Near means within
+/// Vertex positions for computing weights. Files split vertices where normals or texture coordinates differ,
+/// and some round the copies differently. A vertex near an earlier position gets that position. Near: within
 /// 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
 std::vector<Point3> joined_places(const ObjFile& figure);
 
-/// Some players read only the first set, four joints a vertex, and normalise its weights. Returns the skin
-/// that they show.
+/// The skin that players show which read only the first set (four joints per vertex) and normalise its
+/// weights.
 cageform::SkinWeights first_set(const cageform::SkinWeights& skin);
 
-/// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without
-/// weights are given to the joint `still`. Sets without a weight are left out.
+/// Appends JOINTS_0, WEIGHTS_0, JOINTS_1, … with four joints per set. Points without weights get the joint
+/// `still`. Sets without weights are omitted.
 ///
-///   Index    std::uint8_t or std::uint16_t
-///   weights  #points · influences, of a point's skin: float, or normalised integers
+///   Index     std::uint8_t or std::uint16_t
+///   weights   #points · influences: float, or normalised integers
 template <class Index, class Weight>
 void add_skin_attributes(GltfDocument& document, GltfJson& attributes, const GltfMesh& mesh,
                          const cageform::SkinWeights& skin, std::span<const Weight> weights,
@@ -243,7 +239,7 @@ void add_skin_attributes(GltfDocument& document, GltfJson& attributes, const Glt
             const std::size_t first = corner.vertex * most;
             for (std::size_t k = 0; k < 4 && 4 * set + k < most; ++k) {
                 share[k] = weights[first + 4 * set + k];
-                // 3.7.3.3: unused ones are of joint 0. Rounding may have made more so.
+                // 3.7.3.3: unused entries have joint 0, also after rounding.
                 joint[k] = share[k] == 0 ? Index(0) : static_cast<Index>(skin.joints[first + 4 * set + k]);
             }
             if (set == 0 && weights[first] == 0) {

@@ -71,7 +71,7 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
     GltfJson top = {{"name", name}};
     set_origin(top, origin);
     roots.push_back(document.append("nodes", std::move(top)));
-    std::vector<std::size_t> nodes, joints; // of each bone; the joint also turns to the scale's axes
+    std::vector<std::size_t> nodes, joints; // #bones; a joint differs if the bone's scale has its own axes
     std::vector<std::array<float, 16>> inverse;
     for (std::size_t b = 0; b < skeleton.bones; ++b) {
         const auto place = rounded(skeleton.joints[b]);

@@ -1,6 +1,6 @@
 #pragma once
 
-// glTF 2.0: meshes with a skin, a skeleton that turns, its animation, and the file's end.
+// glTF 2.0: skinned meshes, skeletons, their animation, and the end of a file.
 
 #include "files/gltf_file.hpp"
 #include "io/atomic_file.hpp"
@@ -12,39 +12,39 @@ namespace cageform_support {
 /// Appends meshes with the attributes of a skin.
 ///
 ///   weights   float, unorm8 or unorm16
-///   joints    their number
-///   still     the joint of vertices without weights
+///   joints    number of joints
+///   still     joint of vertices without weights
 void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const ObjFile& figure,
                         const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
                         std::size_t still);
 
-/// "JOINTS_0 to JOINTS_3: many players read JOINTS_0 alone, four joints a vertex; "; for a note on a skin of
-/// more than one set.
+/// "JOINTS_0 to JOINTS_3: many players read JOINTS_0 alone, four joints a vertex; ": a note on skins with
+/// several sets.
 std::string describe_sets(std::size_t sets);
 
-/// Gives a node a translation, unless this is zero.
+/// Sets the translation of a node, unless it is zero.
 void set_origin(GltfJson& node, const Point3& origin);
 
-/// Appends a node for each mesh, the first of the document. Returns their numbers.
+/// Appends a node for each mesh, before all other nodes. Returns their indices.
 ///
-///   has_skin   the mesh follows the skin; else the node has the translation `origin`
+///   has_skin   the mesh follows the skin; else the node gets the translation `origin`
 std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, std::span<const GltfMesh> meshes,
                                         bool has_skin, const Point3& origin = {});
 
-/// A place as the buffers have it.
+/// A point rounded to single precision.
 std::array<double, 3> rounded(const Point3& p);
 
-/// The inverse matrix of a joint that is only moved to its place.
+/// The inverse bind matrix of a joint without rotation.
 std::array<float, 16> inverse_bind(const std::array<double, 3>& place);
 
-/// Appends a sampler and a channel that moves something of a node.
+/// Appends a sampler and a channel for a property of a node.
 void add_channel(GltfJson& animation, std::size_t node, const char* path, std::size_t input,
                  const char* interpolation, std::size_t output);
 
 namespace detail {
 
-/// Appends keys of a bone's channel, or gives the node their only value. `inputs` has the times that there
-/// are.
+/// Appends the keys of a channel of a bone; a single key becomes the node's property. `inputs` maps times to
+/// accessors.
 template <class V>
 void add_keys(GltfDocument& document, GltfJson& animation, std::size_t node, const char* path,
               const typename cageform::SkeletonKeys<double>::Channel<V>& keys,
@@ -78,11 +78,11 @@ void add_keys(GltfDocument& document, GltfJson& animation, std::size_t node, con
 
 } // namespace detail
 
-/// Appends the nodes of the meshes and of a skeleton, the skin and its animation. The file's meshes have been
+/// Appends the nodes of the meshes and of a skeleton, the skin and its animation. The meshes must have been
 /// added with the skeleton's skin.
 ///
-///   name     of the node above all bones
-///   origin   its translation, from which the skeleton's places are counted
+///   name     of the parent node of all bones
+///   origin   its translation: origin of the skeleton's positions
 void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
                   const cageform::FittedSkeleton<double>& skeleton,
                   const cageform::SkeletonKeys<double>& keys, const std::string& name, const Point3& origin);
@@ -94,7 +94,7 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
 std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,
                           const ObjFile& figure, const std::string& moved, std::size_t bytes);
 
-/// The bytes of a file, by its name .gltf or .glb; fails where they are more than the format allows.
+/// The contents of a file, .gltf or .glb by its name; fails if they are larger than the format allows.
 Expected<std::string> gltf_bytes(const GltfDocument& document, const std::string& path);
 
 } // namespace cageform_support

@@ -15,14 +15,14 @@ namespace {
 
 constexpr double most_points = double(cageform::LatticeCoordinates<double, 2>::most_handles);
 
-/// Takes the text up to the first of some marks off a word.
+/// Takes the text before the first of some characters off a word.
 std::string_view take_until(std::string_view& word, std::string_view marks) {
     const std::string_view part = word.substr(0, word.find_first_of(marks));
     word.remove_prefix(part.size());
     return part;
 }
 
-/// Reads what stands behind a mark, if the word goes on with it; an empty reason is success.
+/// Parses the number after a character, if the word continues with it. Returns the error; empty on success.
 std::string read_number_behind(char mark, std::string_view& word, std::string_view marks, double& number) {
     if (!word.starts_with(mark)) return {};
     word.remove_prefix(1);
@@ -31,7 +31,7 @@ std::string read_number_behind(char mark, std::string_view& word, std::string_vi
     return !why.empty() || std::isfinite(number) ? why : "not a number: " + detail::quoted(digits);
 }
 
-/// Returns the lattice, unless the library refuses it.
+/// Returns the lattice, or the library's error.
 template <std::size_t D>
 Expected<LatticeBox<D>> accepted(LatticeBox<D> lattice, const std::string& name) {
     const auto coordinates = lattice.template coordinates<double>();
@@ -200,7 +200,7 @@ Expected<LatticeBox<D>> lattice_about(const LatticeWord& word,
         const std::size_t most = word.points[k] - 1;
         lattice.axes[k] = {word.points[k], word.is_bernstein ? most : std::min(word.degree, most), {}};
     }
-    // Turned back, the figure has an axis-parallel box.
+    // The box is axis-aligned after rotating the figure back.
     const double angle = word.angle * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
     const auto turned = [&](const cageform::Vec<double, D>& p, double sine) {
         auto q = p;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lattices of control points: as words of a command line, and as .lattice.json files.
+// Lattices of control points, from command line words and .lattice.json files.
 
 #include "svg/path.hpp"
 
@@ -14,14 +14,14 @@
 
 namespace cageform_support {
 
-/// A lattice that LatticeCoordinates have accepted.
+/// A lattice, checked by LatticeCoordinates.
 template <std::size_t D>
 struct LatticeBox {
     std::array<cageform::LatticeAxis, D> axes{};
     cageform::Transform<double, D> frame{}; // of the box, the image of [0, 1]^D
-    double falloff = 0;                     // in the units of the figure
+    double falloff = 0;                     // in units of the figure
 
-    std::size_t points() const { ///< the control points, before the still handles
+    std::size_t points() const { ///< number of control points, without still handles
         std::size_t count = 1;
         for (const auto& axis : axes) count *= axis.points;
         return count;
@@ -36,16 +36,16 @@ struct LatticeBox {
     }
 };
 
-/// "4x4", "4x4x4/2", "6x4/bernstein+0.1@30": what follows "lattice:".
+/// The text after "lattice:", such as "4x4", "4x4x4/2" or "6x4/bernstein+0.1@30".
 struct LatticeWord {
     std::vector<std::size_t> points; // two or three axes
-    std::size_t degree = 3;          // lowered to points - 1
+    std::size_t degree = 3;          // at most points - 1
     bool is_bernstein = false;
-    double falloff = 0; // as a part of the box's diagonal
-    double angle = 0;   // of the box, in degrees, in the plane
+    double falloff = 0; // relative to the box's diagonal
+    double angle = 0;   // of a planar box, in degrees
 };
 
-/// The text for --help.
+/// Help text on lattices.
 inline constexpr const char* lattice_format =
     "A lattice is a box of control points about the figure: lattice:4x4 for a drawing,\n"
     "lattice:4x4x4 for a mesh, 2 points or more along each axis. After it can stand, in\n"
@@ -57,38 +57,38 @@ inline constexpr const char* lattice_format =
     "the plane is an SVG file of its rows and columns, each a line of points, or a CSV\n"
     "file of its points; in space it is an OBJ file with the points moved.\n";
 
-/// Reads a word; fails with a sentence that quotes it.
+/// Parses a word; the error quotes it.
 Expected<LatticeWord> parse_lattice_word(std::string_view word);
 
-/// Whether a path names a lattice's file.
+/// Whether a path is a lattice file.
 bool is_lattice_path(std::string_view path);
 
-/// 2 or 3: the number of axes of a lattice's file.
+/// The number of axes of a lattice file, 2 or 3.
 Expected<std::size_t> lattice_dimension(const std::string& path);
 
-/// A lattice from the text of a file; fails also where the library refuses it.
+/// Parses a lattice file; fails also if the library rejects the lattice.
 template <std::size_t D>
 Expected<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name);
 
-/// Works as parse_lattice(), from a file; fails also where it cannot be read.
+/// As parse_lattice(), from a file; fails also if it cannot be read.
 template <std::size_t D>
 Expected<LatticeBox<D>> load_lattice(const std::string& path);
 
-/// The text of a file that parse_lattice() reads back to the bit.
+/// The text of a lattice file; parse_lattice() restores every bit.
 template <std::size_t D>
 std::string to_json(const LatticeBox<D>& lattice);
 
-/// A lattice about points.
+/// A lattice around points.
 ///
-///   margin   about all points, as a part of their diagonal
+///   margin   around the points, relative to their diagonal
 ///   figure   its name, for messages
-///   fails    where the word is for another dimension, or there is no box
+///   fails    if the word is for another dimension, or there is no box
 template <std::size_t D>
 Expected<LatticeBox<D>> lattice_about(const LatticeWord& word,
                                       const std::vector<cageform::Vec<double, D>>& points, double margin,
                                       const std::string& figure);
 
-/// "4 x 4 control points of degree 3": for people.
+/// "4 x 4 control points of degree 3".
 template <std::size_t D>
 std::string describe(const LatticeBox<D>& lattice);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The animated numbers of a Lottie file, interval by interval.
+// The animated numbers of Lottie files, per interval.
 
 #include "io/csv.hpp"
 
@@ -15,16 +15,16 @@
 
 namespace cageform_support {
 
-/// The curve from a keyframe to the next, for one component of a property.
+/// The curve between consecutive keyframes, for one component of a property.
 struct LottieCurve {
     std::string path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, after the colon, the component
-    std::string layer; ///< the names on the way there, as the artist gave them
+    std::string layer; ///< names of the enclosing layers
     cageform::Result<cageform::KeyInterval> curve;
 };
 
 namespace detail {
 
-/// A number, or that of a component of an array; an array of one serves all components.
+/// A number, or a component of an array. An array of one applies to all components.
 inline double lottie_number(const nlohmann::ordered_json& json, std::size_t component) {
     if (!json.is_array()) return json.get<double>();
     return json.at(json.size() == 1 ? 0 : component).get<double>();
@@ -37,8 +37,8 @@ inline cageform::LottieHandle lottie_handle(const nlohmann::ordered_json& key, c
     return {lottie_number(handle->at("x"), component), lottie_number(handle->at("y"), component)};
 }
 
-/// A place moves along a path in space if a tangent of it has a length: easing then is of the part of the
-/// path.
+/// Whether a position moves along a spatial path: a tangent has nonzero length. Easing then applies to the
+/// arc length.
 inline bool moves_along_a_path(const nlohmann::ordered_json& key) {
     for (const char* const tangent : {"to", "ti"}) {
         if (!key.contains(tangent)) continue;
@@ -49,7 +49,7 @@ inline bool moves_along_a_path(const nlohmann::ordered_json& key) {
     return false;
 }
 
-/// The intervals of an array of keyframes; throws nlohmann's exceptions where it is none.
+/// Appends the intervals of an array of keyframes; throws nlohmann's exceptions if it is invalid.
 inline void add_lottie_intervals(const nlohmann::ordered_json& keys, const std::string& path,
                                  const std::string& layer, std::vector<LottieCurve>& curves) {
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
@@ -77,7 +77,7 @@ inline void add_lottie_intervals(const nlohmann::ordered_json& keys, const std::
 
 inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::string& path, std::string layer,
                               std::vector<LottieCurve>& curves, int depth = 0) {
-    constexpr int deepest = 200; // of files by hand and by programs, some dozens
+    constexpr int deepest = 200; // common files have a few dozen levels
     if (!json.is_structured()) return;
     if (depth > deepest) throw std::length_error("nested too deeply");
     if (json.is_object() && json.contains("nm") && json.at("nm").is_string())
@@ -94,8 +94,8 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
 
 } // namespace detail
 
-/// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a
-/// keyframe is not as it has to be, std::length_error where parts are nested deeper than 200.
+/// All intervals of animated numbers, in file order. Throws nlohmann's exceptions on an invalid keyframe,
+/// std::length_error if nested deeper than 200.
 inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
     std::vector<LottieCurve> curves;
     detail::add_lottie_curves(file, "", "", curves);

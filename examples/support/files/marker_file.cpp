@@ -9,18 +9,18 @@ namespace cageform_support {
 
 namespace {
 
-constexpr double way_back = 0.5; // seconds from the last row to the first, where they differ
+constexpr double way_back = 0.5; // seconds from the last row to the first, if they differ
 
-/// Reads the rows of a file of markers.
+/// Parser of marker files.
 class MarkerReader {
 public:
-    ///   columns   the most columns with text in any row; empty cells after them do not count
+    ///   columns   largest number of nonempty columns of any row; trailing empty cells do not count
     MarkerReader(const std::string& name, std::size_t columns)
         : most_columns_(columns) {
         clip_.name = name;
     }
 
-    /// Takes a line; an empty reason is success.
+    /// Parses a line. Returns the error; empty on success.
     std::string take(std::string_view line) {
         const auto fields = detail::cells_of(line, columns_ != 0 ? columns_ : most_columns_);
         if (fields[0] == "late" || fields[0] == "ground") return take_setting(fields);
@@ -36,7 +36,7 @@ public:
         return fields[0] == "rest" ? take_rest(fields) : take_row(fields);
     }
 
-    /// Ends the file; an empty reason is success.
+    /// Checks and completes the clip. Returns the error; empty on success.
     std::string end() {
         if (times_ < 2) return "holds fewer than two times";
         const double length = last_ - first_;
@@ -97,7 +97,7 @@ private:
         return word == "late" ? "\"late\" takes an element and seconds" : "\"ground\" takes y and a speed";
     }
 
-    /// Reads where a marker is; `is_seen` is false where both fields are empty.
+    /// Parses the position of a marker; `is_seen` is false if both fields are empty.
     static std::string read_place(std::span<const std::string_view> fields, std::size_t n, Point2& p,
                                   bool& is_seen) {
         const std::string_view x = fields[2 * n + 1], y = fields[2 * n + 2];
@@ -156,7 +156,7 @@ Expected<ClipFile> parse_markers(std::string_view text, const std::string& name)
         line = detail::trim(line);
         if (!line.starts_with('#')) columns = std::max(columns, detail::cells_of(line).size() | 1);
     }
-    MarkerReader reader(name, columns); // a time and pairs: an odd number
+    MarkerReader reader(name, columns);
     for (std::string_view line; take_line(text, line);) {
         ++number;
         line = detail::trim(line);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Markers: places that are tracked through time, as motion capture has them, in a CSV file.
+// CSV files of markers: points tracked through time, as in motion capture.
 
 #include "files/clip_file.hpp"
 
@@ -10,7 +10,7 @@
 
 namespace cageform_support {
 
-/// The text for --help.
+/// Help text on marker files.
 inline constexpr const char* markers_format =
     "Markers are points of the figure that were tracked through time, in a CSV file with\n"
     "a row for each time:\n"
@@ -25,26 +25,26 @@ inline constexpr const char* markers_format =
     "half a second if the last row differs from that. There can be lines late and ground\n"
     "as in a clip; # begins a comment.\n";
 
-/// Reads markers as a clip of pins.
+/// Parses markers to a clip of pins.
 ///
-///   name    stands before every message
-///   fails   where a row has not as many columns as the first, a number is wrong, times do not ascend, a
-///           marker has no place at rest or is never seen, or there are fewer than two times
+///   name    prefix of every message
+///   fails   if a row has not as many columns as the first, a number is invalid, times do not ascend, a
+///           marker has no rest position or is never seen, or there are fewer than two times
 Expected<ClipFile> parse_markers(std::string_view text, const std::string& name);
 
-/// Works as parse_markers(), from a file; fails also where it cannot be read.
+/// As parse_markers(), from a file; fails also if it cannot be read.
 Expected<ClipFile> load_markers(const std::string& path);
 
-/// Where points of a figure are through a motion.
+/// Positions of points during a motion.
 struct Tracks {
     std::vector<Point2> rest;
     std::vector<double> times;
-    std::vector<std::vector<Point2>> places; // #times of #rest
+    std::vector<std::vector<Point2>> places; // #times · #rest
 };
 
-/// The text of a file of markers, numbers to a hundredth of a unit.
+/// The text of a marker file, with two decimals.
 ///
-///   of   the motion, whose late elements and ground are written too
+///   of   the motion, for its late elements and ground
 std::string markers_text(const Tracks& tracks, const ClipFile& of, const std::string& heading);
 
 } // namespace cageform_support

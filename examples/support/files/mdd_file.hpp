@@ -1,7 +1,6 @@
 #pragma once
 
-// MDD files, the point caches of LightWave, which Blender and Houdini write: the places of all vertices in
-// each frame.
+// MDD files (point caches of LightWave, also written by Blender and Houdini): all vertex positions per frame.
 
 #include "files/obj_file.hpp"
 
@@ -12,14 +11,14 @@ namespace cageform_support {
 
 struct MddFile {
     std::vector<std::vector<Point3>> frames; ///< #frames · #vertices
-    std::vector<double> times;               ///< #frames, in seconds, as the file has them
+    std::vector<double> times;               ///< #frames, in seconds
 };
 
-/// Reads an MDD file: the number of frames and that of vertices, whole numbers of 4 bytes; the times
-/// of the frames; x, y, z of each vertex in each frame; all of them floats of 4 bytes, big-endian.
+/// Reads an MDD file. All numbers are big-endian and have 4 bytes: the number of frames and of vertices
+/// (integers), then floats: the times of the frames, and x, y, z of each vertex in each frame.
 ///
 ///   vertices   of the figure
-///   fails      where it cannot be read, has another number of vertices, or is shorter or longer than it says
+///   fails      if it cannot be read, has another number of vertices, or its size does not match
 Expected<MddFile> load_mdd(const std::string& path, std::size_t vertices);
 
 } // namespace cageform_support

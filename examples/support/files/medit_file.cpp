@@ -11,7 +11,7 @@ namespace cageform_support {
 
 namespace {
 
-/// Reads sections of a .mesh file: a keyword, how many elements there are, and their numbers.
+/// Parser of sections: a keyword, the number of elements, and their numbers.
 class MeditReader {
 public:
     MeditReader(const std::string& text, ObjFile& file, StrayVertices strays)
@@ -20,7 +20,7 @@ public:
         , file_(file)
         , strays_(strays) {}
 
-    /// Returns why it cannot be read, mostly with a line; else a message that is empty.
+    /// Returns the error, usually with a line; empty on success.
     FileError read() {
         read_all();
         return {fault_, fault_.empty() ? 0 : line_};
@@ -99,7 +99,7 @@ private:
             refuse("Dimension is " + (words_.empty() ? "missing" : detail::quoted(word())) +
                    ": a mesh in space has 3");
     }
-    /// Reads how many elements a section has, and calls read(n) for each until one is refused.
+    /// Parses the number of elements of a section, and calls read(n, count) for each until an error.
     template <class Read>
     void read_section(const char* name, bool is_second, const Read& read) {
         if (is_second) return refuse(std::string("a second section \"") + name + '"');
@@ -109,7 +109,7 @@ private:
             return refuse(std::string("the number of ") + name + " is missing");
         for (std::size_t n = 0; n < count && fault_.empty(); ++n) read(n, count);
     }
-    /// Moves to a number of element n; where there is none, refuses.
+    /// Moves to the next number, of element n; false and an error if there is none.
     bool next_number(const char* name, std::size_t n, std::size_t count) {
         if (next() && !is_keyword(word())) return true;
         refuse(std::string(name) + " end after " + std::to_string(n) + " of " + std::to_string(count));
@@ -118,7 +118,7 @@ private:
 
     void read_vertices() {
         read_section("Vertices", !file_.vertices.empty(), [&](std::size_t n, std::size_t count) {
-            std::array<std::string_view, 4> words; // as of a line of an OBJ file
+            std::array<std::string_view, 4> words; // as a line of an OBJ file
             for (std::size_t k = 1; k < 4; ++k) {
                 if (!next_number("Vertices", n, count)) return;
                 words[k] = word();
@@ -140,7 +140,7 @@ private:
 
     template <std::size_t N>
     void read_cells(const char* name, std::vector<std::array<std::uint32_t, N>>& cells) {
-        std::pair<std::size_t, std::size_t> largest; // an index, and its line
+        std::pair<std::size_t, std::size_t> largest; // index and line
         read_section(name, !cells.empty(), [&](std::size_t n, std::size_t count) {
             std::array<std::uint32_t, N> cell{};
             for (std::uint32_t& vertex : cell) {
@@ -158,7 +158,7 @@ private:
         if (largest.first > 0) largest_.push_back({largest.first - 1, largest.second});
     }
 
-    /// Marks the vertices that cells have. Refuses one that is left out.
+    /// Marks the vertices of cells; an error if one is left out.
     template <class Cells>
     void take_vertices_of(const Cells& cells, std::vector<bool>& used) {
         const auto& strays = file_.left_out;
@@ -178,12 +178,13 @@ private:
     ObjFile& file_;
     StrayVertices strays_;
     std::vector<std::size_t> lines_left_out_; // as ObjFile::left_out
-    std::vector<std::string_view> words_;     // of a line
+    std::vector<std::string_view> words_;     // of the current line
     std::size_t at_ = 0, line_ = 1;
     std::string fault_;
     detail::Triangles triangles_;
     std::vector<std::array<std::uint32_t, 4>> quads_;
-    std::vector<std::pair<std::size_t, std::size_t>> largest_; // index of each section, from 0, and its line
+    std::vector<std::pair<std::size_t, std::size_t>>
+        largest_; // largest index of each section, from 0, and its line
 };
 
 } // namespace

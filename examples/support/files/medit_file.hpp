@@ -1,7 +1,7 @@
 #pragma once
 
-// Medit's .mesh files: meshes of tetrahedra, as mesh generators and simulations exchange them. Reading a
-// mesh, and (to_text() of files/obj_file.hpp) writing the same file with its vertices moved.
+// Medit .mesh files: tetrahedral meshes, as exchanged by mesh generators and simulations. Moved meshes are
+// written by to_text() (files/obj_file.hpp).
 
 #include "files/obj_file.hpp"
 
@@ -14,32 +14,31 @@
 
 namespace cageform_support {
 
-/// The text for --help.
+/// Help text on .mesh files.
 inline constexpr const char* medit_format =
     "A .mesh file is Medit's text format: MeshVersionFormatted, Dimension 3, Vertices\n"
     "with three coordinates and a reference each, Tetrahedra with four indices and a\n"
     "reference each. Triangles and Quadrilaterals are drawn where there are no\n"
     "tetrahedra. Everything else is copied as it is; # begins a comment.\n";
 
-/// Reads a mesh from the text of a .mesh file.
+/// Parses a .mesh file.
 ///
-///   name      stands before every message
-///   returns   its text, vertices and tetrahedra. Its triangles are the faces of one tetrahedron alone,
-///             from outside, or where there are no tetrahedra those of the file; it has no faces, as only OBJ
-///             files have them
-///   fails     where a section is missing, ends too soon or is there twice, where a coordinate is no finite
-///             number or an index there is not, and in two dimensions; with the line
+///   name      prefix of every message
+///   returns   text, vertices and tetrahedra. The triangles are the boundary faces of the tetrahedra,
+///             oriented outwards, or without tetrahedra the faces of the file. `faces` is empty
+///   fails     if a section is missing, incomplete or duplicate, on a coordinate that is not finite or an
+///             invalid index, and in two dimensions; with the line
 Expected<ObjFile> parse_medit(std::string text, std::string name,
                               StrayVertices strays = StrayVertices::refuse);
 
-/// Reads a figure from a .mesh file or, by any other name, from an OBJ file.
+/// Reads a .mesh file, or an OBJ file for any other extension.
 Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays);
 
-/// Returns the faces that one cell alone has, counter-clockwise seen from outside.
+/// The faces of exactly one tetrahedron, counter-clockwise seen from outside.
 detail::Triangles surface_of(std::span<const Point3> vertices,
                              std::span<const std::array<std::uint32_t, 4>> tetrahedra);
 
-/// Writes a .mesh file of tetrahedra.
+/// The text of a .mesh file of tetrahedra.
 std::string medit_text(std::span<const Point3> vertices,
                        std::span<const std::array<std::uint32_t, 4>> tetrahedra);
 

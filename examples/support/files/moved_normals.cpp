@@ -7,8 +7,8 @@ namespace cageform_support {
 
 namespace {
 
-/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as
-/// before. Where these are the same but for rounding, or there is none, `v` itself.
+/// Rotates `v` by the smallest rotation between two directions. Returns `v` unchanged if they are equal up to
+/// rounding, or undefined.
 Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
     const auto length = [](const Point3& p) { return std::hypot(p[0], p[1], p[2]); };
     const double from_length = length(from), to_length = length(to);
@@ -18,15 +18,16 @@ Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
     const auto half_turn = [](const Point3& p, const Point3& axis) {
         return (2 * dot(axis, p) / dot(axis, axis)) * axis - p;
     };
-    if (length(a + b) < 1e-12) { // about face, by any axis across
+    if (length(a + b) < 1e-12) { // opposite: about any perpendicular axis
         Point3 across{};
         across[std::fabs(a[0]) < 0.6 ? 0 : 1] = 1;
         return half_turn(v, across - dot(across, a) * a);
     }
-    return half_turn(half_turn(v, a), a + b); // two half turns make a turn by twice the angle between
+    return half_turn(half_turn(v, a), a + b); // two half turns: a rotation by twice the angle between
 }
 
-/// `before` if `after` equals it but for rounding, so that what does not turn keeps its digits; else `after`.
+/// Returns `before` if both are equal up to rounding, so that unchanged vectors keep their digits; else
+/// `after`.
 Point3 unless_same(const Point3& before, const Point3& after) {
     const Point3 change = after - before;
     return dot(change, change) < 1e-24 * dot(before, before) ? before : after;
@@ -40,7 +41,7 @@ std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n) {
     const double volume = dot(a, across_a);
     const Point3 moved = n[0] * across_a + n[1] * cross(c, a) + n[2] * cross(a, b);
     const double length = std::hypot(moved[0], moved[1], moved[2]), own = std::hypot(n[0], n[1], n[2]);
-    constexpr double flat = 1e-12; // of a volume, relative to that of a cuboid with edges as long
+    constexpr double flat = 1e-12; // of a volume, relative to a cuboid with the same edge lengths
     if (!(std::fabs(volume) > flat * std::sqrt(dot(a, a) * dot(b, b) * dot(c, c))) || !(length > 0) ||
         !std::isfinite(length))
         return std::nullopt;

@@ -1,22 +1,22 @@
 #pragma once
 
-// Normals of an OBJ file whose vertices have moved.
+// Normals of deformed OBJ files.
 
 #include "files/obj_file.hpp"
 
 namespace cageform_support {
 
-/// J⁻ᵀ n, as long as `n`. Returns nothing where the Jacobian has no inverse.
+/// J⁻ᵀ n, scaled to the length of `n`; nothing if the Jacobian is singular.
 std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
 
-/// The file's normals after a deformation, as long as before.
+/// The file's normals after a deformation, with their lengths.
 ///
-///   - With Jacobians, by their inverse transposes. A normal of several vertices is the mean of those of its
-///     vertices; of_corner() tells them apart.
-///   - Without invertible Jacobians, a normal turns with its faces. The normals of its faces are summed,
-///     weighted by area, before and after. The smallest rotation between both sums turns the normal. If the
-///     deformation mirrors the file, the sum after it is reversed.
-///   - A normal that no face has, or whose faces sum up to nothing, stays.
+///   - With Jacobians: by inverse transposes. A normal shared by several vertices is the mean over its
+///     vertices; of_corner() returns the individual normals.
+///   - Without invertible Jacobians: a normal rotates with its faces, by the smallest rotation between the
+///     area-weighted sums of their normals before and after. If the deformation mirrors the file, the sum
+///     after it is reversed.
+///   - Normals without faces, or whose faces sum to zero, are unchanged.
 class MovedNormals {
 public:
     MovedNormals(const ObjFile& file, const MovedVertices& moved);
@@ -24,8 +24,8 @@ public:
     const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
     Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
 
-    /// Returns for each normal the vertices that use it, ascending, if its direction at one of them differs
-    /// from of_file() by more than 1e-5 radians; else no vertices. Empty if no normal has vertices.
+    /// #normals: the vertices that use the normal, ascending, if its direction at one of them differs from
+    /// of_file() by more than 1e-5 radians; else no vertices. Empty if no normal has vertices.
     std::vector<std::vector<std::uint32_t>> split() const;
 
 private:

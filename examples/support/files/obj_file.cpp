@@ -36,7 +36,6 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
     return {};
 }
 
-/// The format that a file's first bytes are those of, where this is not OBJ; else empty.
 std::string_view other_format(std::string_view text) {
     const std::string_view begin = text.substr(0, 512);
     const auto begins_with_word = [&](std::string_view word) {
@@ -87,7 +86,7 @@ std::string_view other_format(std::string_view text) {
     return {};
 }
 
-/// The number N of the first name part_N of a group; 0 where there is none.
+/// The number N of the first group name part_N; 0 if there is none.
 int part_of(std::span<const std::string_view> names) {
     constexpr std::string_view prefix = "part_";
     for (const std::string_view name : names) {
@@ -100,7 +99,7 @@ int part_of(std::span<const std::string_view> names) {
     return 0;
 }
 
-/// "v", "v/vt", "v//vn" or "v/vt/vn". Texture coordinates are not looked at.
+/// Parses "v", "v/vt", "v//vn" or "v/vt/vn"; texture coordinates are ignored.
 std::string parse_corner(std::string_view word, const std::array<std::size_t, 2>& so_far,
                          const std::array<std::size_t, 2>& count, ObjCorner& corner) {
     const std::size_t first = word.find('/');
@@ -147,13 +146,13 @@ std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVe
         }
     }
     if (file.left_out.size() == file.vertices.size()) return "no vertex has finite coordinates";
-    std::size_t sound = 0; // the first vertex that is finite
+    std::size_t sound = 0; // the first vertex that is kept
     while (sound < file.left_out.size() && file.left_out[sound] == sound) ++sound;
     for (const std::size_t i : file.left_out) file.vertices[i] = file.vertices[sound];
     return {};
 }
 
-/// Whether the triangles of a face look all the way that the face does.
+/// Whether all triangles of a face have the orientation of the face.
 bool lies_flat(const Triangles& triangles, const ObjFace& face, std::span<const Point3> vertices) {
     if (triangles.size() + 2 != face.corners.size()) return false;
     const Point3 normal = area_vector(face, vertices);
@@ -164,8 +163,8 @@ bool lies_flat(const Triangles& triangles, const ObjFace& face, std::span<const 
     return true;
 }
 
-/// Cuts the faces into triangles by tinyobjloader. Its ears of a polygon of five corners and more are wrong
-/// for some that are not convex; then the first fan that is right takes their place.
+/// Triangulates the faces by tinyobjloader. Its ear clipping is wrong for some faces of five or more corners
+/// that are not convex; the first valid fan is used instead.
 std::string triangulate(ObjFile& file) {
     std::string plain;
     for (const Point3& v : file.vertices) {
@@ -173,7 +172,7 @@ std::string triangulate(ObjFile& file) {
         for (std::size_t k = 0; k < 3; ++k) append_digits(plain += ' ', v[k]);
         plain += '\n';
     }
-    for (std::size_t f = 0; f < file.faces.size(); ++f) { // the smoothing group tells which face it was
+    for (std::size_t f = 0; f < file.faces.size(); ++f) { // smoothing groups identify the faces
         plain += "s " + std::to_string(f + 1) + "\nf";
         for (const ObjCorner& corner : file.faces[f].corners)
             plain += ' ' + std::to_string(corner.vertex + 1);
@@ -267,7 +266,7 @@ Expected<ObjFile> parse_obj(std::string text, std::string name, StrayVertices st
         if (file.has_bytes_as_colours && colour != Point3{1, 1, 1}) colour = (1.0 / 255) * colour;
     }
 
-    // Now that all are counted: an index may point forwards.
+    // After counting, since indices may refer to later lines.
     const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
     std::array<std::size_t, 2> so_far{};
     std::vector<bool> used(file.vertices.size());
@@ -365,7 +364,7 @@ std::string rounding_fault(const std::string& name, std::span<const Point3> plac
 Point3 far_origin(const ObjFile& figure) {
     const auto shown = shown_places(figure.vertices, figure.triangles);
     const auto bounds = cageform::bounds_of(std::span<const Point3>(shown));
-    constexpr double far_away = 8; // sizes
+    constexpr double far_away = 8; // diagonals
     const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
     const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());
     return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
@@ -415,16 +414,16 @@ ObjFile with_faces_turned_over(ObjFile file) {
             copied = begin + words[n].size();
         }
     }
-    turned.append(text, copied); // no line gets longer, so ObjFile::numbers stay
+    turned.append(text, copied); // vertex lines do not move, so ObjFile::numbers stay valid
     for (ObjFace& face : file.faces) std::reverse(face.corners.begin() + 1, face.corners.end());
     for (auto& triangle : file.triangles) std::swap(triangle[1], triangle[2]);
     return file;
 }
 
-/// The text with new indices of normals at corners. Normal n became max(1, #split[n]) normals.
+/// Updates the normal indices of corners after normal n was split into max(1, #split[n]) normals.
 static std::string with_normals_split(const std::string& text, const ObjFile& file,
                                       const std::vector<std::vector<std::uint32_t>>& split) {
-    std::vector<std::size_t> first(split.size(), 1); // number of each normal's first
+    std::vector<std::size_t> first(split.size(), 1); // index of each normal's first copy
     for (std::size_t n = 1; n < split.size(); ++n)
         first[n] = first[n - 1] + std::max<std::size_t>(1, split[n - 1].size());
     std::string result;
@@ -465,7 +464,7 @@ std::string to_text(const ObjFile& file, const MovedVertices& moved) {
             copied = begin;
             for (const std::uint32_t of : split[normal]) {
                 now = normals.of_corner(of, std::uint32_t(normal));
-                if (of == split[normal].back()) break; // it takes the statement's place
+                if (of == split[normal].back()) break; // replaces the original statement
                 text += "vn";
                 for (const double x : now.v) detail::append_digits(text += ' ', x);
                 text += '\n';

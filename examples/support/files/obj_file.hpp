@@ -1,10 +1,10 @@
 #pragma once
 
-// Wavefront OBJ files: reading vertices, normals and faces, writing the same file with its vertices moved.
+// Wavefront OBJ files: reading vertices, normals and faces, writing the file with moved vertices.
 //
-// tinyobjloader cuts the faces into triangles. It does not check its input, so this code reads and
-// checks everything first and passes on only sound vertices and faces. All other lines are written as
-// they were read, to the byte: groups, materials, texture coordinates, comments, colours after a vertex.
+// tinyobjloader triangulates the faces. It does not check its input, so this code parses and checks
+// everything first, and passes only valid vertices and faces. All other lines are copied byte by byte:
+// groups, materials, texture coordinates, comments, colours after a vertex.
 
 #include "files/lattice_file.hpp"
 #include "svg/path.hpp"
@@ -26,7 +26,7 @@ namespace cageform_support {
 
 using Point3 = cageform::Vec<double, 3>;
 
-/// The text for --help.
+/// Help text on OBJ files.
 inline constexpr const char* obj_format =
     "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
     "f are read, and all other lines are copied as they are. If a pose turns a shared\n"
@@ -43,44 +43,44 @@ inline constexpr const char* obj_format =
 struct ObjCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    std::uint32_t vertex = 0; // counted from zero
+    std::uint32_t vertex = 0; // from 0
     std::uint32_t normal = none;
     friend bool operator==(const ObjCorner&, const ObjCorner&) = default;
 };
 
-/// A face of the file, with three corners or more.
+/// A face with three or more corners.
 struct ObjFace {
     std::vector<ObjCorner> corners;
     std::size_t line = 0;
 };
 
-/// A `v` or `vn` statement: where in the text its three numbers stand.
+/// The positions of the three numbers of a `v` or `vn` statement in the text.
 struct ObjNumbers {
     bool is_normal = false;
     std::array<std::size_t, 3> begin{};
     std::array<std::size_t, 3> end{};
 };
 
-/// The file as text, and what was found in it.
+/// The text of a file and its parsed contents.
 struct ObjFile {
     std::string name; // for messages
     std::string text;
     std::vector<Point3> vertices;
-    std::vector<Point3> colours;       // #vertices, white where one has none; empty where none has
-    bool has_bytes_as_colours = false; // whether some colour was above 1, so that all were taken as 0 to 255
-    std::vector<std::size_t> left_out; // stray vertices; they stand at the first other vertex
+    std::vector<Point3> colours;       // #vertices, white by default; empty if no vertex has a colour
+    bool has_bytes_as_colours = false; // whether a colour was above 1, so that the range is 0 to 255
+    std::vector<std::size_t> left_out; // stray vertices, moved to the first other vertex
     std::vector<Point3> normals;
-    std::vector<ObjNumbers> numbers; // in the order of the file
+    std::vector<ObjNumbers> numbers; // in file order
     std::vector<ObjFace> faces;
-    std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in their order
-    std::vector<std::uint32_t> triangle_faces;           // #triangles: of which face each is a part
-    std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
-    std::optional<LatticeBox<3>> lattice; // its control points are the vertices, then the still handles
+    std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in file order
+    std::vector<std::uint32_t> triangle_faces;           // #triangles: index of the face
+    std::vector<std::size_t> folded;      // faces without a triangulation of consistent orientation
+    std::optional<LatticeBox<3>> lattice; // vertices: control points, then still handles
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
-    std::vector<int> face_parts; // #faces: N of a group part_N, 0 of none; empty where there is no such group
+    std::vector<int> face_parts; // #faces: N of the group part_N, else 0; empty if there is no such group
 };
 
-/// The choice for vertices that no face has, and that are not finite or far from the others.
+/// Handling of unused vertices that are not finite or far away.
 enum class StrayVertices { refuse, leave_out };
 inline StrayVertices strays_of(bool is_strict) {
     return is_strict ? StrayVertices::refuse : StrayVertices::leave_out;
@@ -88,8 +88,9 @@ inline StrayVertices strays_of(bool is_strict) {
 
 namespace detail {
 
-/// Cuts a text into statements of words. Lines end with \n, \r\n or \r; a backslash at the end of a line
-/// joins it with the next. A comment begins with a word's # and ends with its line, backslash or not.
+/// Splits a text into statements of words. Lines end with \n, \r\n or \r; a backslash at the end of a line
+/// joins it with the next. A comment begins with # at the start of a word and ends with its line, even after
+/// a backslash.
 class ObjScanner {
 public:
     explicit ObjScanner(std::string_view text)
@@ -97,8 +98,7 @@ public:
         if (text_.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
     }
 
-    /// The words of the next statement that has any, and the line it begins on; false at the end of the
-    /// text.
+    /// The next nonempty statement and its first line; false at the end of the text.
     bool next(std::vector<std::string_view>& words, std::size_t& line) {
         words.clear();
         while (at_ < text_.size() && words.empty()) {
@@ -109,7 +109,7 @@ public:
     }
 
 private:
-    /// The length of a line's end at a position, or zero.
+    /// The length of the line break at a position, or 0.
     std::size_t line_end(std::size_t at) const {
         if (at >= text_.size()) return 0;
         if (text_[at] == '\r') return at + 1 < text_.size() && text_[at + 1] == '\n' ? 2 : 1;
@@ -147,29 +147,31 @@ private:
     std::size_t line_ = 1;
 };
 
-/// An index of a face, counted from zero; an empty reason is success.
+/// Parses an index of a face. Returns the error; empty on success.
 ///
-///   word   counts from one, or backwards from -1, the last one read `so_far`
-///   count  of all there are in the file
+///   word     from 1, or negative: -1 is the last one before this line
+///   so_far   number of elements before this line
+///   count    number of elements in the file
+///   index    out: from 0
 std::string parse_index(std::string_view word, std::size_t so_far, std::size_t count, const char* what,
                         std::uint32_t& index);
 
-/// Reads the three numbers after the first word, and where in the text they stand; an empty reason is
-/// success.
+/// Parses the three numbers after the first word, with their positions in the text. Returns the error; empty
+/// on success.
 std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
                                 ObjNumbers& numbers);
 
-/// The format of a text or of bytes that are no OBJ file; empty if none is recognised.
+/// The format of a file that is not OBJ, by its first bytes; empty if unknown.
 std::string_view other_format(std::string_view text);
 
-/// Twice the area of a face times its normal, of any number of corners.
+/// Twice the area of a face times its normal.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 
-/// Leaves out distant unused vertices too, which would inflate the figure's size. Distant means farther than
-/// a million times the diagonal of the used vertices' box. Vertices that are left out move to the first
-/// vertex that is kept. Returns why this is impossible; empty if it is possible.
+/// Leaves out unused vertices that are not finite, or farther than a million times the diagonal of the used
+/// vertices' box, which would inflate the figure's size. They move to the first other vertex. Returns the
+/// error if no vertex remains; else empty.
 ///
-///   used  #vertices: whether a face or a cell has the vertex
+///   used   #vertices: whether a face or a cell uses the vertex
 std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVertices strays);
 
 inline constexpr const char* vertex_not_finite = "the coordinates of a vertex are not finite";
@@ -181,73 +183,72 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 /// The vertices of each face.
 std::vector<std::vector<std::uint32_t>> face_loops(const ObjFile& file);
 
-/// The name of the group of faces of a part of a cage.
+/// Name of the face group of a part of a cage.
 inline std::string part_group(int number) {
     return "part_" + std::to_string(number);
 }
 
-/// A file from its text.
+/// Parses an OBJ file.
 ///
-///   name    stands before every message
-///   fails   where there is no vertex, a coordinate is no finite number (a normal need only be numbers), or a
-///           face has less than three corners or an index that there is not
+///   name    prefix of every message
+///   fails   if there are no vertices, on coordinates that are not finite (normals may be), and on faces with
+///           fewer than three corners or an invalid index
 Expected<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays = StrayVertices::refuse);
 
-/// Works as parse_obj(), from a file; fails also where it cannot be read.
+/// As parse_obj(), from a file; fails also if it cannot be read.
 Expected<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
 
-/// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
+/// The first vertex out of the range of single precision, with its line; nothing if there is none.
 std::optional<FileError> single_precision_fault(const ObjFile& file);
 
-/// Returns the sign of the determinant of the affine map that is nearest to the motion of the vertices: -1 if
-/// a pose mirrors a figure, 0 if the figure or the pose is flat, else 1.
+/// The sign of the determinant of the affine map nearest to a motion: -1 if a pose mirrors a figure, 0 if one
+/// of them is flat, else 1.
 int side_of(std::span<const Point3> rest, std::span<const Point3> moved);
 inline bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
     return side_of(rest, moved) < 0;
 }
 
-/// The places of the vertices that faces have, or of all where there is no face. Stray vertices say nothing
-/// about the size of a figure.
+/// The positions of the vertices of all triangles, or of all vertices if there are none. Unused vertices do
+/// not affect the size of a figure.
 std::vector<Point3> shown_places(std::span<const Point3> places,
                                  std::span<const std::array<std::uint32_t, 3>> triangles);
 
 /// The diagonal of the bounds of shown_places().
 double size_of(const ObjFile& figure);
 
-/// The place that files in single precision count positions from. If the figure is far from the origin, it is
-/// the middle of the bounds of shown_places(), rounded to single precision; else the origin. So the rounding
-/// of positions is below 1e-6 of the figure's size.
+/// Origin for positions in single precision. If the figure is far from the origin, the middle of the bounds
+/// of shown_places(), rounded to single precision; else the origin. Rounding errors of positions are then
+/// below 1e-6 of the figure's size.
 Point3 far_origin(const ObjFile& figure);
 
-/// Why single precision does not hold places far from the origin: it rounds them by more than 1e-6 of their
-/// size. Empty where it does.
+/// Returns the error if single precision rounds positions by more than 1e-6 of their size; else empty.
 std::string rounding_fault(const std::string& name, std::span<const Point3> places);
 
-/// Places counted from another.
+/// Positions relative to an origin.
 std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places);
 
-/// The Jacobian of a deformation at a vertex: the images of the three axes.
+/// The Jacobian of a deformation at a vertex: images of the three axes.
 using Jacobian3 = std::array<Point3, 3>;
 
 /// A deformation of a file's vertices.
 struct MovedVertices {
     std::span<const Point3> places;         ///< #vertices
-    std::span<const Jacobian3> jacobians{}; ///< #vertices, or none: they are not known
+    std::span<const Jacobian3> jacobians{}; ///< #vertices, or empty if unknown
 };
 
-/// The file's text with its vertices and normals moved. A number that has not changed keeps its digits; a new
-/// one has the fewest that give it back. If the Jacobians turn a shared normal
-/// differently at its vertices, each vertex gets a normal of its own.
+/// The file's text with moved vertices and normals. Unchanged numbers keep their digits; others have the
+/// fewest digits that restore them. If the Jacobians rotate a shared normal differently at its vertices, each
+/// vertex gets its own normal.
 std::string to_text(const ObjFile& file, const MovedVertices& moved);
 inline std::string to_text(const ObjFile& file, std::span<const Point3> places) {
     return to_text(file, MovedVertices{places});
 }
 
-/// Names and counts what a file has besides the statements of some keywords: "800 of "vt", 2 of "usemtl",
-/// 8066 colours"; empty if it has nothing else.
+/// Counts statements other than `keywords`: "800 of "vt", 2 of "usemtl", 8066 colours"; empty if there are
+/// none.
 std::string describe_others(const ObjFile& file, std::initializer_list<std::string_view> keywords);
 
-/// The file with the corners of each face in the opposite order, in its text too.
+/// Reverses the corners of each face, also in the text.
 ObjFile with_faces_turned_over(ObjFile file);
 
 } // namespace cageform_support

@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns all words after the first as one name.
+/// Joins all words after the first.
 std::string name_of(std::span<const std::string_view> words) {
     std::string name;
     for (const std::string_view word : words.subspan(1)) (name += name.empty() ? "" : " ") += word;
     return name;
 }
 
-/// A line with one space between its words.
+/// Collapses white space.
 std::string single_spaced(const std::string& line) {
     std::istringstream stream(line);
     std::string name;
@@ -34,8 +34,8 @@ std::string single_spaced(const std::string& line) {
     return name;
 }
 
-/// The file of a name inside a folder; one of another folder is looked for by the last part of its path.
-/// Links do not lead out of the folder either.
+/// Finds a file inside a folder; a path to elsewhere is reduced to its file name. Links out of the folder are
+/// not followed.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     const fs::path named(name);
@@ -52,9 +52,9 @@ std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     return std::nullopt;
 }
 
-/// Statements, as words, and their place in a glTF file.
+/// Statements and their equivalents in glTF.
 ///
-///   fate   carried: the glTF file has it. counted: reports count it. warned: a warning names it if unused
+///   fate   carried: written. counted: counted in reports. warned: a warning names it if unused
 struct Statement {
     std::string_view words, place;
     enum { carried, counted, warned } fate = carried;
@@ -90,14 +90,14 @@ const Statement* find_statement(std::string_view keyword) {
     return nullptr;
 }
 
-constexpr double brightest = 1e4, sharpest = 1e6; // the largest numbers of Ke and Ns
+constexpr double brightest = 1e4, sharpest = 1e6; // upper bounds of Ke and Ns
 
 double within(double x, double most) {
     return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0;
 }
 
-/// The statements of one material in an MTL file, without the options of pictures: tinyobjloader takes the
-/// picture's name for a number where an option has fewer numbers than it may have.
+/// The statements of one material in an MTL file, without options of images: tinyobjloader misreads an
+/// image's name after an option with fewer numbers than allowed.
 struct MaterialText {
     std::string text;
     std::vector<std::string> keywords;
@@ -110,7 +110,7 @@ bool is_option(std::string_view word) {
     return word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])) != 0;
 }
 
-/// Whether an option of a picture has a word or one number behind it; others have one to three numbers.
+/// Whether an image option takes one word or number; others take one to three numbers.
 bool takes_word(std::string_view option) {
     for (const std::string_view one : {"-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-type", "-bm",
                                        "-boost", "-texres", "-colorspace"}) {
@@ -119,8 +119,8 @@ bool takes_word(std::string_view option) {
     return false;
 }
 
-/// Checks the numbers of a statement whose numbers are used. Returns what to warn of. Clears a statement that
-/// cannot be read, so that the default is used.
+/// Checks the numbers of a statement. Returns a warning, or empty. Clears an invalid statement, so that the
+/// default is used.
 std::string check_numbers(const std::vector<std::string_view>& words, std::string& statement) {
     struct Numbers {
         std::string_view keyword;
@@ -159,7 +159,7 @@ std::string check_numbers(const std::vector<std::string_view>& words, std::strin
     return outside.empty() ? outside : name + outside + ": the nearest number in this range is used";
 }
 
-/// Divides an MTL file into its materials. A byte order mark is skipped.
+/// Splits an MTL file into its materials.
 std::vector<MaterialText> materials_in(std::string_view text, const std::string& path) {
     std::vector<MaterialText> materials;
     std::vector<std::string_view> words;
@@ -169,7 +169,7 @@ std::vector<MaterialText> materials_in(std::string_view text, const std::string&
         if (materials.empty()) continue;
         MaterialText& material = materials.back();
         const bool is_picture = words[0].starts_with("map_") || words[0] == "norm";
-        std::size_t name = 1; // of the word after the options
+        std::size_t name = 1; // index of the word after the options
         while (is_picture && name + 1 < words.size() && is_option(words[name])) {
             material.keywords.push_back(std::string(words[0]) + ' ' + std::string(words[name]));
             const bool has_word = takes_word(words[name]);
@@ -193,7 +193,7 @@ std::vector<MaterialText> materials_in(std::string_view text, const std::string&
     return materials;
 }
 
-/// A material as tinyobjloader has read it.
+/// Converts a material of tinyobjloader.
 ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
     ObjMaterial material;
     material.name = single_spaced(read.name);
@@ -208,8 +208,8 @@ ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
     if (read.roughness > 0 || read.metallic > 0) {
         material.roughness = within(read.roughness, 1);
     } else if (gloss > 0) {
-        // The exponent of Blinn and Phong as a roughness: Walter et al., Microfacet models (2007), sec. 5.2,
-        // whose alpha is the square of glTF's.
+        // Roughness from the Blinn-Phong exponent: Walter et al., Microfacet models (2007), section 5.2;
+        // alpha is the square of glTF's roughness.
         material.roughness = std::pow(2 / (within(read.shininess, sharpest) + 2), 0.25);
     } else {
         material.roughness = 1;
@@ -237,7 +237,7 @@ public:
             if (words[0] == of_object && words.size() > 1) object = name_of(words);
             if (words[0] == "usemtl") material = name_of(words);
             if (words[0] != "f") {
-                // x y z, w or r g b: other numbers have no meaning that programs agree on.
+                // x y z, then w or r g b: programs disagree on other counts.
                 const bool has_more =
                     words[0] == "v" && words.size() != 4 && words.size() != 5 && words.size() != 7;
                 count_unused(has_more ? "v with " + std::to_string(words.size() - 1) + " numbers"
@@ -278,7 +278,7 @@ private:
         for (const MaterialText& one : materials) read_material(one, path->parent_path());
     }
 
-    /// Reads each material alone, for tinyobjloader's default of a colour depends on the material before.
+    /// Parses each material separately, since tinyobjloader's default colour depends on the material before.
     void read_material(const MaterialText& text, const fs::path& folder) {
         std::map<std::string, int> numbers;
         std::vector<tinyobj::material_t> read;
@@ -295,13 +295,13 @@ private:
         material.normal_texture = picture(read[0].normal_texname);
         material.opaque_texture =
             material.texture.empty() || read[0].alpha_texname != read[0].diffuse_texname;
-        // A picture is multiplied by Kd, which some programs leave out or black.
+        // The image is multiplied by Kd, which some programs omit or set to black.
         constexpr std::array<double, 3> black{}, white{1, 1, 1};
         if (!material.texture.empty() && (!text.has_colour || material.colour == black))
             material.colour = white;
         Library entry{std::move(material), text.keywords, text.faults};
         if (!entry.material.opaque_texture) std::erase(entry.keywords, "map_d");
-        library_.insert({entry.material.name, std::move(entry)}); // the first of a name
+        library_.insert({entry.material.name, std::move(entry)}); // the first definition counts
     }
 
     std::string find_texture(const ObjMaterial& material, const fs::path& folder, const std::string& name) {
@@ -326,7 +326,7 @@ private:
                  std::to_string(line) + "): a default material is used");
         ObjMaterial& material = parts_.materials.emplace_back();
         material.name = name.empty() ? "clay" : name;
-        if (!file_.colours.empty()) material.colour = {1, 1, 1}; // which the vertices' own are multiplied by
+        if (!file_.colours.empty()) material.colour = {1, 1, 1}; // multiplied by vertex colours
     }
 
     void count_unused(std::string_view keyword) {
@@ -334,7 +334,8 @@ private:
         if (known == nullptr || known->fate != Statement::carried) ++parts_.unused[std::string(keyword)];
     }
 
-    /// Warns of unused shapes and pictures. Numbers of materials, which most files have, are left to reports.
+    /// Warns of unused shapes and images. Unused numbers of materials, which most files have, appear only in
+    /// reports.
     void warn_of_unused() {
         std::string names;
         for (const auto& [keyword, count] : parts_.unused) {
@@ -352,9 +353,8 @@ private:
     std::map<std::string, std::uint32_t> objects_, used_;
     struct Library {
         ObjMaterial material;
-        std::vector<std::string>
-            keywords;                    // of the statements that are not used for `material`, and of others
-        std::vector<std::string> faults; // of its numbers
+        std::vector<std::string> keywords; // of all statements
+        std::vector<std::string> faults;   // of its numbers
     };
     std::map<std::string, Library> library_;
 };

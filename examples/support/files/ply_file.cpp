@@ -22,7 +22,7 @@ double number_at(const char* bytes, bool swapped) {
     return double(std::bit_cast<X>(of_number));
 }
 
-/// Calls f with a number of a type.
+/// Calls f with a value of a type.
 template <class F>
 auto with_type(PlyType type, const F& f) {
     switch (type) {
@@ -56,7 +56,7 @@ void append_as(std::string& bytes, double number) {
     bytes.append(of_number.data(), of_number.size());
 }
 
-/// The older and the newer names, in the order of PlyType.
+/// Old and new names, in the order of PlyType.
 constexpr std::array<std::array<std::string_view, 2>, 8> type_names{{{"char", "int8"},
                                                                      {"uchar", "uint8"},
                                                                      {"short", "int16"},
@@ -159,7 +159,7 @@ std::optional<std::string_view> PlyReader::take_line() {
         if (searched > longest_ply_line) return std::nullopt;
         if (fill(searched + 1)) continue;
         if (searched == 0 || !file_.error().empty()) return std::nullopt;
-        end = buffer_.size(); // the last line has no end
+        end = buffer_.size(); // the last line has no line break
     }
     std::string_view line(buffer_.data() + at_, end - at_);
     at_ = std::min(end + 1, buffer_.size());
@@ -237,7 +237,7 @@ std::string PlyReader::place() const {
     return header_.elements[element_].name + " " + std::to_string(position_);
 }
 
-/// Whether the file can hold all records of an element, as far as its size tells.
+/// Whether the file is large enough for all records of an element, if known.
 bool PlyReader::fits(const PlyElement& element) const {
     const auto bytes = element.record_bytes();
     if (file_.size() == 0 || !bytes || header_.encoding == PlyEncoding::ascii || *bytes == 0) return true;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reading PLY files of any size in blocks of records: ASCII, binary of either byte order.
+// Reads PLY files of any size in blocks of records: ASCII, and binary of both byte orders.
 
 #include "io/input_file.hpp"
 
@@ -14,7 +14,7 @@
 
 namespace cageform_support {
 
-/// The text for --help.
+/// Help text on PLY files.
 inline constexpr const char* ply_format =
     "PLY files are ASCII or binary, of either byte order. The numbers of an element can be\n"
     "of any type; elements and properties that a program does not need are skipped, lists\n"
@@ -23,26 +23,25 @@ inline constexpr const char* ply_format =
 enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-/// Returns the type of an old or new name, such as uchar and uint8; none for other words.
+/// The type with an old or new name, such as uchar and uint8; nothing for other words.
 std::optional<PlyType> ply_type(std::string_view name);
 
-/// Returns the older name, which all readers know.
+/// The old name, which all readers know.
 std::string_view name_of(PlyType type);
 
-/// Returns the size of a number in bytes.
+/// Size of a number in bytes.
 std::size_t bytes_of(PlyType type);
 
-/// Appends a number as a little-endian file has it. One that its type does not hold becomes the nearest that
-/// it holds, and NaN as a whole number 0.
+/// Appends a number in little-endian order. Out of range numbers are clamped; NaN becomes 0 in integer types.
 void append_number(std::string& bytes, PlyType type, double number);
 
-/// Returns the words of a line of the header.
+/// Splits a line at white space.
 std::vector<std::string_view> ply_words(std::string_view line);
 
 struct PlyProperty {
     std::string name;
     PlyType type = PlyType::float32;
-    std::optional<PlyType> count; ///< of a list: the type of its length; else none
+    std::optional<PlyType> count; ///< type of the length of a list; none for single numbers
 };
 
 struct PlyElement {
@@ -50,46 +49,46 @@ struct PlyElement {
     std::uint64_t count = 0;
     std::vector<PlyProperty> properties;
 
-    std::optional<std::size_t> find(std::string_view property) const; ///< its number, if there is one
-    std::optional<std::size_t> record_bytes() const; ///< in a binary file; none where there are lists
+    std::optional<std::size_t> find(std::string_view property) const; ///< index of a property
+    std::optional<std::size_t> record_bytes() const;                  ///< in a binary file; none with lists
 };
 
 struct PlyHeader {
     PlyEncoding encoding = PlyEncoding::ascii;
-    std::vector<std::string> comments; ///< in their order, with lines of "obj_info", less the first word
+    std::vector<std::string> comments; ///< also of "obj_info" lines, without the first word
     std::vector<PlyElement> elements;
 
-    const PlyElement* find(std::string_view element) const; ///< null where there is none
+    const PlyElement* find(std::string_view element) const; ///< null if there is none
 };
 
-/// A PLY file that is read from its beginning, in blocks of records. It holds one block in memory.
+/// Sequential reader of a PLY file. Memory: one block.
 class PlyReader {
 public:
-    /// Reads the header. error() says why there is none: the file cannot be read, or is no PLY file.
+    /// Reads the header; error() is set if the file cannot be read or is not PLY.
     explicit PlyReader(const std::string& path);
 
     const PlyHeader& header() const { return header_; }
-    const std::string& error() const { return error_; } ///< the first failure; empty while there is none
+    const std::string& error() const { return error_; } ///< the first error; empty if none
     bool may_pass() const { return file_.may_pass(); }  ///< InputFile::may_pass
-    /// InputFile::hash_to_end: nothing more is read() after it.
+    /// InputFile::hash_to_end; nothing can be read after it.
     std::optional<std::uint64_t> hash_to_end();
 
-    /// Goes to the records of an element and chooses what read() returns of them. Fails where there is no
-    /// such element or property, where it lies before one that has been read, and where the file is too short
-    /// for its records.
+    /// Skips to the records of an element and selects the properties that read() returns. Fails if there is
+    /// no such element or property, if a later element has been read, or the file is too short for the
+    /// records.
     bool begin(std::string_view element, const std::vector<std::string>& properties);
 
-    /// Appends the chosen numbers of the next records, in the order of the choice: of `most` records, or of
-    /// all that are left. A list is appended as its length and its numbers. Returns the number of records; 0
-    /// at their end and after a failure: the file ends too early, or a word is no number.
+    /// Appends the selected numbers of up to `most` records, in the order of the selection; a list as its
+    /// length and its numbers. Returns the number of records; 0 at the end and after a failure (the file ends
+    /// too early, or a word is not a number).
     std::size_t read(std::size_t most, std::vector<double>& numbers);
 
-    /// Returns the number of the next record of the element.
+    /// Index of the next record of the element.
     std::uint64_t position() const { return position_; }
 
 private:
     bool fail(const std::string& why);
-    bool fill(std::size_t bytes); // until so many are in the buffer; false where it cannot
+    bool fill(std::size_t bytes); // reads until the buffer has `bytes`; false on failure
     std::optional<std::string_view> take_line();
     bool read_header();
     bool read_property(std::string_view line);
@@ -107,16 +106,17 @@ private:
     std::string buffer_;
     std::size_t at_ = 0; // in the buffer
     std::uint64_t line_ = 0;
-    std::size_t element_ = 0;                    // the one whose records come next
-    std::uint64_t position_ = 0;                 // in it
-    std::vector<std::size_t> chosen_;            // properties, in the order of the caller
-    std::vector<std::size_t> offsets_;           // of the chosen in a record without lists
+    std::size_t element_ = 0;                    // index of the current element
+    std::uint64_t position_ = 0;                 // next record of it
+    std::vector<std::size_t> chosen_;            // selected properties, in the order of the caller
+    std::vector<std::size_t> offsets_;           // of selected properties in a record without lists
     std::vector<std::vector<double>> of_record_; // by property
 };
 
-/// Returns a file that reader has just begun as a binary little-endian one; nothing where the reader fails.
+/// Converts a file, of which only the header has been read, to binary little-endian; nothing if the reader
+/// fails.
 ///
-///   elements   those of the header, with the types that the numbers get
+///   elements   those of the header, with the desired types
 std::optional<std::string> little_endian_bytes(PlyReader& reader, const std::vector<PlyElement>& elements);
 
 } // namespace cageform_support

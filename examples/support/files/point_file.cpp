@@ -34,7 +34,7 @@ bool PointFile::fail(const std::string& why) {
     return false;
 }
 
-/// The header is a text of Python: {'descr': '<f4', 'fortran_order': False, 'shape': (9, 3), }.
+/// The header is a Python literal: {'descr': '<f4', 'fortran_order': False, 'shape': (9, 3), }.
 void PointFile::read_npy_header() {
     constexpr std::size_t prefix = 12;
     while (buffer_.size() < prefix && npy_->read(buffer_)) continue;

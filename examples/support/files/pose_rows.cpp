@@ -8,12 +8,12 @@ namespace cageform_support {
 
 namespace detail {
 
-/// Longer than any line of that many numbers that a program writes.
+/// Upper bound of the bytes of a line with this many numbers.
 constexpr std::size_t longest_row(std::size_t numbers) {
     return 65536 + 512 * numbers;
 }
 
-/// The motion of a clip in space or in the plane.
+/// Parses a clip in space or in the plane.
 Expected<cageform::CageClip<double, 3>> motion_of_clip(std::string_view text, const std::string& name,
                                                        std::span<const cageform::Vec<double, 3>> rest) {
     const auto clip = parse_pose_clip(text, name, rest.size());
@@ -54,7 +54,7 @@ PoseRows<D>::PoseRows(const std::string& path, std::span<const cageform::Vec<dou
 
 template <std::size_t D>
 void PoseRows<D>::read_clip() {
-    std::string text(lines_.line() - 1, '\n'); // messages number the lines of the file
+    std::string text(lines_.line() - 1, '\n'); // keeps line numbers
     text += *std::exchange(first_, std::nullopt) + '\n';
     lines_.read_rest(text);
     error_ = lines_.error();

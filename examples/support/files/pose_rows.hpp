@@ -1,7 +1,7 @@
 #pragma once
 
-// Poses of a cage, numbered from 0: the rows of a table, or a clip at equal steps of time. A table is read a
-// row at a time, so it may have any length.
+// Rows of poses of a cage, from 0: the rows of a table, or samples of a clip at equal time steps. Tables may
+// have any length.
 
 #include "files/clip_file.hpp"
 #include "io/csv.hpp"
@@ -19,7 +19,7 @@
 
 namespace cageform_support {
 
-/// The text for --help.
+/// Help text on tables of poses.
 inline constexpr const char* pose_table_format =
     "A table of poses is a CSV file with a pose a line: x,y,z of every vertex of the\n"
     "cage in its order (x,y in the plane), so 3n numbers for n vertices. Empty lines,\n"
@@ -27,44 +27,43 @@ inline constexpr const char* pose_table_format =
     "stand in quotes. A clip starts with a line length,SECONDS; row k is its pose after\n"
     "k / rate seconds, and the rows end before the clip starts again.\n";
 
-/// A row before its numbers are read.
+/// An unparsed row.
 struct PoseRow {
-    std::size_t row = 0;  // counted from 0
-    std::size_t line = 0; // of a table; counted from 1
+    std::size_t row = 0;  // from 0
+    std::size_t line = 0; // of a table; from 1
     std::string text;     // of a table
 };
 
-/// The rows of a file of poses. `D`: 2 or 3.
+/// Sequential reader of a file of poses in dimension D, 2 or 3.
 template <std::size_t D>
 class PoseRows {
 public:
     using Pose = std::vector<cageform::Vec<double, D>>;
 
-    /// On failure `error()` says why. The first line of the file that is no comment tells a clip from a
-    /// table.
+    /// On failure error() is set. The first line that is not a comment distinguishes clips from tables.
     ///
     ///   rest   the vertices of the cage
-    ///   rate   poses of a clip a second; positive
+    ///   rate   poses of a clip per second; positive
     PoseRows(const std::string& path, std::span<const cageform::Vec<double, D>> rest, double rate);
 
-    /// Moves on by `count` rows, or to the end, without reading their numbers.
+    /// Skips up to `count` rows without parsing them.
     void skip(std::size_t count);
 
     /// The next row; false at the end and on an error.
     bool next(PoseRow& row);
 
-    /// The pose of a row. Threads may call it together.
+    /// Parses a row. Thread-safe.
     ///
-    ///   fails   where a line has not D numbers for every vertex, or one of them is not finite
+    ///   fails   if a line does not have D numbers per vertex, or one is not finite
     Expected<Pose> pose_of(const PoseRow& row) const;
 
-    /// The row as messages name it: "poses.csv:12" or "walk.csv after 0.4 s".
+    /// Name of a row for messages: "poses.csv:12" or "walk.csv after 0.4 s".
     std::string name_of(const PoseRow& row) const;
 
-    /// The number of the next row; at the end that of all rows.
+    /// Index of the next row; at the end, the number of rows.
     std::size_t row() const { return row_; }
 
-    /// Why the file cannot be read on; empty while it can.
+    /// The first error; empty if none.
     const std::string& error() const { return error_; }
     bool may_pass() const { return lines_.may_pass(); } ///< InputFile::may_pass
 
@@ -77,7 +76,7 @@ private:
     double rate_ = 1;
     LineReader lines_;
     detail::RowFilter filter_;
-    std::optional<std::string> first_; // row of a table, until it is taken
+    std::optional<std::string> first_; // first row of a table, until it is returned
     std::optional<cageform::CageClip<double, D>> clip_;
     std::size_t clip_rows_ = 0, row_ = 0;
     std::string error_;

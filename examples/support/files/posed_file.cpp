@@ -17,8 +17,8 @@ void append_bytes(std::string& text, const X& value) {
     text.append(bytes.data(), bytes.size());
 }
 
-/// The double nearest to the fewest digits of a number: as text it has no more of them, and a vertex at rest
-/// is what the file says.
+/// The double nearest to the fewest digits of a number, so that text has no more digits, and vertices at rest
+/// compare equal to the file.
 template <class T>
 double as_written(T value) {
     std::string digits;

@@ -33,7 +33,7 @@ Expected<SiteFile<2>> read_site_circles(const std::string& path) {
         if (!shape.is_circle) continue;
         if (shape.path.empty())
             return FileError{path + ": " + shape.label + ": has no radius above 0, so it marks no point"};
-        const Subpath& outline = shape.path.front(); // of four arcs, or fewer where they are too small
+        const Subpath& outline = shape.path.front(); // four arcs, or fewer if tiny
         const Point2 &a = outline.start, &b = outline.segments.size() == 4 ? outline.segments[1].p3 : a;
         sites.points.push_back({a.x + (b.x - a.x) / 2, a.y + (b.y - a.y) / 2});
         sites.places.push_back(std::move(shape.label));
@@ -162,7 +162,7 @@ std::string describe_site_faults(const SiteFile<D>& sites, const cageform::BindR
     for (const auto& fault : report.cage.faults) {
         if (listed == most_listed) break;
         const int numbers = numbers_of(fault.kind);
-        if (numbers == 0) continue; // the status says it all
+        if (numbers == 0) continue; // the status is sufficient
         ++listed;
         text += "\n  " + sites.places[fault.a];
         if (numbers > 1) text += " and " + sites.places[fault.b];

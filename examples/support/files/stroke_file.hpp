@@ -1,6 +1,6 @@
 #pragma once
 
-// Strokes of an SVG drawing, for fields that are diffused from them.
+// Strokes of SVG drawings, for diffused fields.
 
 #include "svg/css_colour.hpp"
 #include "svg/document.hpp"
@@ -13,17 +13,17 @@
 
 namespace cageform_support {
 
-/// A subpath of a drawn shape, its curves as lines.
+/// A flattened subpath of a drawn shape.
 struct DrawnLine {
     std::string label;                            // of its element, such as: path "ridge" (line 12)
     std::vector<cageform::Vec<double, 2>> points; // in root user space
     std::vector<double>
-        along; // of each point: the number of the vertex before it and the part of the way to the next
-    std::vector<double> part; // of each point: the part of the length before it, 0 to 1
-    std::size_t vertices = 0; // of the subpath as it is written; the start of a closed one counts once
+        along; // #points: index of the vertex before plus the fraction of the segment to the next
+    std::vector<double> part; // #points: fraction of the arc length before it, 0 to 1
+    std::size_t vertices = 0; // of the original subpath; the start of a closed one counts once
     bool closed = false;
-    std::function<std::string(const char*)> attribute; // of its element, empty where there is none
-    std::string stroke;                                // as CSS has it
+    std::function<std::string(const char*)> attribute; // of its element; empty if missing
+    std::string stroke;                                // computed value
 };
 
 struct StrokeFile {
@@ -32,19 +32,18 @@ struct StrokeFile {
     std::vector<DrawnLine> lines; // in document order
 };
 
-/// Reads what has a stroke, or one of these attributes.
+/// Reads all shapes that have a stroke or one of the attributes.
 ///
-///   fails   where the file cannot be read or is malformed, where nothing is such a stroke, and where one
-///           reaches beyond
-///           the viewBox: the message names it
+///   fails   if the file cannot be read or is malformed, there is no such shape, or one extends beyond the
+///           viewBox; with its name
 Expected<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes);
 
-/// The values of an attribute at the points of a line: one for all of it, two for its ends and linear in
-/// its length between, or one for each of its vertices and linear between these.
+/// Interpolates the values of an attribute at the points of a line: one value for the whole line; two for its
+/// ends, linear in arc length; or one per vertex, linear between.
 ///
-///   read    one value of `count` numbers from a word; an error where it is none
-///   text    words parted by white space, outside brackets
-///   fails   with another number of words
+///   read    parses one value of `count` numbers from a word
+///   text    words separated by white space outside brackets
+///   fails   on another number of words
 Expected<std::vector<double>>
 values_along(const DrawnLine& line, const std::string& text, std::size_t count,
              const std::function<Expected<std::vector<double>>(const std::string&)>& read);

@@ -8,7 +8,8 @@ namespace cageform_support {
 
 namespace {
 
-/// Directions at which the first 2l + 1 determine a function of degree l, 1 to 3, well.
+/// Directions; values at the first 2l + 1 determine a function of degree l, 1 to 3, with a small condition
+/// number.
 const std::array<Point3, 7>& directions() {
     static const std::array<Point3, 7> units = [] {
         std::array<Point3, 7> all{Point3{0, 1, -1}, Point3{1, 0, -1}, Point3{1, 1, 1}, Point3{1, -2, -2},
@@ -19,7 +20,7 @@ const std::array<Point3, 7>& directions() {
     return units;
 }
 
-/// Values at the directions to coefficients of a degree, row after row.
+/// The matrix from values at the directions to coefficients of a degree, row-major.
 template <std::size_t Degree>
 std::array<double, (2 * Degree + 1) * (2 * Degree + 1)> solved_system() {
     constexpr int count = 2 * Degree + 1;
@@ -52,8 +53,8 @@ void turn_degree(const std::array<std::array<double, most_harmonics>, 7>& turned
 
 } // namespace
 
-// Normalised, with the phase of Condon and Shortley: Sloan, Stupid Spherical Harmonics Tricks, GDC 2008,
-// appendix A2.
+// Orthonormal, with the Condon-Shortley phase: Sloan, Stupid Spherical Harmonics Tricks, GDC 2008, appendix
+// A2.
 void harmonics_at(const Point3& d, std::span<double, most_harmonics> values) {
     const double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
     constexpr double one = 0.4886025119029199, two = 1.0925484305920792, round = 0.31539156525252005,

@@ -22,7 +22,7 @@ void turn_harmonics(SplatFile& scene, std::size_t row, const Matrix3& jacobian) 
     }
 }
 
-/// Normals turn by the inverse of Jᵀ, which is det J times its cofactors, and keep their length.
+/// Normals transform by J⁻ᵀ, the cofactor matrix over det J, and keep their length.
 void turn_normal(SplatFile& scene, std::size_t row, const Matrix3& j) {
     if (scene.layout.normal.empty()) return;
     const Point3 normal = scene.vector(row, scene.layout.normal);

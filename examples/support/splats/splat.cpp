@@ -7,14 +7,14 @@ namespace cageform_support {
 
 namespace {
 
-/// A unit vector at a right angle to another.
+/// A unit vector perpendicular to another.
 Point3 perpendicular(const Point3& v) {
     const Point3 w = std::fabs(v[0]) < 0.6 ? cross(v, {1, 0, 0}) : cross(v, {0, 1, 0});
     return (1 / length_of(w)) * w;
 }
 
-/// Turns columns p and q of both matrices so that those of `a` are at right angles. Returns whether they
-/// were not.
+/// Jacobi rotation of the columns p and q of both matrices that makes those of `a` orthogonal. Returns
+/// whether they were not.
 bool turn_columns(Matrix3& a, Matrix3& right, std::size_t p, std::size_t q) {
     const double aa = dot(a[p], a[p]), bb = dot(a[q], a[q]), ab = dot(a[p], a[q]);
     constexpr double rounding = 1e-15;
@@ -30,7 +30,7 @@ bool turn_columns(Matrix3& a, Matrix3& right, std::size_t p, std::size_t q) {
     return true;
 }
 
-/// The quaternion of a rotation: from its largest component, so that nothing cancels.
+/// The quaternion of a rotation, computed from its largest component to avoid cancellation.
 std::array<double, 4> quaternion_of(const Matrix3& r) {
     const double xx = r[0][0], yy = r[1][1], zz = r[2][2];
     const std::array<double, 4> squares{1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz,
@@ -74,7 +74,7 @@ std::size_t SingularValues::largest() const {
 }
 
 SingularValues singular_values(const Matrix3& a) {
-    double scale = 0; // squares neither overflow nor vanish
+    double scale = 0; // avoids overflow and underflow of squares
     for (const Point3& column : a) {
         for (const double x : column.v) scale = std::max(scale, std::fabs(x));
     }
@@ -84,7 +84,7 @@ SingularValues singular_values(const Matrix3& a) {
     for (Point3& column : turned) {
         for (double& x : column.v) x /= scale;
     }
-    constexpr int most_sweeps = 30; // six are enough for all but the worst
+    constexpr int most_sweeps = 30; // usually at most six are needed
     bool turns = true;
     for (int sweep = 0; sweep < most_sweeps && turns; ++sweep) {
         turns = false;

@@ -27,17 +27,17 @@ struct Property {
     bool is_float = false;
 };
 
-/// The header: the scene without its rows, the properties of a splat by name, and all elements.
+/// The parsed header: the scene without rows, the properties of splats by name, and all elements.
 struct Header {
     SplatFile scene;
     std::map<std::string, Property, std::less<>> properties;
     std::vector<PlyElement> elements;
-    std::optional<std::size_t> splats; // which of the elements they are
+    std::optional<std::size_t> splats; // index of the element of splats
 
     bool is_in_splats() const { return splats && *splats + 1 == elements.size(); }
 };
 
-/// Reads one line after "format"; an empty reason is success.
+/// Parses a line after "format". Returns the error; empty on success.
 std::string read_line(std::string_view line, const std::vector<std::string_view>& words, Header& header) {
     SplatFile& scene = header.scene;
     if (words[0] == "element") {
@@ -77,7 +77,7 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
     return {};
 }
 
-/// Takes the header off the bytes.
+/// Parses the header and removes it from `bytes`.
 Expected<Header> read_header(std::string_view& bytes, const std::string& name) {
     const auto fails = [&](const std::string& why) { return FileError{name + ": " + why}; };
     std::string_view line;
@@ -111,7 +111,7 @@ Expected<Header> read_header(std::string_view& bytes, const std::string& name) {
     return fails("the header is cut off: it has no end_header");
 }
 
-/// Whether find_numbers() looks for a property.
+/// Whether find_numbers() uses a property.
 bool is_of_splat(std::string_view property) {
     constexpr std::string_view names[] = {"x",       "y",     "z",       "nx",     "ny",  "nz",
                                           "opacity", "f_dc_", "f_rest_", "scale_", "rot_"};
@@ -121,7 +121,7 @@ bool is_of_splat(std::string_view property) {
     });
 }
 
-/// Finds the numbers of a splat among the properties; an empty reason is success.
+/// Finds the offsets of the numbers of a splat. Returns the error; empty on success.
 std::string find_numbers(Header& header) {
     if (header.properties.contains("packed_position"))
         return "is a compressed PLY of SuperSplat: export it as an uncompressed PLY";
@@ -156,7 +156,7 @@ std::string find_numbers(Header& header) {
     return why;
 }
 
-/// The property at an offset, for messages.
+/// The name of the property at an offset.
 std::string name_at(const Header& header, std::size_t offset) {
     for (const auto& [name, property] : header.properties) {
         if (property.offset == offset) return name;
@@ -164,7 +164,7 @@ std::string name_at(const Header& header, std::size_t offset) {
     return {};
 }
 
-/// Where the numbers stand that a pose may change, ascending.
+/// Offsets of all numbers that a pose may change, ascending.
 std::vector<std::size_t> offsets_of(const SplatLayout& layout) {
     std::vector<std::size_t> offsets{layout.opacity};
     for (const auto& some : {std::span<const std::size_t>(layout.place),
@@ -178,7 +178,7 @@ std::vector<std::size_t> offsets_of(const SplatLayout& layout) {
     return offsets;
 }
 
-/// Names the other properties of splats, and counts the other elements.
+/// Lists the other properties and elements.
 std::string others_of(const Header& header) {
     const auto offsets = offsets_of(header.scene.layout);
     std::string text;
@@ -193,19 +193,20 @@ std::string others_of(const Header& header) {
     return text;
 }
 
-/// Splats that cannot be drawn.
+/// Splats with invalid numbers.
 struct NumberFaults {
     std::vector<std::size_t> splats; // ascending
     std::string first;               // "splat 3 (counted from 0): x is not a finite number"
 };
 
-constexpr double largest_scale = 88; // its exponential is a number of single precision
+constexpr double largest_scale = 88; // its exponential is finite in single precision
 
 double farthest_coordinate(const Point3& p) {
     return std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});
 }
 
-/// The places near to the splats, by medians of a sample: single precision ends 1e7 sizes away.
+/// The region around the splats, by medians of a sample, that single precision resolves: 1e7 times the median
+/// distance.
 struct NearPlaces {
     explicit NearPlaces(const SplatFile& scene) {
         const std::size_t step = scene.size() / 1000 + 1;
@@ -229,8 +230,8 @@ struct NearPlaces {
     double reach = HUGE_VAL; // along each axis
 };
 
-/// Why a number of a splat cannot be drawn; empty where it can. Infinite opacities are allowed: opaque or
-/// transparent splats. Scales of -inf are allowed: flat splats.
+/// Returns the error if a number of a splat is invalid; else empty. Infinite opacities (opaque, transparent)
+/// and scales of -inf (flat) are valid.
 std::string fault_of(const SplatLayout& layout, std::size_t offset, double number, const NearPlaces& nearby) {
     const auto& [place, scales] = std::tie(layout.place, layout.scales);
     const bool is_scale = std::find(scales.begin(), scales.end(), offset) != scales.end();
@@ -271,7 +272,7 @@ NumberFaults number_faults(const SplatFile& scene, const Header& header) {
     return faults;
 }
 
-/// Removes rows, whose numbers ascend.
+/// Removes rows; indices are ascending.
 void remove_rows(SplatFile& scene, std::span<const std::size_t> splats) {
     std::string kept;
     std::size_t next = 0;
@@ -283,7 +284,7 @@ void remove_rows(SplatFile& scene, std::span<const std::size_t> splats) {
     scene.rows = kept.append(scene.rows, next * bytes);
 }
 
-/// The bytes of all records of an element at the beginning of some; nothing where they are cut off.
+/// Size of all records of an element at the beginning of `bytes`; nothing if they are cut off.
 std::optional<std::size_t> bytes_of_records(const PlyElement& element, std::string_view bytes) {
     if (const auto each = element.record_bytes()) {
         if (*each > 0 && element.count > bytes.size() / *each) return std::nullopt;
@@ -390,7 +391,7 @@ Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool stric
     if (!left.empty())
         return fails("is too long: " + std::to_string(left.size()) +
                      " bytes follow the records that are announced");
-    if (is_alone) { // without a copy: scenes are large
+    if (is_alone) { // avoids a copy, since scenes are large
         bytes.erase(0, bytes.size() - std::size_t(splats) * row);
         scene.rows = std::move(bytes);
     }
@@ -408,7 +409,8 @@ Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool stric
 
 Expected<SplatFile> load_splats(const std::filesystem::path& path, bool strict) {
     std::error_code none;
-    if (std::filesystem::is_regular_file(path, none)) { // a pipe is read once, so it has to be plain
+    if (std::filesystem::is_regular_file(
+            path, none)) { // a pipe can be read only once, so it must not need conversion
         PlyReader reader(path.string());
         std::vector<PlyElement> elements = reader.header().elements;
         bool is_plain = reader.header().encoding == PlyEncoding::little_endian, has_doubles = false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes of 3D Gaussian splatting: the binary PLY files that trainers write and viewers read.
+// Scenes of 3D Gaussian splatting: binary PLY files as written by trainers and read by viewers.
 
 #include "files/obj_file.hpp"
 #include "splats/splat.hpp"
@@ -15,7 +15,7 @@
 
 namespace cageform_support {
 
-/// The text for --help.
+/// Help text on scenes of splats.
 inline constexpr const char* splat_format =
     "Scenes are PLY files, ASCII or binary, with the element vertex, a splat each. It has the\n"
     "properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45 of\n"
@@ -28,36 +28,36 @@ inline constexpr const char* splat_format =
     "Scenes are written as binary little-endian. Compressed files are not read. Messages\n"
     "count splats from 0. A scene is held in memory: 248 bytes a splat of degree 3.\n";
 
-/// One splat, as the file has it.
+/// A splat in units of the file.
 struct Splat {
     Point3 place;
     SplatShape shape;
     double opacity = 0; ///< a logit
     std::array<double, 3> colour{};
-    std::array<std::vector<double>, 3> harmonics; ///< by channel: of degrees 1 to the file's
+    std::array<std::vector<double>, 3> harmonics; ///< per channel, degrees 1 to the file's degree
 };
 
-/// Where the numbers of a splat stand in its row, in bytes.
+/// Byte offsets of the numbers of a splat in its row.
 struct SplatLayout {
     std::size_t row_bytes = 0;
     std::array<std::size_t, 3> place{}, colour{}, scales{};
     std::array<std::size_t, 4> rotation{};
     std::size_t opacity = 0;
-    std::vector<std::size_t> rest;   ///< 0, 9, 24 or 45: the first channel first
+    std::vector<std::size_t> rest;   ///< 0, 9, 24 or 45 coefficients, by channel
     std::vector<std::size_t> normal; ///< 3, or none
 
     std::size_t degree() const; ///< of the harmonics, 0 to 3
 };
 
-/// A scene: its header, and the rows of all splats as they stand in the file.
+/// A scene: its header, and the rows of all splats as in the file.
 struct SplatFile {
     std::string name;                // for messages
     std::vector<std::string> header; // lines between "format" and "end_header" but for that of the element
-    std::size_t element_at = 0;      // before which of these lines the element's stands
+    std::size_t element_at = 0;      // index of the header line before which "element vertex" is inserted
     SplatLayout layout;
-    std::string before, rows, after; // bytes of the elements before the splats, of the splats, and after
-    std::string warning;             // of splats that were left out
-    std::string others; // properties and elements that are kept as they are: "label", 1 of "camera"
+    std::string before, rows, after; // bytes of elements before the splats, of the splats, and after
+    std::string warning;             // on splats that were left out
+    std::string others;              // properties and elements that are copied: "label", 1 of "camera"
 
     std::size_t size() const { return rows.size() / layout.row_bytes; }
 
@@ -70,18 +70,18 @@ struct SplatFile {
     SplatShape shape(std::size_t splat) const;
     void set(std::size_t splat, const SplatShape& shape);
 
-    std::string header_text(std::size_t splats) const; ///< of a file with so many
+    std::string header_text(std::size_t splats) const; ///< for a file with this many splats
 };
 
-/// A scene from the bytes of a binary little-endian file.
+/// Parses a binary little-endian file.
 ///
-///   name     stands before every message.
-///   strict   whether a splat that splat_format leaves out is an error.
-///   fails    if the bytes are not as splat_format says, if the file is cut off, or if no splat is left.
-///            The message names the property, or the number of the splat, counted from 0.
+///   name     prefix of every message
+///   strict   whether splats that splat_format leaves out are an error
+///   fails    if the file does not match splat_format, is cut off, or no splat remains. The message names the
+///            property, or the index of the splat from 0
 Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool strict = false);
 
-/// Works as parse_splats(), from a file of any encoding; fails also where it cannot be read.
+/// As parse_splats(), from a file of any encoding; fails also if it cannot be read.
 Expected<SplatFile> load_splats(const std::filesystem::path& path, bool strict = false);
 
 /// An empty scene with all standard properties.
@@ -89,10 +89,10 @@ Expected<SplatFile> load_splats(const std::filesystem::path& path, bool strict =
 ///   highest   degree of the harmonics, 0 to 3
 SplatFile empty_scene(std::size_t highest);
 
-/// Appends a splat to a scene, whose other properties become 0.
+/// Appends a splat; its other properties are 0.
 void append(SplatFile& scene, const Splat& splat);
 
-/// The share of light that a splat takes in its middle, 0 to 1, from a logit, and back.
+/// Conversion between a logit and the opacity at a splat's centre, 0 to 1.
 double opacity_of(double logit);
 double logit_of(double opacity);
 

@@ -20,19 +20,19 @@ Point3 area_vector(const ObjFile& mesh, std::size_t triangle) {
     return cross(v[b] - v[a], v[c] - v[a]);
 }
 
-/// In [0, 1): the standard's distributions differ between libraries.
+/// Uniform in [0, 1); the distributions of the standard library differ between implementations.
 double uniform(std::mt19937_64& random) {
     return double(random() >> 11) * 0x1p-53;
 }
 
-/// A rotation that takes the third axis to a unit vector, as a quaternion.
+/// The rotation from the third axis to a unit vector, as a quaternion.
 std::array<double, 4> turn_to(const Point3& normal) {
     const double w = std::sqrt(std::max(0.0, (1 + normal[2]) / 2));
     if (w < 1e-8) return {0, 1, 0, 0};
     return {w, -normal[1] / (2 * w), normal[0] / (2 * w), 0};
 }
 
-/// Clay, with bands across the figure's height and a tint from side to side.
+/// Clay colour with horizontal bands and a tint from side to side.
 std::array<double, 3> paint(const Point3& place, const cageform::Bounds<double, 3>& box) {
     const auto share = [&](std::size_t k) {
         const double size = box.upper[k] - box.lower[k];
@@ -57,7 +57,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
     SplatFile scene = empty_scene(options.degree);
     const double area = area_of(mesh), step = area / double(options.count);
     const auto box = cageform::bounds_of(std::span<const Point3>(mesh.vertices));
-    const double radius = 1.3 * std::sqrt(step / 3.14159265358979323846); // discs that leave no holes
+    const double radius = 1.3 * std::sqrt(step / 3.14159265358979323846); // disks without holes between
     std::mt19937_64 random(options.seed);
     std::array<double, most_harmonics> gloss{};
     scene.rows.reserve(options.count * scene.layout.row_bytes);
@@ -81,8 +81,8 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
             const Point3 light{-0.45, 0.75, 0.49};
             const double shade = 0.6 + 0.4 * std::max(0.0, dot(normal, light));
             const auto own = paint(splat.place, box);
-            // A lobe about the direction of eyes that see the light mirrored; files hold what a ray to the
-            // splat sees, which goes against it.
+            // A lobe around viewing directions of the mirrored light. Files store it by the direction from
+            // the eye to the splat.
             harmonics_at(light - 2 * dot(normal, light) * normal, gloss);
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 splat.colour[channel] = (shade * own[channel] - 0.5) / constant_harmonic;

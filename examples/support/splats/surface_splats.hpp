@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene of splats made from a mesh.
+// Converts a mesh to a scene of splats.
 
 #include "files/obj_file.hpp"
 #include "splats/splat_file.hpp"
@@ -16,11 +16,11 @@ struct SurfaceSplatOptions {
     std::uint64_t seed = 1;
 };
 
-/// Spreads splats evenly by area over the faces of a mesh. Each lies flat on its face, a third wider than a
-/// disc of its share of the area, with the face's normal; bands of colour show how the surface stretches. The
-/// harmonics are a gloss: an eye sees it where the surface mirrors a light from above and the left.
+/// Distributes splats evenly over the faces of a mesh. Each is flat on its face, 1.3 times as wide as a disk
+/// of its share of the area. Bands of colour make stretching visible. The harmonics add gloss: a reflection
+/// of a light from above and the left.
 ///
-///   mesh      with a face whose area is not 0
+///   mesh      with positive area
 ///   returns   the same scene for the same options, on all machines with the same mathematical functions
 SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options);
 
