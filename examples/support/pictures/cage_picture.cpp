@@ -34,7 +34,7 @@ void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
             if (is_drawn[i]) continue;
             is_drawn[i] = true;
             const Point2 &before = points[(k + n - 1) % n], &p = points[k], &after = points[(k + 1) % n];
-            const auto side = [&](const Point2& from, const Point2& to) { // of an edge, to the outside
+            const auto side = [&](const Point2& from, const Point2& to) { // outward normal of an edge
                 const double length = std::hypot(to.x - from.x, to.y - from.y) * (area < 0 ? -1 : 1);
                 return length == 0 ? Point2{} : Point2{(to.y - from.y) / length, (from.x - to.x) / length};
             };
@@ -73,14 +73,14 @@ void set_view(pugi::xml_node node, const ViewBox& box) {
     detail::set_attribute(node, "viewBox", text);
 }
 
-/// A figure under all else, as a picture of its own, so that nothing in it meets the document; also what
-/// lies beyond its viewBox, since a cage holds that too.
+/// Embeds a figure as an image, so that its styles and ids do not affect the document, including content
+/// beyond its viewBox, which a cage encloses too.
 void draw_figure(SvgDocument& document, const SvgDocument& figure, const ViewBox& view, const ViewBox& box) {
     SvgDocument copy = detail::copy_of(figure);
     const auto inner = detail::root_element(copy.xml);
     auto outer = copy.xml.insert_child_before("svg", inner);
     outer.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
-    constexpr double pixels = 1600; // programs that draw it as pixels take so many
+    constexpr double pixels = 1600; // resolution in programs that rasterise the image
     const double scale = pixels / std::max(box.width, box.height);
     set_view(outer, box);
     detail::set_attribute(outer, "width", text_of("%.9g", scale * box.width));
@@ -161,11 +161,11 @@ Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose) {
     std::stable_sort(plot.lines.begin(), plot.lines.end(),
                      [](const SpaceLine& a, const SpaceLine& b) { return a.thickness < b.thickness; });
     Picture picture(2 * width, height);
-    for (const std::size_t side : {0, 1}) { // the y axis is up, the figure faces along z
+    for (const std::size_t side : {0, 1}) { // y is up, the front faces z
         const ViewDirections flat = view_from(side == 0 ? -25 : 155, 12);
         const auto y_up = [](const Point3& v) { return Point3{v[0], v[2], -v[1]}; };
         const ViewDirections view{y_up(flat.right), y_up(flat.up), y_up(flat.towards)};
-        std::vector<bool> is_seen(pose.size()); // a face at it is turned here
+        std::vector<bool> is_seen(pose.size()); // vertex of a face towards the viewer
         for (const ObjFace& face : cage.faces) {
             if (dot(detail::area_vector(face, pose), view.towards) <= 0) continue;
             for (const ObjCorner& corner : face.corners) is_seen[corner.vertex] = true;

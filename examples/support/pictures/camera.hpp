@@ -1,6 +1,6 @@
 #pragma once
 
-// The camera of pictures of meshes and of splats.
+// Camera for pictures of meshes and splats.
 
 #include "pictures/mesh_picture.hpp"
 
@@ -18,7 +18,7 @@ inline Point3 unit(const Point3& v) {
     return length > 0 ? (1 / length) * v : v;
 }
 
-/// The smallest box, along the axes, around the points of a list of lists.
+/// Axis-aligned bounding box of lists of points.
 struct Box3 {
     Point3 low, high;
 };
@@ -36,7 +36,7 @@ inline Box3 box_of(const std::vector<std::span<const Point3>>& lists) {
     return box;
 }
 
-/// Looks at the middle of all points; they fill a picture of the given size up to a margin.
+/// Looks at the centre of all points, which fill a picture of the given size up to a margin.
 class Camera {
 public:
     enum class Rays { converging, parallel };
@@ -67,8 +67,8 @@ public:
                    height / 2 - scale_ * (least.y + greatest.y) / 2};
     }
 
-    /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a
-    /// line, in the picture's units too where rays are parallel.
+    /// Position in the picture, y downwards, and nearness. Nearness is linear in the picture along a line;
+    /// with parallel rays it is in pixels.
     Point3 project(const Point3& v) const {
         const Point3 d = seen(v - middle_);
         const bool parallel = rays_ == Rays::parallel;
@@ -77,12 +77,12 @@ public:
                 parallel ? scale_ * d[2] : nearness};
     }
 
-    /// How much nearer a place is, as project() counts, that lies some pixels before another.
+    /// Increase of project()'s nearness for a point some pixels in front of another.
     double nearer(double pixels, double nearness) const {
         return rays_ == Rays::parallel ? pixels : pixels * nearness * nearness / (scale_ * distance_);
     }
 
-    /// How the place in the picture changes with `v`: the gradients of its two coordinates.
+    /// Gradients of the two picture coordinates with respect to `v`.
     std::array<Point3, 2> gradients(const Point3& v) const {
         const Point3 d = seen(v - middle_);
         const bool parallel = rays_ == Rays::parallel;
@@ -92,10 +92,10 @@ public:
                 -scale_ * (nearness * view_.up + (d[1] * change) * view_.towards)};
     }
 
-    /// Where converging rays meet.
+    /// The centre of perspective.
     Point3 eye() const { return middle_ + distance_ * view_.towards; }
 
-    /// A direction as the camera sees it: to the right, up, towards it.
+    /// A direction in camera coordinates: right, up, towards the camera.
     Point3 seen(const Point3& v) const {
         return {dot(v, view_.right), dot(v, view_.up), dot(v, view_.towards)};
     }

@@ -71,7 +71,7 @@ Picture draw_field(std::span<const double> values, std::size_t width, const Fiel
     const std::size_t height = values.size() / width;
     Picture picture(width, height, style.outside());
     const double step = style.step;
-    const auto differ = [&](double a, double b) { // not a number differs from nothing
+    const auto differ = [&](double a, double b) { // false for NaN
         const auto level = [&](double value) { return std::floor((value - style.zero) / step + 1e-9); };
         return step > 0 && !std::isnan(a) && !std::isnan(b) && level(a) != level(b);
     };
@@ -91,7 +91,7 @@ Picture draw_field(std::span<const double> values, std::size_t width, const Fiel
 
 Picture with_colour_bar(const Picture& picture, double from, double to, const FieldStyle& style) {
     if (!style.colour_bar) return picture;
-    const double letter = std::max(1.5, double(style.size) / 450); // a seventh of a letter's height
+    const double letter = std::max(1.5, double(style.size) / 450); // 1/7 of a letter's height
     Picture wide(picture.width() + std::size_t(56 * letter), picture.height());
     wide.place(picture, 0);
     const Axis bar{from, to, 0.96 * double(picture.height()), 0.04 * double(picture.height())};
@@ -103,8 +103,8 @@ Picture with_colour_bar(const Picture& picture, double from, double to, const Fi
 
 namespace {
 
-/// Appends the end of a side to a polygon, and before it where the side crosses columns: once for the two
-/// pieces that meet there, so that they share the place to the last bit.
+/// Appends the end of a side to a polygon, preceded by its crossings with columns. Both adjacent pieces share
+/// these points exactly.
 void append_cut(std::vector<Point2>& polygon, const Point2& end, const std::vector<double>& columns) {
     const Point2 start = polygon.back();
     const auto append = [&](double x) {
@@ -118,12 +118,12 @@ void append_cut(std::vector<Point2>& polygon, const Point2& end, const std::vect
     polygon.push_back(end);
 }
 
-/// Collects convex polygons as triangles; equal places are one.
+/// Triangulates convex polygons; equal points are merged.
 class MeshBuilder {
 public:
     PlaneMesh mesh;
 
-    /// `corners` are loop vertices on the polygon's horizontal sides, which become corners of it.
+    /// `corners`: loop vertices on the polygon's horizontal sides, which become corners.
     void add(const std::vector<Point2>& polygon, const std::vector<Point2>& corners) {
         std::vector<std::uint32_t> ring;
         std::size_t added = 0;
@@ -143,7 +143,7 @@ public:
         while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
         if (ring.size() < 3) return;
         std::uint32_t apex = ring[0];
-        if (added != 0) { // the corners of a side lie on a line: a fan from the middle
+        if (added != 0) { // corners on a line: fan from the centre
             Point2 middle{};
             for (const std::uint32_t i : ring) {
                 middle.x += mesh.places[i].x / double(ring.size());
@@ -170,7 +170,7 @@ private:
     std::map<std::pair<double, double>, std::uint32_t> known_;
 };
 
-/// An edge of a loop from below upwards.
+/// An edge of a loop, oriented upwards.
 struct RisingEdge {
     Point2 low, high;
 
@@ -208,9 +208,9 @@ PlaneMesh cut_by_lattice(std::span<const std::vector<Point2>> loops, const Plane
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
 
     MeshBuilder builder;
-    for (std::size_t r = 0; r + 1 < rows.size(); ++r) { // between two rows the inside is trapezoids
+    for (std::size_t r = 0; r + 1 < rows.size(); ++r) { // between two rows the inside consists of trapezoids
         const double low = rows[r], high = rows[r + 1];
-        std::vector<std::array<double, 2>> crossings; // of the lower row and of the upper one
+        std::vector<std::array<double, 2>> crossings; // x on the lower and the upper row
         for (const RisingEdge& edge : edges) {
             if (edge.low.y <= low && edge.high.y >= high) crossings.push_back({edge.at(low), edge.at(high)});
         }
@@ -231,7 +231,7 @@ PlaneMesh cut_by_lattice(std::span<const std::vector<Point2>> loops, const Plane
             const double first = std::min(left[0], left[1]), last = std::max(right[0], right[1]);
             for (std::size_t c = 0; c + 1 < columns.size(); ++c) {
                 if (columns[c + 1] <= first || columns[c] >= last) continue;
-                std::vector<Point2> piece; // convex, so its corners are in order
+                std::vector<Point2> piece; // convex, so its corners stay in order
                 std::copy_if(trapezoid.begin(), trapezoid.end(), std::back_inserter(piece),
                              [&](const Point2& p) { return p.x >= columns[c] && p.x <= columns[c + 1]; });
                 builder.add(piece, here);
@@ -256,7 +256,7 @@ PlaneMesh mesh_of_grid(std::size_t width, std::size_t height) {
     return mesh;
 }
 
-/// The triangles of a mesh that have a value at every corner.
+/// The triangles of a mesh without a NaN corner.
 static std::vector<std::array<std::uint32_t, 3>> whole_triangles(const PlaneMesh& mesh,
                                                                  std::span<const double> values) {
     std::vector<std::array<std::uint32_t, 3>> whole;
@@ -281,7 +281,7 @@ std::vector<PlaneLine> rim_of(const PlaneMesh& mesh, std::span<const double> val
 
 namespace {
 
-/// The box around a surface: the limits of its values and its domain, and the scale from values to heights.
+/// Bounds of a surface: domain, range of values, and the scale from values to heights.
 struct PlotBox {
     PlaneBox domain;
     double least = 0, largest = 0, floor = 0, scale = 1;
@@ -302,14 +302,14 @@ struct PlotBox {
         for (const PlaneLine& line : surface.boundary) {
             for (std::size_t i = 0; i < line.points.size(); ++i) add(line.points[i], line.values[i]);
         }
-        if (least > largest) domain = {{0, 0}, {1, 1}}, least = largest = 0; // nothing to draw
+        if (least > largest) domain = {{0, 0}, {1, 1}}, least = largest = 0; // empty surface
         if (largest > least) scale = height * domain.extent() / (largest - least);
         floor = least - 0.15 * (largest - least);
     }
     Point3 at(const Point2& p, double value) const { return {p.x, y_up ? p.y : -p.y, scale * value}; }
 };
 
-/// The surface's level lines, triangle by triangle.
+/// Adds the surface's level lines.
 void add_level_lines(const FieldSurface& surface, const PlotBox& box, const FieldStyle& style,
                      double thickness, SpacePlot& plot) {
     const double step = style.step;
@@ -333,11 +333,11 @@ void add_level_lines(const FieldSurface& surface, const PlotBox& box, const Fiel
     }
 }
 
-/// The floor, the sides behind the surface, and marks along the floor's near sides and the leftmost
-/// upright.
+/// Adds the floor, the rear edges, and axis marks along the floor's near edges and the leftmost vertical
+/// edge.
 void add_box(const PlotBox& box, const ViewDirections& view, SpacePlot& plot) {
     static constexpr Colour grey{0.62f, 0.62f, 0.62f}, dark{0.35f, 0.35f, 0.35f};
-    const double reach = 0.02 * box.domain.extent(); // of a mark
+    const double reach = 0.02 * box.domain.extent(); // length of a mark
     const auto corner = [&](std::size_t k, double value) {
         return box.at({k == 1 || k == 2 ? box.domain.high.x : box.domain.low.x,
                        k >= 2 ? box.domain.high.y : box.domain.low.y},
@@ -391,7 +391,7 @@ Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const
     std::vector<Point3> vertices;
     std::vector<Colour> colours;
     for (std::size_t i = 0; i < surface.values.size(); ++i) {
-        const double value = std::isnan(surface.values[i]) ? 0 : surface.values[i]; // of no triangle
+        const double value = std::isnan(surface.values[i]) ? 0 : surface.values[i]; // in no triangle
         vertices.push_back(box.at(surface.mesh.places[i], value));
         colours.push_back(style.colour(value));
     }

@@ -10,11 +10,11 @@ namespace cageform_support {
 
 namespace {
 
-/// Colours in fixed point: 1 of 255 is 2¹⁶.
+/// Fixed-point colours: 1/255 is 2¹⁶.
 constexpr int fraction_bits = 16;
 
 std::int32_t fixed(float colour) {
-    constexpr float most = 16000; // mean value weights may be negative, so sums leave 0 … 255
+    constexpr float most = 16000; // negative weights may give values outside 0 … 255
     return std::int32_t(std::clamp(colour, -most, most) * float(1 << fraction_bits));
 }
 
@@ -111,7 +111,7 @@ Expected<std::vector<Membrane::Values>> poisson_function(const PixelRegion& regi
     for (std::size_t n = 0; n < outline.size(); ++n) {
         for (std::size_t k = 0; k < 3; ++k) fields[k * size + region.outline[n]] = outline[n][k];
     }
-    // To a thousandth of the range: a quarter of a colour's step. Mazes of masks take many cycles.
+    // The error is below a quarter of a colour step. Masks like mazes need many cycles.
     const auto [status, report] = cageform::solve_dirichlet(
         cageform::CellBox<2>{{region.width, region.height}}, std::span<const cageform::Cell>(cells), fields,
         {.tolerance = 1e-4, .max_cycles = 500}, running);

@@ -1,9 +1,9 @@
 #pragma once
 
-// A region of one picture in another without a seam: the source's colours plus a smooth function. On the
-// region's outline that function is the difference of the target to the source. It is a membrane
-// (pictures/membrane.hpp), or it solves the Poisson equation (Pérez, Gangnet, Blake, Poisson image editing,
-// ACM Trans. Graph. 22(3) (2003), sec. 2), which cageform::solve_dirichlet does.
+// Seamless cloning of a region into another picture: the source's colours plus a smooth function that equals
+// the difference of target and source on the region's outline. The function is a membrane
+// (pictures/membrane.hpp), or the solution of the Poisson equation (Pérez, Gangnet, Blake, Poisson image
+// editing, ACM Trans. Graph. 22(3) (2003), section 2) by cageform::solve_dirichlet.
 
 #include "pictures/membrane.hpp"
 
@@ -16,40 +16,40 @@
 
 namespace cageform_support {
 
-/// Where the upper left corner of a region's box goes in a target.
+/// Position of a region's upper left corner in a target.
 struct PixelPlace {
     std::int64_t x = 0, y = 0;
 };
 
-/// Why a region does not fit into a target there: how far it reaches beyond, and which places fit. Empty
-/// where it fits.
+/// Returns the error if a region does not fit into a target at a position: how far it extends beyond, and
+/// which positions fit. Else empty.
 std::string fault_of_place(const PixelRegion& region, const Pixels& target, const PixelPlace& at);
 
-/// The colours of the target less those of the source, 0 to 255, at the pixels of the outline.
+/// Colours of the target minus those of the source, 0 to 255, at the pixels of the outline.
 ///
-///   at   a place where the region fits, here and below
+///   at   position at which the region fits, here and below
 std::vector<Membrane::Values> outline_differences(const Pixels& source, const PixelRegion& region,
                                                   const Pixels& target, const PixelPlace& at);
 
-/// The discrete harmonic function with these values on the outline.
+/// The discrete harmonic function with given values on the outline.
 ///
-///   returns   of each pixel of the region's box; 0 outside the region
-///   fails     as cageform::solve_dirichlet does
+///   returns   one value per pixel of the region's box; 0 outside the region
+///   fails     as cageform::solve_dirichlet
 Expected<std::vector<Membrane::Values>> poisson_function(const PixelRegion& region,
                                                          std::span<const Membrane::Values> outline,
                                                          const cageform::Running& running = {});
 
-/// Puts a region into a picture: the colours of the source inside, plus `added`. Pixels of the outline stay
-/// as they are, and so does alpha. Where the source is translucent, what is there shines through.
+/// Writes a region into a picture: the colours of the source plus `added`. Pixels of the outline and alpha
+/// are unchanged. Translucent source pixels are blended.
 ///
 ///   picture   the target, or a copy of it
-///   added     of each pixel of the region's box, or a membrane with the outline's differences
+///   added     per pixel of the region's box, or a membrane with the differences on the outline
 void paste(const Pixels& source, const PixelRegion& region, const PixelPlace& at,
            std::span<const Membrane::Values> added, Pixels& picture);
 void paste(const Pixels& source, const PixelRegion& region, const PixelPlace& at,
            std::span<const Membrane::Values> differences, Membrane& membrane, Pixels& picture);
 
-/// How far two pictures of one size are apart inside a region, of 255 a channel.
+/// Difference of two pictures of equal size inside a region, 0 to 255 per channel.
 struct ColourDifference {
     int largest = 0;
     double mean = 0;

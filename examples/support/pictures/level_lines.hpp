@@ -1,6 +1,6 @@
 #pragma once
 
-// Level lines of a field on a grid, by marching squares.
+// Level lines of grid fields by marching squares.
 
 #include "svg/path.hpp"
 
@@ -13,15 +13,15 @@
 
 namespace cageform_support {
 
-/// The lines on which a field has a value: linear along the sides of the squares between neighbouring
-/// values; of a square with four crossings the mean of its corners decides which belong together. Closed
-/// lines end at their first point. Squares with a corner that is not a number have none.
+/// Extracts level lines, with linear interpolation along grid edges. In squares with four crossings, the mean
+/// of the corners decides how they are connected. Closed lines end at their first point. Squares with a NaN
+/// corner are skipped.
 ///
-///   values   width · height, the first row first; value (x, y) lies at (x, y)
+///   values   width · height, row-major; value (x, y) is at (x, y)
 ///   cost     O(#values + #crossings log #crossings)
 inline std::vector<std::vector<Point2>> level_lines(std::span<const double> values, std::size_t width,
                                                     double level) {
-    using Side = std::pair<std::size_t, bool>; // from value `first` to the one on its right, or below it
+    using Side = std::pair<std::size_t, bool>; // edge from value `first` to the right, or downwards (true)
     std::map<Side, std::vector<Side>> neighbours;
     const std::size_t height = width == 0 ? 0 : values.size() / width;
     for (std::size_t y = 0; y + 1 < height; ++y) {
@@ -37,8 +37,7 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
             for (std::size_t k = 0; k < 4; ++k) {
                 if ((corner[k] > level) != (corner[(k + 1) % 4] > level)) crossed.push_back(sides[k]);
             }
-            // With four crossings, the lines separate the corners that differ from the mean: the second
-            // and the fourth, or the first and the third.
+            // With four crossings, the lines cut off the two opposite corners that differ from the mean.
             if (crossed.size() == 4 && (corner[0] > level) != (mean > level))
                 std::swap(crossed[1], crossed[3]);
             for (std::size_t k = 0; k + 1 < crossed.size(); k += 2) {
@@ -54,7 +53,7 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
         return down ? Point2{x, y + t} : Point2{x + t, y};
     };
     std::vector<std::vector<Point2>> lines;
-    const auto follow = [&](Side side) { // the links on the way are taken out
+    const auto follow = [&](Side side) { // removes the links that it follows
         std::vector<Point2> line{place(side)};
         for (auto* links = &neighbours[side]; !links->empty(); links = &neighbours[side]) {
             const Side next = links->back();

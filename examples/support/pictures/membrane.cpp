@@ -67,32 +67,32 @@ private:
         }
     };
 
-    /// A closed line along the outline's pixels, about the pixels inside or about a hole in them.
+    /// A closed boundary of a part, outer or of a hole.
     struct Loop {
-        std::size_t pixel = 0;           // one inside that it passes
+        std::size_t pixel = 0;           // an adjacent inner pixel
         std::uint32_t root = 0, end = 0; // of its stretches
     };
 
-    /// A node of the tree of a part's loops, which are in a row.
+    /// A node of the tree of a part's loops, which are consecutive.
     struct LoopRange {
         std::size_t begin = 0, end = 0;
-        std::uint32_t right = 0; // half; 0 of a leaf. The left half follows
+        std::uint32_t right = 0; // index of the right half; 0 for a leaf. The left half follows
         Extent extent;
-        float largest = 0; // size of a loop
+        float largest = 0; // largest size of a loop
     };
 
     bool is_inside(std::size_t pixel) const { return region_.kinds[pixel] == PixelKind::inside; }
 
-    // ---- parts: pixels that touch over a side ----
+    // ---- parts: connected components of pixels that share an edge ----
 
     std::uint32_t root_of(std::uint32_t run) {
         while (parents_[run] != run) run = parents_[run] = parents_[parents_[run]];
         return run;
     }
-    /// Numbers the runs of pixels of each row, and joins those that touch.
+    /// Labels runs of pixels in each row, and merges adjacent runs by union-find.
     void label_parts() {
         part_.assign(region_.kinds.size(), 0);
-        for (std::size_t y = 1; y + 1 < height_; ++y) { // the first and the last row are not inside
+        for (std::size_t y = 1; y + 1 < height_; ++y) { // the outer rows are never inside
             for (std::size_t x = 1, i = y * width_ + 1; x + 1 < width_; ++x, ++i) {
                 if (!is_inside(i)) continue;
                 if (is_inside(i - 1)) {
@@ -109,7 +109,7 @@ private:
         }
         std::vector<std::uint32_t> numbers(parents_.size());
         for (std::uint32_t run = 0; run < parents_.size(); ++run) {
-            const std::uint32_t root = root_of(run); // is the least of its part
+            const std::uint32_t root = root_of(run); // the smallest of its part
             numbers[run] = root == run ? std::uint32_t(parts_++) : numbers[root];
         }
         parents_ = std::move(numbers);
@@ -118,7 +118,7 @@ private:
 
     // ---- the outline ----
 
-    /// Follows the sides between pixels inside and others. Each has a vertex near the other pixel's centre.
+    /// Traces the edges between inner and other pixels. Each has a vertex near the other pixel's centre.
     void trace() {
         const auto w = std::ptrdiff_t(width_);
         const std::array<std::ptrdiff_t, 4> over{1, w, -1, -w}; // right, down, left, up
@@ -184,7 +184,7 @@ private:
         return at;
     }
 
-    /// Brings the loops of each part together, near ones near each other.
+    /// Sorts the loops by part, and within a part spatially.
     void sort_loops() {
         std::sort(loops_.begin(), loops_.end(), [&](const Loop& a, const Loop& b) {
             return std::pair(part_of(a.pixel), a.root) < std::pair(part_of(b.pixel), b.root);
@@ -221,7 +221,7 @@ private:
 
     // ---- squares and their corners ----
 
-    /// The distance of each pixel from the nearest that is not inside, by the larger of its two axes.
+    /// Chebyshev distance of each pixel to the nearest pixel that is not inside.
     std::vector<std::uint16_t> distances() const {
         constexpr std::uint16_t most = std::numeric_limits<std::uint16_t>::max() - 1;
         std::vector<std::uint16_t> far(region_.kinds.size(), 0);
@@ -266,7 +266,7 @@ private:
         point_at_ = {};
     }
 
-    /// Squares in a row that are not in a group yet.
+    /// A range of squares, and whether they are in groups.
     struct Squares {
         std::size_t begin = 0, end = 0;
         bool are_grouped = false;
@@ -293,7 +293,7 @@ private:
             all.are_grouped = all.are_grouped || quarters[q].are_grouped;
         }
         all.end = squares.size();
-        constexpr std::size_t most = 96; // squares of a group
+        constexpr std::size_t most = 96; // squares per group
         all.are_grouped = all.are_grouped || all.end - all.begin > most;
         if (all.are_grouped) {
             for (const Squares& quarter : quarters) add_groups(quarter);
@@ -301,7 +301,7 @@ private:
         return all;
     }
 
-    /// Adds the corners of squares as points: a group for each part that the squares lie in.
+    /// Adds the corners of squares as points, one group per part.
     void add_groups(const Squares& squares) {
         if (squares.are_grouped || squares.begin == squares.end) return;
         std::vector<std::size_t> order;
@@ -331,8 +331,8 @@ private:
         }
     }
 
-    /// Finds the points in the middle of larger squares' sides. The largest squares come first, because the
-    /// ends of a side may be such points themselves.
+    /// Finds points in the middle of larger squares' sides (T-junctions), largest squares first, because ends
+    /// of a side may be T-junctions too.
     void find_hanging() {
         std::vector<const Membrane::Square*> large;
         for (const auto& square : made_.squares_) {
@@ -363,14 +363,14 @@ private:
 
     // ---- weights ----
 
-    /// The outline as points in an extent see it: stretches in a row, and how many of each loop.
+    /// An approximation of the outline for points in an extent: stretches, and their number per loop.
     struct Seen {
         std::vector<std::uint32_t> stretches;
         std::vector<std::size_t> loops;
     };
     void look(const Extent& from, double coarseness, std::uint32_t range, Seen& seen) const {
         const LoopRange& loops = ranges_[range];
-        // A far hole hides behind its own two sides, whose weights nearly cancel.
+        // The weights of the two sides of a distant hole nearly cancel.
         if (double(loops.largest) <= 0.125 * coarseness * double(loops.extent.distance(from))) return;
         if (loops.right != 0) {
             look(from, coarseness, range + 1, seen);
@@ -393,11 +393,11 @@ private:
         add_seen(from, coarseness, stretch.right, depth - 1, seen);
     }
 
-    /// Returns why the points of a group have no weights, else nothing.
+    /// Returns the error if a group cannot be bound; else empty.
     std::string bind_group(Membrane::Group& group) const {
         Extent extent;
         for (const std::uint32_t point : group.points) extent.add(points_[point]);
-        const auto about = [&](const Place& p) { // from the middle of the points: floats are finest there
+        const auto about = [&](const Place& p) { // relative to the centre, for precision
             return cageform::Vec<float, 2>{p[0] - (extent.low[0] + extent.high[0]) / 2,
                                            p[1] - (extent.low[1] + extent.high[1]) / 2};
         };
@@ -410,13 +410,13 @@ private:
             for (const std::uint32_t at : seen.stretches) vertices.push_back(about(places_[at]));
             const cageform::MeanValueCoordinates<float, 2> coordinates(
                 cageform::Polygon<float>(vertices, seen.loops));
-            // A coarse outline may cross itself; the finest never does.
+            // A coarse outline may self-intersect; the finest does not.
             const cageform::CageReport& cage = coordinates.cage_report();
             if (cage.status != cageform::Status::ok && refine(cage, seen)) continue;
             auto bound =
                 cageform::bind(coordinates, points, {.linear_precision = cageform::LinearPrecision::leave});
             if (!bound) return cageform::to_string(bound.status());
-            // The weights of places, with colours for handles. At rest all colours are 0.
+            // A binding with these weights, and colours as handles, which are 0 at rest.
             auto memory = std::move(bound.value).release();
             const std::vector<Membrane::Values> black(vertices.size());
             std::vector<cageform::Lanes<float>> at_rest(3 * cageform::block_count<float>(points.size()));
@@ -426,7 +426,7 @@ private:
             return {};
         }
     }
-    /// Halves the stretches that faults of the outline name; false where none can be.
+    /// Halves the stretches in errors of the outline; false if none can be halved.
     bool refine(const cageform::CageReport& cage, Seen& seen) const {
         std::vector<std::uint8_t> is_named(seen.stretches.size());
         std::vector<std::size_t> loop_of, begins{0};
@@ -483,17 +483,17 @@ private:
     std::size_t width_, height_;
     Membrane made_;
 
-    std::vector<std::uint32_t> part_, parents_; // of a pixel its run, of a run its part
+    std::vector<std::uint32_t> part_, parents_; // run of each pixel; part of each run
     std::size_t parts_ = 0;
     std::vector<Loop> loops_;
     std::vector<LoopRange> ranges_;
-    std::vector<std::uint32_t> roots_; // of each part, in ranges_
+    std::vector<std::uint32_t> roots_; // #parts: index into ranges_
     std::vector<Place> places_;        // of stretches
     std::vector<Extent> extents_;
     std::vector<std::uint16_t> far_;
     std::vector<std::uint32_t> point_at_;
     std::size_t levels_ = 0;
-    std::vector<std::vector<std::uint8_t>> is_there_; // by level: whether a square has a pixel inside
+    std::vector<std::vector<std::uint8_t>> is_there_; // by level: whether a square contains an inner pixel
     std::vector<Place> points_;
     std::vector<std::uint32_t> part_at_; // of points
 };

@@ -1,8 +1,8 @@
 #pragma once
 
-// A smooth function over a region of pixels from its values on the outline, by mean value coordinates: the
-// membrane of instant image cloning (Farbman, Hoffer, Lipman, Cohen-Or, Lischinski, Coordinates for instant
-// image cloning, ACM Trans. Graph. 28(3) (2009)).
+// Interpolates values on the outline of a region of pixels by mean value coordinates: the membrane of instant
+// image cloning (Farbman, Hoffer, Lipman, Cohen-Or, Lischinski, Coordinates for instant image cloning, ACM
+// Trans. Graph. 28(3) (2009)).
 
 #include "pictures/pixels.hpp"
 
@@ -18,11 +18,11 @@
 namespace cageform_support {
 
 struct MembraneOptions {
-    /// A stretch of the outline counts as one vertex, at its mean, where its box is at most this part of its
-    /// distance; 0: each pixel counts for itself (the paper, sec. 4: hierarchical sampling of the boundary).
+    /// A section of the outline is replaced by its mean if the diagonal of its box is at most this fraction
+    /// of its distance; 0: every pixel counts (the paper, section 4: hierarchical boundary sampling).
     double coarseness = 0.25;
-    /// A square of pixels is interpolated from its corners where its side is at most this part of its
-    /// distance from the outline; 0: each pixel has a value of its own.
+    /// A square of pixels is interpolated from its corners if its side is at most this fraction of its
+    /// distance from the outline; 0: every pixel is evaluated.
     double square = 0.5;
 };
 
@@ -31,35 +31,35 @@ struct MembraneReport {
     std::size_t loops = 0;    ///< of the outline
     std::size_t vertices = 0; ///< of all loops
     std::size_t parts = 0;    ///< of the region, each with an outline of its own
-    std::size_t points = 0;   ///< that have weights
+    std::size_t points = 0;   ///< with weights
     std::size_t weights = 0;  ///< of all points
-    std::size_t groups = 0;   ///< of points that see the outline alike, each a binding
+    std::size_t groups = 0;   ///< of points with the same outline approximation, one binding each
 };
 
-/// The membrane of a region: bound once, then cheap for any values.
+/// The membrane of a region: bind once, then interpolate any values cheaply.
 ///
-/// The outline runs through the centres of its pixels, to a fiftieth of a pixel. Squares of pixels have
-/// values at their corners; the farther from the outline, the larger they are. `bind` gives these points
-/// weights by mean value coordinates, and `clone` moves three numbers of the outline, colours instead of
-/// places, to them. Pixels that touch over a side are one part; parts do not see each other.
+/// The outline passes through the centres of its pixels, to 1/50 of a pixel. Interior squares, larger far
+/// from the outline, have values at their corners. `bind` computes mean value weights for these points;
+/// `clone` applies them to colours in place of positions. Pixels that share an edge belong to the same part;
+/// parts are independent.
 ///
-/// Constants are reproduced to rounding, linear functions to 0.02 pixels as a rule. Other functions differ
-/// from the exact mean value interpolant by less than 1 % of the outline's range in the mean, where they vary
-/// over tens of pixels.
+/// Constants are reproduced to rounding, linear functions usually to 0.02 pixels. For functions that vary
+/// over tens of pixels, the mean difference from exact mean value interpolation is below 1 % of the outline's
+/// range.
 class Membrane {
 public:
     using Values = cageform::Vec<float, 3>;
 
-    /// The cost is about O(#outline · log #outline) weights, and O(#pixels).
+    /// Computes the weights: about O(#outline · log #outline) weights, and O(#pixels).
     ///
-    ///   fails   where the region has no pixel inside
+    ///   fails   if the region has no pixel inside
     static Expected<Membrane> bind(const PixelRegion& region, const MembraneOptions& options = {},
                                    const cageform::ParallelFor& parallel = cageform::SerialFor{});
 
-    /// Calls sink(first, count, start, step) for every run of pixels of a row inside: pixel first + i of the
-    /// region's box has start + i · step. Calls come in any order, and on several threads.
+    /// Calls sink(first, count, start, step) for every horizontal run of inner pixels: pixel first + i of the
+    /// region's box has the value start + i · step. Calls are in any order, and from several threads.
     ///
-    ///   outline   finite values of the region's outline, in its order
+    ///   outline   finite values, in the order of the region's outline
     template <class Sink>
     void interpolate(std::span<const Values> outline, const Sink& sink) {
         find_corners(outline);
@@ -87,24 +87,23 @@ public:
 private:
     friend class MembraneBuilder;
 
-    /// A square of pixels: interpolated from the points at its corners, of which three belong to its
-    /// neighbours. A single pixel has one point.
+    /// A square of pixels, interpolated from points at its corners. A single pixel has one point.
     struct Square {
         std::size_t first = 0; // pixel of the box
         std::uint32_t side = 1;
         std::array<std::uint32_t, 4> corners{};
     };
-    /// A stretch of a loop: a leaf is one vertex. Its left half follows it.
+    /// A node of the tree of sections of a loop; a leaf is one vertex. Its left half follows it.
     struct Stretch {
-        std::uint32_t right = 0;    // half; 0 of a leaf
-        std::uint32_t vertices = 1; // of a leaf: the number of its pixel on the outline
+        std::uint32_t right = 0;    // index of the right half; 0 for a leaf
+        std::uint32_t vertices = 1; // of a leaf: index into the outline
     };
     struct Group {
         cageform::Binding<float, 3> binding;
-        std::vector<std::uint32_t> handles; // stretches
+        std::vector<std::uint32_t> handles; // indices of stretches
         std::vector<std::uint32_t> points;
     };
-    /// A point in the middle of a larger square's side has the mean of that side's ends.
+    /// A T-junction: a point in the middle of a larger square's side has the mean of the side's ends.
     struct Hanging {
         std::uint32_t point, one, other;
     };
@@ -116,7 +115,7 @@ private:
     std::vector<Stretch> stretches_;
     std::vector<Values> stretch_values_, values_; // by stretch, by point
     std::vector<Group> groups_;
-    std::vector<Hanging> hanging_; // in the order in which they are found
+    std::vector<Hanging> hanging_; // larger squares first
     cageform::ParallelFor parallel_;
     MembraneReport report_;
 };

@@ -13,7 +13,7 @@ namespace cageform_support {
 
 namespace detail {
 
-/// A part of the picture at several samples a pixel.
+/// A supersampled part of the picture with a depth buffer.
 class MeshCanvas {
 public:
     static constexpr std::size_t samples = 3; // along each side of a pixel
@@ -52,8 +52,7 @@ public:
         }
     }
 
-    /// A surface of its own colours, flat triangles under a light from above and the left, so that they can
-    /// be read.
+    /// Draws a coloured surface with flat shading, light from above and the left.
     void draw_plot(const MeshView& surface, const Camera& camera) {
         const Point3 light = unit({-0.45, 0.75, 0.7});
         const auto lit = [&](const Point3& normal, const Point3& own) {
@@ -72,8 +71,8 @@ public:
         }
     }
 
-    /// A line as far as no surface hides it, if it is not on top: half a pixel and its thickness nearer than
-    /// it is, so that it is seen on one whose triangles are not quite at its place.
+    /// Draws a line with depth test, unless on top. A bias of half a pixel plus the thickness keeps lines on
+    /// surfaces visible.
     void draw_line(const SpaceLine& line, const Camera& camera) {
         for (std::size_t k = 1; k < line.points.size(); ++k) {
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
@@ -86,12 +85,12 @@ public:
         }
     }
 
-    /// Lines where the cage turns to the camera, paler ones at its far side, the palest behind the figure.
+    /// Draws cage edges: front faces strong, back faces paler, behind the figure palest.
     void draw_cage(const MeshView& cage, const Camera& camera) {
         struct CageEdge {
-            bool here = false;                  // whether a face at it is turned here
-            std::size_t face = ~std::size_t{0}; // the last one seen
-            bool is_inside = false;             // of a face
+            bool here = false;                  // whether an adjacent face is towards the camera
+            std::size_t face = ~std::size_t{0}; // last adjacent face
+            bool is_inside = false;             // inside a face
         };
         std::map<std::pair<std::uint32_t, std::uint32_t>, CageEdge> edges;
         std::vector<Point3> places;
@@ -110,7 +109,7 @@ public:
         }
     }
 
-    /// The pixels, each the mean of its samples.
+    /// Averages the samples of each pixel.
     void copy_to(Picture& picture, std::size_t left) const {
         static constexpr Colour line_colour{0.13f, 0.18f, 0.33f};
         constexpr float share = 1.0f / (samples * samples);
@@ -133,30 +132,30 @@ private:
         return {samples * p[0], samples * p[1], p[2]};
     }
 
-    /// Twice the area of a triangle in the picture; negative where its front is seen, since y is downwards.
+    /// Twice the signed area of a triangle in the picture; negative for front faces, since y is downwards.
     static double turn(const Point3& a, const Point3& b, const Point3& c) {
         return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     }
 
-    /// The first and the last whole sample whose centre lies between two places.
+    /// The range of samples whose centres are between two positions.
     static std::pair<std::size_t, std::size_t> range(double low, double high, std::size_t size) {
-        // Not a number, where the mesh is too large for its squares, is nowhere.
+        // NaN, for huge meshes, gives an empty range.
         const auto inside = [&](double x) { return x > 0 ? std::size_t(std::min(x, double(size))) : 0; };
         return {inside(std::ceil(low - 0.5)), inside(std::floor(high - 0.5) + 1)};
     }
 
-    /// Returns the reflectance (linear light) of a surface that is seen in a colour.
+    /// Linear reflectance of a surface of a displayed colour.
     static Point3 linear(const Colour& colour) {
         return {std::pow(colour.r, 2.2), std::pow(colour.g, 2.2), std::pow(colour.b, 2.2)};
     }
 
-    /// shade(normal, own) is the colour of a place, from what the corners have.
+    /// Rasterises a triangle; shade(normal, own) is the colour from interpolated values.
     template <class Shade>
     void fill(const std::array<Point3, 3>& p, const std::array<Point3, 3>& normals,
               const std::array<Point3, 3>& own, Shade&& shade) {
         const double area = turn(p[0], p[1], p[2]);
         if (!(std::fabs(area) > 0)) return;
-        const double side = area < 0 ? 1 : -1; // seen from behind: the other side of the surface
+        const double side = area < 0 ? 1 : -1; // -1: back face
         const auto [left, right] =
             range(std::min({p[0][0], p[1][0], p[2][0]}), std::max({p[0][0], p[1][0], p[2][0]}), width_);
         const auto [top, bottom] =
@@ -177,8 +176,7 @@ private:
         }
     }
 
-    /// Returns the value for a screen: x^(1/2.2), from a table, within a third of one of 255 steps above
-    /// 1/1000.
+    /// x^(1/2.2) from a table, with an error below 1/3 of 1/255 for x above 1/1000.
     static float displayed(double x) {
         constexpr std::size_t steps = 4096;
         static const std::vector<float> table = [] {
@@ -192,8 +190,7 @@ private:
         return table[i] + float(at - double(i)) * (table[i + 1] - table[i]);
     }
 
-    /// Returns the sum of a warm light from above and the left, a cool one from the right, and the light of
-    /// the sky and the floor.
+    /// Sum of a warm light from above and the left, a cool light from the right, and ambient light.
     static Colour shade(const Point3& normal, const Point3& own) {
         static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}),
                             half = unit(key + Point3{0, 0, 1}); // between the light and the eye
@@ -202,7 +199,7 @@ private:
         const double l = lit(half), l2 = l * l, l4 = l2 * l2, l8 = l4 * l4;
         const double gloss = 0.16 * l8 * l8 * l8 * l4 * l2; // the 30th power
         const double rim =
-            0.75 + 0.25 * std::sqrt(std::clamp(normal[2], 0.0, 1.0)); // dark towards the outline
+            0.75 + 0.25 * std::sqrt(std::clamp(normal[2], 0.0, 1.0)); // darker near the silhouette
         const auto channel = [&](std::size_t k, double warmth, double coolness) {
             const double light = 0.14 + 0.20 * sky + warmth * lit(key) + coolness * lit(cool);
             return displayed(rim * own[k] * light + gloss);
@@ -217,7 +214,7 @@ private:
         });
     }
 
-    /// Calls body(sample, the sample in the line's middle beside it, how near the line is there).
+    /// Calls body(sample, nearest sample on the centre line, nearness there).
     template <class Body>
     void for_each_sample(Point3 a, Point3 b, double thickness, Body&& body) {
         const bool steep = std::fabs(b[1] - a[1]) > std::fabs(b[0] - a[0]);
@@ -226,7 +223,7 @@ private:
         const double length = b[along] - a[along];
         if (!(length > 0)) return;
         const double reach =
-            thickness / 2 * std::hypot(b[0] - a[0], b[1] - a[1]) / length; // of the line, straight across
+            thickness / 2 * std::hypot(b[0] - a[0], b[1] - a[1]) / length; // half width along the other axis
         const auto [first, last] = range(a[along], b[along], steep ? height_ : width_);
         for (std::size_t s = first; s < last; ++s) {
             const double t = (double(s) + 0.5 - a[along]) / length;
@@ -289,7 +286,7 @@ Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::s
         canvas.draw_cage(scenes[n].cage, camera);
         canvas.copy_to(picture, n * part);
         for (const SpaceText& text : scenes[n].texts) {
-            constexpr double letter = 2.5; // a seventh of its height
+            constexpr double letter = 2.5; // 1/7 of its height
             const Point3 at = camera.project(text.at);
             const double half = 3 * letter * double(text.words.size());
             const Point2 left{double(n * part) + at[0] - half, at[1]};

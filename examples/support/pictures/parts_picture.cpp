@@ -9,7 +9,7 @@ namespace cageform_support {
 
 namespace {
 
-/// Clay for the trunk; the others' hues are a golden section of the circle apart.
+/// Clay for the trunk; other hues are spaced by the golden ratio.
 Colour colour_of_part(int number) {
     if (number == 1) return {0.80f, 0.74f, 0.66f};
     const double hue = 6 * std::fmod(0.58 + 0.381966 * (std::abs(number) - 2), 1.0);
@@ -21,7 +21,7 @@ Colour colour_of_part(int number) {
     return {channel(0), channel(2), channel(4)};
 }
 
-/// A cage whose faces have no vertex in common, so that each has one colour.
+/// A cage whose faces share no vertices, so that each has one colour.
 struct PaintedCage {
     std::vector<Point3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -1,13 +1,13 @@
 #pragma once
 
-// Pictures of cages in space with their parts in colours and their numbers.
+// Pictures of cages in space with coloured and numbered parts.
 
 #include "pictures/mesh_picture.hpp"
 
 namespace cageform_support {
 
-/// A figure in its cage, and beside it the cage alone: each part in a colour of its own, with its number.
-/// Images of each other have one colour, the one with the minus darker. A lattice is of clay.
+/// Draws a figure in its cage, and beside it the cage with a colour and a number per part. Mirror images have
+/// the same colour, darker for negative numbers. A lattice has the colour of clay.
 Picture draw_cage_parts(const ObjFile& figure, const ObjFile& cage, std::size_t width, std::size_t height,
                         const MeshSight& sight);
 

@@ -9,7 +9,7 @@
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function" // of what it has beside print()
+#pragma GCC diagnostic ignored "-Wunused-function" // only print() is used
 #endif
 #include <stb/stb_easy_font.h>
 #if defined(__GNUC__)
@@ -21,7 +21,7 @@
 
 namespace cageform_support {
 
-/// A colour of a ramp through equidistant stops; t is clamped to [0, 1].
+/// Interpolates equidistant stops; t is clamped to [0, 1].
 static Colour ramp(std::span<const Colour> stops, double t) {
     const double x = std::clamp(t, 0.0, 1.0) * double(stops.size() - 1);
     const std::size_t i = std::min(std::size_t(x), stops.size() - 2);
@@ -34,7 +34,7 @@ Colour heat(double value) {
                                                  {0.99f, 0.6f, 0.25f},
                                                  {0.85f, 0.22f, 0.12f},
                                                  {0.42f, 0.02f, 0.1f}}};
-    // This side starts from the same white, and is steeper, since coordinates are seldom much below zero.
+    // Steeper than the positive side, since coordinates are seldom much below zero.
     static constexpr std::array<Colour, 4> cold{
         {warm[0], {0.55f, 0.75f, 0.95f}, {0.2f, 0.42f, 0.8f}, {0.07f, 0.12f, 0.42f}}};
     return value >= 0 ? ramp(warm, value) : ramp(cold, -2.5 * value);
@@ -89,7 +89,7 @@ void Picture::text(const Point2& at, const std::string& words, double size, cons
         unsigned char rgba[4];
     };
     std::vector<Corner> corners(words.size() * 80 + 4); // 20 quads a letter at most
-    std::string copy = words;                           // is not changed, but not const there
+    std::string copy = words;                           // stb takes char*, but does not change it
     const int quads =
         stb_easy_font_print(0, 0, copy.data(), nullptr, corners.data(), int(corners.size() * sizeof(Corner)));
     for (std::size_t q = 0; q < std::size_t(quads); ++q) {
@@ -162,7 +162,7 @@ void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint
         for (int k = bytes; k-- > 0;) text += char((number >> (8 * k)) & 255u);
         return text;
     };
-    std::string rows; // each headed by its filter: 2, the difference to the row above
+    std::string rows; // each begins with filter type 2: difference to the row above
     for (std::size_t i = 0; i < greys.size(); ++i) {
         if (i % width == 0) rows += char(2);
         const std::uint16_t above = i < width ? std::uint16_t(0) : greys[i - width];

@@ -1,6 +1,6 @@
 #pragma once
 
-// A picture in memory: colour maps, lines, and PNG files (stb_image_write).
+// Pictures in memory: colour maps, lines, text, and PNG files (stb_image_write).
 
 #include "io/atomic_file.hpp"
 #include "io/point2.hpp"
@@ -20,10 +20,11 @@ inline Colour mix(const Colour& a, const Colour& b, float t) {
     return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
 }
 
-/// White at 0; over yellow and orange to dark red at 1, over blues to dark blue at −0.4 and below.
+/// Colour map: white at 0, yellow, orange, dark red at 1; blue for negative values, dark blue at −0.4 and
+/// below.
 Colour heat(double value);
 
-/// Grey over green to dark green for 0 … 1: boundary values, told from the heat inside by their hue.
+/// Colour map of boundary values: grey, green, dark green for 0 … 1; distinct from heat().
 Colour boundary_hue(double value);
 
 class Picture {
@@ -38,23 +39,22 @@ public:
     Colour& at(std::size_t x, std::size_t y) { return pixels_[y * width_ + x]; }
     const Colour& at(std::size_t x, std::size_t y) const { return pixels_[y * width_ + x]; }
 
-    /// Copies another picture into this one, its upper left corner at a place; what does not fit is left out.
+    /// Copies another picture to a position; clipped.
     void place(const Picture& other, std::size_t left, std::size_t top = 0);
 
-    /// The picture at half its width and height: the mean of four pixels each.
+    /// Half size: each pixel is the mean of four.
     Picture halved() const;
 
-    /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y +
-    /// ½).
+    /// Draws a line with round ends; thickness in pixels. Pixel (x, y) has its centre at (x + ½, y + ½).
     void line(const Point2& a, const Point2& b, double thickness, const Colour& colour);
 
-    /// Letters of ASCII, 7 · `size` pixels high, the left end of their middle line at a place.
+    /// Draws ASCII text, 7 · `size` pixels high; `at` is the left end of its centre line.
     void text(const Point2& at, const std::string& words, double size, const Colour& colour);
 
-    /// The bytes of a PNG file; none where it cannot be encoded.
+    /// The bytes of a PNG file; empty if encoding fails.
     std::string png() const;
 
-    /// Writes a PNG file; a failure is the file's.
+    /// Writes a PNG file; errors are stored in the file.
     void write_png(AtomicFile& file) const;
 
 private:
@@ -63,23 +63,23 @@ private:
     std::vector<Colour> pixels_;
 };
 
-/// A PNG file of any bytes, empty where it cannot be encoded.
+/// Encodes a PNG file; empty on failure.
 ///
-///   channels   1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha; the first row first
+///   channels   1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha; row-major
 std::string encoded_png(std::size_t width, std::size_t height, int channels, const std::string& bytes);
 
-/// Writes a PNG file as encoded_png() makes it; fails as Picture::write_png().
+/// Writes encoded_png(); errors as Picture::write_png().
 void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
                const std::string& bytes);
 
-/// Writes greys of 16 bits as a PNG file: 0 is black, 65535 white.
+/// Writes 16-bit greys as a PNG file: 0 is black, 65535 white.
 void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys);
 
-/// A bar of colours, `width` pixels from its left side on, with numbers on its right.
+/// Draws a colour bar of `width` pixels, with numbers on its right.
 ///
-///   axis   values to rows of pixels
-///   marks  where the numbers are
-///   size   of the numbers, as of Picture::text()
+///   axis    from values to rows
+///   marks   positions of numbers
+///   size    of the numbers, as in Picture::text()
 void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisMark>& marks, double left,
                      double width, double size, const std::function<Colour(double)>& colour = heat);
 

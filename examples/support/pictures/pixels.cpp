@@ -8,7 +8,7 @@
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function" // of what it has beside loading
+#pragma GCC diagnostic ignored "-Wunused-function" // only loading is used
 #endif
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -150,14 +150,14 @@ std::vector<std::uint8_t> mask_of(const Pixels& picture) {
 
 std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops, std::size_t width,
                                   std::size_t height) {
-    // Each edge toggles, on the rows that it crosses, all pixels to its right: the number of crossings
-    // before a pixel says whether it is inside.
+    // On each row that it crosses, an edge toggles all pixels to its right. The parity of crossings before a
+    // pixel tells whether it is inside.
     std::vector<std::uint8_t> mask((width + 1) * height);
     for (const auto& loop : loops) {
         for (std::size_t i = 0; i < loop.size(); ++i) {
             Point2 a = loop[i], b = loop[(i + 1) % loop.size()];
             if (a.y > b.y) std::swap(a, b);
-            const auto row_after = [&](double y) { // the first whose centre is not above
+            const auto row_after = [&](double y) { // the first row with centre at or below y
                 return std::size_t(std::clamp(std::ceil(y - 0.5), 0.0, double(height)));
             };
             for (std::size_t y = row_after(a.y), end = row_after(b.y); y < end; ++y) {
@@ -171,7 +171,7 @@ std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops,
         std::uint8_t is_inside = 0;
         for (std::size_t x = 0; x < width; ++x, ++to) {
             is_inside ^= mask[y * (width + 1) + x];
-            mask[to] = is_inside; // `to` never passes what is read
+            mask[to] = is_inside; // in place: `to` is not ahead of the read position
         }
     }
     mask.resize(to);

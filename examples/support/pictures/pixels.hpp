@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures as bytes with alpha, as PNG files hold them, and regions of their pixels.
+// RGBA pictures of 8 bits per channel, and regions of their pixels.
 
 #include "pictures/picture.hpp"
 
@@ -11,7 +11,7 @@
 
 namespace cageform_support {
 
-/// A picture of bytes: red, green, blue and alpha of each pixel, the first row first.
+/// An RGBA picture, row-major.
 struct Pixels {
     std::size_t width = 0, height = 0;
     std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(4 * width * height);
@@ -19,18 +19,18 @@ struct Pixels {
     std::uint8_t* at(std::size_t x, std::size_t y) { return &bytes[4 * (y * width + x)]; }
     const std::uint8_t* at(std::size_t x, std::size_t y) const { return &bytes[4 * (y * width + x)]; }
 
-    std::string png() const; ///< of the picture; empty where it cannot be encoded
+    std::string png() const; ///< empty if encoding fails
     void write_png(AtomicFile& file) const;
 };
 
-/// Reads a PNG file of any kind. Channels of 16 bits keep their upper eight; without alpha, 255 is set.
+/// Reads a PNG file of any type. 16-bit channels keep their upper eight bits; without alpha it is 255.
 ///
-///   fails   where the file cannot be read, is no PNG file, is damaged, or holds more than 100 million
-///           pixels, which are not decoded
+///   fails   if the file cannot be read, is not PNG, is damaged, or has more than 100 million pixels (checked
+///           before decoding)
 Expected<Pixels> read_png(const std::string& path);
 
-/// The picture with its longer side at most `most` pixels, at least 1: each pixel is the mean of a block of
-/// pixels, by alpha.
+/// Shrinks a picture so that its longer side is at most `most` pixels, at least 1; pixels are alpha-weighted
+/// means of blocks.
 Pixels shrunk(const Pixels& picture, std::size_t most);
 
 /// Places pictures side by side, with `gap` white pixels between them.
@@ -39,31 +39,31 @@ Pixels side_by_side(const std::vector<Pixels>& pictures, std::size_t gap);
 /// The role of a pixel in a region.
 enum class PixelKind : std::uint8_t {
     outside,
-    outline, ///< in the region; a neighbour over one of its sides is not, or lies beyond the picture
+    outline, ///< in the region, with an edge neighbour that is not
     inside,
 };
 
-/// Pixels of a picture, in the least box that holds them.
+/// A set of pixels in its bounding box.
 struct PixelRegion {
     std::size_t left = 0, top = 0; ///< of the box, in the picture
     std::size_t width = 0, height = 0;
-    std::vector<PixelKind> kinds;       ///< of the box, the first row first
-    std::vector<std::uint32_t> outline; ///< indices of the outline's pixels in the box, ascending
-    std::size_t inside = 0;             ///< how many pixels are
+    std::vector<PixelKind> kinds;       ///< width · height, row-major
+    std::vector<std::uint32_t> outline; ///< indices into `kinds`, ascending
+    std::size_t inside = 0;             ///< number of inner pixels
 
     bool is_empty() const { return width == 0; }
 };
 
-/// Makes a region of the pixels where the mask is not 0.
+/// Makes a region of the pixels with nonzero mask.
 ///
-///   mask   width · height, the first row first
+///   mask   width · height, row-major
 PixelRegion make_region(const std::vector<std::uint8_t>& mask, std::size_t width);
 
-/// Marks the pixels that a picture shows: those at least half as light as white, times alpha.
+/// Marks pixels with luminance times alpha of at least one half.
 std::vector<std::uint8_t> mask_of(const Pixels& picture);
 
-/// Marks the pixels of a picture whose centres lie inside closed outlines, by the even-odd rule. Pixel (x, y)
-/// has its centre at (x + ½, y + ½).
+/// Marks pixels whose centres are inside closed loops (even-odd rule). Pixel (x, y) has its centre at (x + ½,
+/// y + ½).
 std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops, std::size_t width,
                                   std::size_t height);
 

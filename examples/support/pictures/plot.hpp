@@ -1,6 +1,6 @@
 #pragma once
 
-// Axes of plots: where the marks are, and the numbers beside them.
+// Axes of plots: positions and numbers of marks.
 
 #include <algorithm>
 #include <array>
@@ -11,28 +11,28 @@
 
 namespace cageform_support {
 
-/// A number in a format of printf().
+/// Formats a number with a printf() format.
 inline std::string text_of(const char* format, double x) {
     std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), format, x);
     return text.data();
 }
 
-/// A multiple of a step of 1, 2 or 5 times a power of ten: with the digits that it has, no more and no less.
+/// Formats a multiple of a step (1, 2 or 5 times a power of ten) with the necessary digits.
 inline std::string number_on_axis(double x, double step) {
     if (std::fabs(x) < 1e-6 * step) return "0";
-    const int last = int(std::floor(std::log10(step) + 1e-9)); // the power of ten of the last digit
+    const int last = int(std::floor(std::log10(step) + 1e-9)); // power of ten of the last digit
     if (last >= -4 && std::fabs(x) < 1e6)
         return text_of(("%." + std::to_string(std::max(-last, 0)) + "f").c_str(), x);
     const int digits =
-        std::max(int(std::floor(std::log10(std::fabs(x)) + 1e-9)) - last, 0); // behind the point
+        std::max(int(std::floor(std::log10(std::fabs(x)) + 1e-9)) - last, 0); // after the point
     std::string text = text_of(("%." + std::to_string(std::min(digits, 17)) + "e").c_str(), x);
     const std::size_t e = text.find('e'); // 1e-7, not 1e-07
     const std::string exponent = std::to_string(std::stoi(text.substr(e + 1)));
     return text.substr(0, e + 1) + exponent;
 }
 
-/// Values from `from` to `to` drawn from place `begin` to place `end`.
+/// Maps the values `from` … `to` to the positions `begin` … `end`.
 struct Axis {
     double from = 0, to = 1, begin = 0, end = 1;
 
@@ -44,8 +44,8 @@ struct AxisMark {
     std::string number;
 };
 
-/// Marks at round values, `most` + 1 at most, their steps `least_step` at least. None where doubles do not
-/// tell them apart.
+/// At most `most` + 1 marks at round values, with steps of at least `least_step`. None if double precision
+/// does not distinguish them.
 inline std::vector<AxisMark> marks_of(const Axis& axis, int most, double least_step = 0) {
     const double low = std::fmin(axis.from, axis.to), high = std::fmax(axis.from, axis.to);
     const double least = std::fmax((high - low) / most, least_step);

@@ -20,8 +20,8 @@
 
 namespace cageform_support {
 
-/// Starts a program that is found on the PATH, of a Debian package; -1 for an output that stays ours. The
-/// fault, or nothing.
+/// Starts a program on the PATH; `package` is its Debian package. Output -1 is inherited. Returns the error;
+/// empty on success.
 static std::string start(std::vector<std::string> words, const char* package, int input, int output,
                          pid_t& child) {
     std::vector<char*> arguments;
@@ -52,12 +52,12 @@ std::string run_rsvg(std::vector<std::string> options, int in, int out) {
     return !fault.empty() || ends_well(child) ? fault : "rsvg-convert could not render it";
 }
 
-/// Says which file an SVG shows by a link, if it does.
+/// Prints a note if an SVG links to a file.
 static void note_linked_file(const pugi::xml_document& svg, const std::filesystem::path& picture) {
     for (pugi::xml_node node = svg.first_child(); node; node = detail::next_node(node, svg)) {
         const std::string kind = detail::local_name(node), link = detail::reference_of(node);
         if (link.empty() || link.starts_with('#') || link.starts_with("data:")) continue;
-        if (kind.empty() || kind == "a") continue; // shows nothing
+        if (kind.empty() || kind == "a") continue; // not drawn
         note(picture.string() + " does not show " + link + ", a file that the drawing links to");
         return;
     }
@@ -98,18 +98,18 @@ Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width
         "ffmpeg",     "-hide_banner", "-loglevel",           "error", "-nostdin", "-y", "-f",
         "image2pipe", "-framerate",   text_of("%.6g", rate), "-c:v",  "png",      "-i", "pipe:0"};
     const std::string ending = ending_of(path);
-    if (ending == ".gif") { // of at most 256 colours, which are chosen for all frames
+    if (ending == ".gif") { // with one palette for all frames
         words.insert(words.end(), {"-vf",
                                    "fps=" + text_of("%.6g", std::min(rate, 25.0)) +
                                        ",split[a][b];[a]palettegen[p];[b][p]paletteuse",
                                    "-loop", "0", "-f", "gif"});
-    } else if (ending == ".mp4") { // what plays everywhere has an even width and height
+    } else if (ending == ".mp4") { // common players need an even width and height
         words.insert(words.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p",
                                    "-movflags", "+faststart", "-f", "mp4"});
     } else {
         words.insert(words.end(), {"-plays", "0", "-f", "apng"});
     }
-    words.push_back("file:/dev/fd/1"); // by no name of its own, which it could make anew after a signal
+    words.push_back("file:/dev/fd/1"); // a descriptor, so that ffmpeg cannot recreate a removed file
     const std::string fault = start(words, "ffmpeg", ends[0], file_.descriptor(), ffmpeg_);
     close(ends[0]);
     if (fault.empty()) return;
@@ -122,7 +122,7 @@ void Film::add_frame(const std::string& svg) {
     pugi::xml_document drawing;
     if (is_first_ && drawing.load_string(svg.c_str())) note_linked_file(drawing, file_.path());
     is_first_ = false;
-    std::FILE* const text = std::tmpfile(); // has no name
+    std::FILE* const text = std::tmpfile();
     if (text == nullptr) return file_.refuse(std::strerror(errno));
     const bool written = std::fwrite(svg.data(), 1, svg.size(), text) == svg.size() && std::fflush(text) == 0;
     std::rewind(text);
@@ -134,7 +134,7 @@ void Film::add_frame(const std::string& svg) {
 
 void Film::add_frame(const Picture& picture) {
     const std::string png = picture.png();
-    const auto before = std::signal(SIGPIPE, SIG_IGN); // an ffmpeg that has ended is an error, not our end
+    const auto before = std::signal(SIGPIPE, SIG_IGN); // if ffmpeg has exited, write() fails
     for (std::size_t done = 0; done < png.size() && !file_.error();) {
         const ssize_t count = write(pipe_, png.data() + done, png.size() - done);
         if (count < 0 && errno != EINTR) file_.refuse("ffmpeg could not make it");

@@ -1,6 +1,6 @@
 #pragma once
 
-// SVG to PNG through librsvg's own program, and PNGs to films through ffmpeg; both started without a shell.
+// Renders SVG to PNG by rsvg-convert, and films by ffmpeg. Both are started without a shell.
 
 #include "io/atomic_file.hpp"
 #include "pictures/picture.hpp"
@@ -13,31 +13,30 @@
 
 namespace cageform_support {
 
-/// The name of an SVG with the ending .png.
+/// The path of an SVG with the extension .png.
 std::filesystem::path png_of(const std::filesystem::path& svg);
 
-/// Adds a picture to the outputs: `svg`, which is one of them, under the name png_of() it.
+/// Renders `svg`, one of the outputs, to another output png_of(svg).
 ///
-///   svg     is finished; a note on stderr names a file that it shows by a link: the picture does not
-///   width   of the picture, in pixels; on white
-///   fails   where rsvg-convert is not there or cannot render the file: then commit() says so, and nothing
-///           is written
+///   svg     is finished; a note on stderr names a linked file, which is not rendered
+///   width   of the picture, in pixels; white background
+///   fails   if rsvg-convert is missing or fails; commit() then returns the error, and nothing is written
 void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 
-/// Runs librsvg's program. It is given no name of a file, and so reads no files that the SVG names.
+/// Runs rsvg-convert. It gets no file name, so it does not read files that the SVG references.
 ///
 ///   options   such as --format svg
-///   in, out   descriptors that it reads an SVG from, and writes to
-///   returns   empty, or why there is nothing: it is not installed, or cannot render what it read
+///   in, out   descriptors of the SVG and the output
+///   returns   the error (not installed, cannot render); empty on success
 std::string run_rsvg(std::vector<std::string> options, int in, int out);
 
-/// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go
-/// from rsvg-convert, or from memory, to ffmpeg by a pipe: nothing lies about in between.
+/// A repeating film; the extension selects .gif, .mp4, else animated PNG. Frames go from rsvg-convert, or
+/// from memory, to ffmpeg through a pipe, without temporary files.
 ///
-///   rate    frames a second; a GIF has 25 at most
-///   width   of frames that are SVGs, in pixels; on white
-///   notes   as add_png() does, by the first frame
-///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is
+///   rate    frames per second; at most 25 in GIF
+///   width   of SVG frames, in pixels; white background
+///   notes   as add_png(), for the first frame
+///   fails   if a program is missing or fails; commit() of the outputs then returns the error, and nothing is
 ///           written
 class Film {
 public:
@@ -55,7 +54,7 @@ private:
     int width_;
     int pipe_ = -1; ///< to ffmpeg
     pid_t ffmpeg_ = 0;
-    bool is_first_ = true; ///< the frame that comes next
+    bool is_first_ = true; ///< whether the next frame is the first
 };
 
 } // namespace cageform_support

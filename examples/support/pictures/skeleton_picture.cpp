@@ -8,8 +8,8 @@ namespace cageform_support {
 
 namespace {
 
-/// The bones in a frame, each from its joint to those of its children, else to the middle of its vertices;
-/// thick where they begin.
+/// Lines of the bones in a frame, from each joint to its children, or to the centre of its vertices; thick at
+/// the start.
 std::vector<SpaceLine> bones_of(const FigureFrames& frames, const FittedMotion& motion, std::size_t frame) {
     const auto& skeleton = motion.skeleton;
     const auto maps = motion.keys.maps(skeleton, frames.times[frame]);
@@ -50,7 +50,7 @@ Picture draw_skeleton(const FigureFrames& frames, const FittedMotion& motion, co
     const std::vector<Colour> paint(frames.rest.size(), pale);
     std::vector<std::vector<Colour>> errors(count);
     std::vector<std::vector<SpaceLine>> bones(count);
-    std::vector<MeshScene> scenes; // all in one row, so that all are seen alike
+    std::vector<MeshScene> scenes; // in one row, for the same camera
     const double largest = motion.loss.largest > 0 ? motion.loss.largest : 1;
     const auto frame_of = [&](std::size_t n) {
         return count == 1 ? 0 : n * (frames.places.size() - 1) / (count - 1);

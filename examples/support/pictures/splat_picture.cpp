@@ -13,18 +13,18 @@ namespace cageform_support {
 
 namespace {
 
-/// A splat on the picture.
+/// A projected splat.
 struct DrawnSplat {
     double x = 0, y = 0, depth = 0;  // depth grows towards the eye
-    double xx = 0, xy = 0, yy = 0;   // the inverse of the covariance
-    double reach_x = 0, reach_y = 0; // from the middle to where it takes less than the least share
+    double xx = 0, xy = 0, yy = 0;   // inverse covariance
+    double reach_x = 0, reach_y = 0; // half size of its bounding box
     double opacity = 0;
     Colour colour;
 };
 
-constexpr double least_share = 1.0 / 255; // of the light: less is not seen
+constexpr double least_share = 1.0 / 255; // smallest visible alpha
 
-/// The colour in which an eye sees a splat.
+/// The colour of a splat for a viewing ray.
 Colour colour_of(const SplatFile& scene, std::size_t splat, const Point3& ray) {
     std::array<double, most_harmonics> values{};
     harmonics_at(ray, values);
@@ -66,18 +66,18 @@ DrawnSplat drawn(const SplatFile& scene, std::size_t i, const detail::Camera& ca
     return splat;
 }
 
-/// The first pixel whose centre is not before a place, from 0 to `size`.
+/// The first pixel with its centre at or after a position, from 0 to `size`.
 std::size_t pixel_from(double place, std::size_t size) {
     return std::size_t(std::clamp(std::ceil(place - 0.5), 0.0, double(size)));
 }
 
-/// Draws rows of a picture: splats in the order given, the nearest first.
+/// Draws rows of a picture: splats sorted from front to back.
 void draw_rows(const std::vector<const DrawnSplat*>& splats, std::size_t top, std::size_t bottom,
                std::size_t left, Picture& picture) {
     const std::size_t width = picture.width() - left;
-    std::vector<float> light(width * (bottom - top), 1); // that is left
+    std::vector<float> light(width * (bottom - top), 1); // remaining transmittance
     std::vector<Colour> sums(light.size());
-    constexpr float dark = 1e-3f; // nothing behind is seen
+    constexpr float dark = 1e-3f; // below it nothing is visible
     for (const DrawnSplat* splat : splats) {
         const auto first = pixel_from(splat->x - splat->reach_x, width),
                    last = pixel_from(splat->x + splat->reach_x, width);
@@ -120,7 +120,7 @@ Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t wi
     std::vector<std::span<const Point3>> framed{places};
     if (mesh != nullptr) {
         framed.push_back(mesh->vertices);
-        const MeshScene beside{*mesh, {places, {}}}; // no lines, but as large
+        const MeshScene beside{*mesh, {places, {}}}; // splats as vertices, for the same frame
         picture.place(draw_meshes(std::span(&beside, 1), part, height, sight), 0);
     }
     const detail::Camera camera(directions_of(sight), detail::Camera::Rays::converging, framed, double(part),
@@ -136,9 +136,9 @@ Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t wi
         if (splat.opacity > 0) order.push_back(&splat);
     }
     std::sort(order.begin(), order.end(), [](const DrawnSplat* a, const DrawnSplat* b) {
-        return a->depth != b->depth ? a->depth > b->depth : a < b; // then in the order of the file
+        return a->depth != b->depth ? a->depth > b->depth : a < b; // ties in file order
     });
-    constexpr std::size_t rows = 16; // of a band
+    constexpr std::size_t rows = 16; // per band
     std::vector<std::vector<const DrawnSplat*>> bands((height + rows - 1) / rows);
     for (const DrawnSplat* splat : order) {
         const auto first = pixel_from(splat->y - splat->reach_y, height),

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures of splats, drawn without any graphics library.
+// Software renderer of splats.
 
 #include "pictures/mesh_picture.hpp"
 #include "splats/splat_file.hpp"
@@ -11,15 +11,14 @@
 
 namespace cageform_support {
 
-/// Draws a scene beside the mesh that it was made from, if there is one, seen from the same place.
+/// Draws a scene, optionally beside a mesh from the same view.
 ///
-/// A splat becomes the Gaussian on the picture that its covariance has to first order about its middle
-/// (Zwicker, Pfister, van Baar, Gross, EWA Splatting, IEEE TVCG 8, 2002, sec. 6.1.4), widened by 0.3 squared
-/// pixels, as 3D Gaussian splatting does, out to three deviations. They cover each other from the nearest
-/// middle to the farthest. The frame holds all middles.
+/// A splat is projected to first order about its centre (Zwicker, Pfister, van Baar, Gross, EWA Splatting,
+/// IEEE TVCG 8, 2002, section 6.1.4). As in 3D Gaussian splatting, 0.3 squared pixels are added to its
+/// variance; splats are blended from the nearest centre to the farthest. The frame contains all centres.
 ///
-///   mesh      null: the scene alone has all of the width
-///   running   in bands of rows; the picture does not depend on it
+///   mesh      null: the scene has the full width
+///   running   in bands of rows; does not affect the result
 Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t width, std::size_t height,
                     const MeshSight& sight, const cageform::Running& running = {});
 

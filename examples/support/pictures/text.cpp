@@ -22,12 +22,12 @@ namespace {
 
 const char* const number_attribute = "cageform-text";
 
-/// A text that is drawn where it stands.
+/// A text that is drawn in place.
 struct DrawnText {
     pugi::xml_node node; // in the document
     Affine2 to_root;
     Affine2 from_root;
-    std::size_t first_colour = 0; // of it and the elements in it, in document order
+    std::size_t first_colour = 0; // of its elements, in document order
 };
 
 bool is_drawn_in_place(pugi::xml_node text) {
@@ -37,7 +37,7 @@ bool is_drawn_in_place(pugi::xml_node text) {
     return true;
 }
 
-/// Makes copies of used elements, as the deformation will, so that their texts stand where they are drawn.
+/// Expands uses, as the deformation does, so that their texts are drawn in place.
 std::optional<FileError> expand_used_texts(SvgDocument& document, std::vector<std::string>& warnings) {
     const pugi::xml_node root = root_element(document.xml);
     const auto has = [&](const char* kind) {
@@ -47,14 +47,14 @@ std::optional<FileError> expand_used_texts(SvgDocument& document, std::vector<st
     if (!has("text") || !has("use")) return std::nullopt;
     StyleSheets styles(document);
     IdTable ids(root);
-    std::vector<std::string> given_later; // when the document is deformed
+    std::vector<std::string> given_later; // repeated by the deformation
     const auto drawing = walk(document, styles, ids, {.boxes = true}, given_later);
     if (!drawing) return drawing.error();
     styles.settle(warnings);
     return std::nullopt;
 }
 
-/// All texts of a document by their numbers, which they are given in an attribute.
+/// Numbers all texts of a document in an attribute; returns them.
 std::vector<pugi::xml_node> number_texts(SvgDocument& document) {
     std::vector<pugi::xml_node> texts;
     const pugi::xml_node root = root_element(document.xml);
@@ -72,7 +72,7 @@ std::string colour_of(std::size_t number) {
     return text.data();
 }
 
-/// The number whose colour_of() cairo writes as rgb(…%,…%,…%); nothing of other colours.
+/// Inverse of colour_of(), in cairo's notation rgb(…%,…%,…%); nothing for other colours.
 std::optional<std::size_t> number_of(const std::string& fill) {
     std::array<double, 3> rgb{};
     if (std::sscanf(fill.c_str(), "rgb(%lf%%,%lf%%,%lf%%)", &rgb[0], &rgb[1], &rgb[2]) != 3)
@@ -84,14 +84,14 @@ std::optional<std::size_t> number_of(const std::string& fill) {
     return number;
 }
 
-/// The lists of places of an element in a text, each for its letters one by one.
+/// Per-letter position lists of a text element.
 struct PlaceLists {
     static constexpr std::array names{"x", "y", "dx", "dy"};
     std::array<std::vector<std::string>, names.size()> values;
-    std::size_t passed = 0; // letters
+    std::size_t passed = 0; // number of letters so far
 };
 
-/// Takes the lists of an element from it.
+/// Removes the lists from an element.
 PlaceLists take_lists(pugi::xml_node node) {
     PlaceLists lists;
     for (std::size_t k = 0; k < lists.names.size(); ++k) {
@@ -103,7 +103,7 @@ PlaceLists take_lists(pugi::xml_node node) {
     return lists;
 }
 
-/// The bytes of the letter that a text begins with: a character reference, or a character in UTF-8.
+/// Length of the first letter in bytes: a character reference, or a UTF-8 character.
 std::size_t letter_bytes(std::string_view text) {
     const std::size_t end = text.front() == '&' ? text.substr(0, 12).find(';') : std::string_view::npos;
     if (end != std::string_view::npos) return end + 1;
@@ -112,12 +112,13 @@ std::size_t letter_bytes(std::string_view text) {
     return count;
 }
 
-/// Gives letters that have a place in a list a <tspan> of their own: the renderer reads the first of a list.
+/// Wraps letters with a position in a list in their own <tspan>, since the renderer reads only the first
+/// entry of a list.
 ///
-///   open         the elements that hold the node, from the text on
-///   last_space   that is the last letter and, as others after it, collapses; none at first
+///   open         enclosing elements, from the text on
+///   last_space   the last letter if it is a collapsible space; else none
 void place_letters(pugi::xml_node node, std::vector<PlaceLists>& open, pugi::xml_node& last_space) {
-    constexpr const char* kept_space = "&#x200b;&#160;&#x200b;"; // one alone has no width there
+    constexpr const char* kept_space = "&#x200b;&#160;&#x200b;"; // a single space has no width in rsvg
     const std::string prefix = name_prefix(node);
     pugi::xml_node says = node;
     while (says && !says.attribute("xml:space")) says = says.parent();
@@ -158,7 +159,7 @@ void place_letters(pugi::xml_node node, std::vector<PlaceLists>& open, pugi::xml
     open.pop_back();
 }
 
-/// Whether the letters of a text have places in lists. Letters on a path have others.
+/// Whether a text has position lists. Letters on a path have others.
 bool has_lists(pugi::xml_node text) {
     const auto on_path = [](pugi::xml_node node) { return local_name(node) == "textPath"; };
     const auto lists = [](pugi::xml_node node) {
@@ -169,8 +170,8 @@ bool has_lists(pugi::xml_node text) {
     return (lists(text) || text.find_node(lists)) && !text.find_node(on_path);
 }
 
-/// The decoration lines of an element of a text and of the elements around it. The renderer reads those of
-/// the element itself only, and only from `text-decoration`.
+/// The decoration lines of an element and its ancestors. The renderer reads only `text-decoration` of the
+/// element itself.
 std::string decoration_of(const StyleSheets& styles, pugi::xml_node node) {
     std::string given, found;
     for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
@@ -184,8 +185,8 @@ std::string decoration_of(const StyleSheets& styles, pugi::xml_node node) {
     return found;
 }
 
-/// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of
-/// its own. The picture shows three times the viewBox, in about 4096 pixels.
+/// Removes everything but texts and their ancestors, and gives every text element a unique colour. The
+/// picture shows three times the viewBox at about 4096 pixels.
 void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
     pugi::xml_node root = root_element(document.xml);
     const StyleSheets styles(document);
@@ -218,7 +219,7 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
             append_style(node, "opacity:1!important;clip-path:none!important;mask:none!important;"
                                "filter:none!important;overflow:visible!important");
         }
-        if (text || !keeps || kind == "style") next = node_after(node, root); // not into it
+        if (text || !keeps || kind == "style") next = node_after(node, root); // skips descendants
         if (!text && !keeps) node.parent().remove_child(node);
         node = next;
     }
@@ -235,7 +236,7 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
     set_view_box(root, box_of(view), 12);
 }
 
-/// Returns rsvg-convert's version of a document: an SVG of outlines.
+/// Converts a document to an SVG of outlines by rsvg-convert.
 Expected<std::string> outlines(const std::string& text) {
     struct Close {
         void operator()(std::FILE* file) const noexcept { std::fclose(file); }
@@ -261,7 +262,7 @@ Expected<std::string> outlines(const std::string& text) {
     return result;
 }
 
-/// Warns of what places or changes letters and is not in the outlines.
+/// Warns of properties of letters that the outlines ignore.
 void warn_of_ignored_text_properties(const SvgDocument& document, const StyleSheets& styles,
                                      pugi::xml_node text, std::vector<std::string>& warnings) {
     std::vector<pugi::xml_node> nodes;
@@ -285,8 +286,7 @@ void warn_of_ignored_text_properties(const SvgDocument& document, const StyleShe
     }
 }
 
-/// Makes groups of a text and the elements in it, with a path where the first of an element's own letters
-/// stood.
+/// Converts text elements to groups, with a path in place of an element's own letters.
 void replace_text(const DrawnText& text, const std::map<std::size_t, Path>& letters, double tolerance) {
     const std::string prefix = name_prefix(text.node);
     std::size_t colour = text.first_colour;
@@ -318,13 +318,13 @@ void replace_text(const DrawnText& text, const std::map<std::size_t, Path>& lett
     }
 }
 
-/// The texts of a document and their letters, as the renderer draws them.
+/// The texts of a document and their rendered outlines.
 struct DrawnTexts {
-    std::vector<DrawnText> texts;         // drawn where they stand
-    std::vector<bool> seen;               // of each: whether it is drawn at all
-    std::map<std::size_t, Path> outlines; // in root user space, by the colours of the elements
+    std::vector<DrawnText> texts;         // drawn in place
+    std::vector<bool> seen;               // #texts: whether it is drawn
+    std::map<std::size_t, Path> outlines; // in root user space, by colour of the element
 
-    /// The colours of a text that has outlines: first and end, equal where it has none.
+    /// The range of outlines of a text; empty if it has none.
     auto outlines_of(std::size_t n) const {
         const auto first = outlines.lower_bound(texts[n].first_colour);
         const auto end =
@@ -333,15 +333,14 @@ struct DrawnTexts {
     }
 };
 
-/// Numbers the texts of a document, in an attribute that stays, and has them drawn. No texts where there
-/// are none.
+/// Numbers the texts of a document in an attribute, which is kept, and renders them.
 Expected<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     DrawnTexts drawn;
     for (const pugi::xml_node node : number_texts(document)) drawn.texts.push_back({node, {}, {}, 0});
     if (drawn.texts.empty()) return drawn;
-    std::vector<std::string> ignored; // the deformation, which walks the same document, gives them again
+    std::vector<std::string> ignored; // repeated by the deformation
 
-    SvgDocument probe = copy_of(document); // for the transforms: the walk changes it
+    SvgDocument probe = copy_of(document); // for transforms; walk() changes it
     StyleSheets styles(probe);
     IdTable ids(root_element(probe.xml));
     const auto drawing = walk(probe, styles, ids, {.boxes = true}, ignored);

@@ -8,7 +8,7 @@ namespace cageform_support {
 
 namespace {
 
-/// "TURN,RISE" in degrees; an empty reason is success.
+/// Parses "TURN,RISE" in degrees. Returns the error; empty on success.
 std::string parse_view(std::string_view word, MeshSight& sight) {
     const std::size_t comma = word.find(',');
     double turn = 0, rise = 0;

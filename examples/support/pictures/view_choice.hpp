@@ -1,6 +1,6 @@
 #pragma once
 
-// The view direction of pictures of meshes, shared by all programs that draw them.
+// Options of the view direction of meshes.
 
 #include "cli/command_line.hpp"
 #include "pictures/mesh_picture.hpp"
