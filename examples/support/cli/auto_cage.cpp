@@ -102,7 +102,7 @@ std::string parse_looseness(const std::string& word, double& looseness) {
 
 namespace {
 
-/// A table of what each doubling brings, below and above the cage that was made.
+/// A table of cages by number of vertices, in roughly geometric steps below and above the cage that was made.
 std::string doublings_of(const cageform::MakeCageReport& report, bool in_plane) {
     const auto& all = report.attempts;
     const auto made = std::find_if(all.begin(), all.end(),

@@ -12,8 +12,7 @@ namespace cageform_support {
 
 namespace {
 
-/// The figure's vertices. Those that no face has say nothing about its extent: they stand at one that a face
-/// has.
+/// The figure's vertices. Unused vertices, which must not affect its extent, are moved to a used one.
 std::vector<Point3> without_strays(const ObjFile& figure) {
     if (figure.triangles.empty()) return figure.vertices;
     std::vector<Point3> places(figure.vertices.size(), figure.vertices[figure.triangles[0][0]]);
@@ -69,7 +68,7 @@ Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjF
         {cage.vertices, cage.triangles}, made.report};
     const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
     if (!paired) return FileError{figure.name + ": " + cageform::to_string(paired.report.status)};
-    // A quad stands in the line of its first triangle, and the line of its second one goes.
+    // A quad replaces the line of its first triangle; the line of the second is removed.
     std::string text;
     std::size_t begin = 0, line = 1, triangle = 0, face = 0;
     for (; begin < cage.text.size(); ++line) {

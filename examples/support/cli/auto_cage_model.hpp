@@ -1,4 +1,4 @@
-// Functions for made cages of both dimensions: the words of --cage and the texts of errors.
+// Shared code for cages in the plane and in space: values of --cage and error messages.
 #pragma once
 
 #include "cli/auto_cage.hpp"
@@ -17,7 +17,7 @@ namespace cageform_support {
 inline double rounded(double x, double clearance) {
     const double unit = std::pow(10.0, std::floor(std::log10(clearance / 1000)));
     const double steps = std::round(x / unit);
-    // For units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
+    // The inverse of units below 1 is exact, so 0.1 does not become 0.1000000001.
     return std::fabs(steps) < 1e15 && std::isfinite(unit) && unit > 0
                ? (unit < 1 ? steps / std::round(1 / unit) : steps * unit)
                : x;
@@ -30,7 +30,7 @@ inline double farthest_coordinate(std::span<const double> coordinates, double be
     return before;
 }
 
-/// Explains why there is no cage, with the facts about the figure.
+/// Formats the error of make_cage.
 ///
 ///   farthest   the figure's largest coordinate
 inline std::string no_cage(const cageform::MakeCageReport& report, const cageform::MakeCageOptions& options,
@@ -49,7 +49,7 @@ inline std::string no_cage(const cageform::MakeCageReport& report, const cagefor
     return why;
 }
 
-/// Made with as many vertices as the word says; warnings go to stderr.
+/// Makes a cage as the value of --cage describes; warnings go to stderr.
 template <class Figure>
 auto made_by_word(const CageWord& word, const Figure& figure) {
     cageform::MakeCageOptions options;
@@ -64,7 +64,7 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
     return made;
 }
 
-/// Extends the error of a missing file if its name may have been meant as a keyword.
+/// Extends the error of a missing file if its name resembles a keyword of --cage.
 inline FileError with_words(FileError error, const std::string& word) {
     std::error_code unknown;
     if (std::filesystem::exists(word, unknown)) return error;
@@ -79,7 +79,7 @@ inline FileError with_words(FileError error, const std::string& word) {
     return error;
 }
 
-/// The lattice that the word of --cage describes.
+/// The lattice that the value of --cage describes.
 template <class Figure>
 auto lattice_by_word(const std::string& word, const Figure& figure) {
     const auto read = parse_lattice_word(std::string_view(word).substr(lattice_prefix.size()));

@@ -1,4 +1,4 @@
-// The faces of a cage of more than three corners: which stay whole, become fans, or are cut.
+// Faces of cages with more than three corners: kept as polygons, bound as fans, or triangulated.
 #include "cli/mesh_cage.hpp"
 #include "io/csv.hpp"
 

@@ -1,4 +1,4 @@
-// Defines make_clip() of clip_file.hpp for a motion in the plane, which compiles key-frame tracks.
+// Defines make_clip() of clip_file.hpp for planar motions, which compiles key-frame tracks.
 #include "files/clip_file.hpp"
 #include "io/csv.hpp"
 
@@ -11,8 +11,8 @@ namespace cageform_support {
 
 namespace {
 
-/// Keys of one axis of a control, repeated until they cover the clip and a turn more at both ends, so that
-/// slopes at the clip's ends agree.
+/// Keys of one axis of a control, repeated over the clip and one period beyond both ends, so that slopes
+/// match there.
 std::vector<cageform::Key> keys_of(const ClipControl& control, std::size_t axis, double length) {
     const auto& rows = control.rows;
     const double begin = rows.front().time, period = rows.back().time - begin;
@@ -38,12 +38,13 @@ std::vector<cageform::Key> keys_of(const ClipControl& control, std::size_t axis,
     return keys;
 }
 
-/// value + Σ weight · curve on [0, length]: cubics again, on all the curves' knots.
+/// A term of sum().
 struct WeightedCurve {
     double weight = 0;
     const cageform::PiecewiseCubic<double>* curve = nullptr;
 };
 
+/// value + Σ weight · curve on [0, length]: cubic between the knots of all curves.
 cageform::PiecewiseCubic<double> sum(double value, std::span<const WeightedCurve> terms, double length) {
     std::vector<double> knots{0};
     for (const auto& [weight, curve] : terms) {
@@ -54,8 +55,7 @@ cageform::PiecewiseCubic<double> sum(double value, std::span<const WeightedCurve
     std::sort(knots.begin(), knots.end());
     std::vector<cageform::CubicPiece<double>> pieces;
     for (const double knot : knots) {
-        if (!pieces.empty() && knot - pieces.back().begin < 1e-9 * length)
-            continue; // the same but for rounding
+        if (!pieces.empty() && knot - pieces.back().begin < 1e-9 * length) continue; // equal up to rounding
         cageform::CubicPiece<double> all{knot, value, 0, 0, 0};
         for (const auto& [weight, curve] : terms) {
             const auto& p = curve->pieces()[curve->locate(knot + 1e-9 * length)];
@@ -77,12 +77,12 @@ Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::spa
         auto& move = moves.emplace_back();
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto keys = keys_of(control, axis, file.length);
-            double tolerance = cageform::screen_tolerance; // a long way to a millionth of it
+            double tolerance = cageform::screen_tolerance; // or a millionth of the largest value
             for (const cageform::Key& key : keys)
                 tolerance = std::max(tolerance, 1e-6 * std::fabs(key.value));
             const auto compiled = cageform::compile<double>(keys, {.tolerance = tolerance});
             if (!compiled) {
-                // The culprit counts repeated keys; its row has the time in the file.
+                // The index counts repeated keys; the row has the time of the file.
                 const std::size_t row = compiled.report.culprit % (control.rows.size() - 1);
                 return FileError{file.name + ": " + detail::quoted(control.name) + ": the key at " +
                                  detail::short_number(control.rows[row].time) + ": " +
@@ -98,7 +98,7 @@ Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::spa
             const ClipControl& control = file.controls[c];
             for (const auto& [vertex, weight] : control.shares) {
                 if (vertex != i) continue;
-                // Small turns: along the tangent, which keeps the sum cubic.
+                // Linearised rotation, which keeps the sum cubic.
                 const double across = vertices[i].x - control.pivot.x, down = vertices[i].y - control.pivot.y;
                 terms[0].push_back({weight, &moves[c][0]});
                 terms[0].push_back({-weight * down, &moves[c][2]});

@@ -18,13 +18,13 @@ namespace cageform_support {
 
 namespace {
 
-/// Words that options took before, and those that they take today.
+/// Former and current values of options.
 constexpr std::pair<const char*, const char*> older_words[]{{"curved", "curved-green"},
                                                             {"float", "scalar"},
                                                             {"keep", "keep-in-place"},
                                                             {"nearest", "nearest-boundary"}};
 
-/// Whole numbers are decimal. CLI11 alone reads 010 as eight, and -1 as the largest size.
+/// Accepts only decimal whole numbers. CLI11 itself parses 010 as octal, and -1 as the largest size.
 CLI::Validator decimal(bool with_sign) {
     const auto fault = [with_sign](std::string& text) -> std::string {
         const std::size_t first = with_sign && text.starts_with('-') ? 1 : 0;
@@ -40,7 +40,7 @@ CLI::Validator decimal(bool with_sign) {
 
 const char* const rare_options = "Rarely needed";
 
-/// Leaves out rarely needed options, unless --help-all is given.
+/// Hides rarely needed options, unless --help-all is given.
 class HelpFormatter : public CLI::Formatter {
 public:
     explicit HelpFormatter(bool all)
@@ -75,7 +75,7 @@ CommandOption& CommandOption::range(int least, int most) {
 }
 CommandOption& CommandOption::range(double least, double most) {
     option_->check(CLI::Range(least, most));
-    return check([](const std::string& text) { // which CLI::Range takes to lie within
+    return check([](const std::string& text) { // CLI::Range accepts NaN
         return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : std::string();
     });
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// A program's options, read by CLI11. Its headers take longer to compile than most programs, so only
-// command_line.cpp includes them.
+// Command line options, parsed by CLI11. Only command_line.cpp includes its headers, which are slow to
+// compile.
 
 #include <cstddef>
 #include <functional>
@@ -24,18 +24,19 @@ public:
         : option_(option) {}
 
     CommandOption& required();
-    CommandOption& show_default(); ///< the value before parsing, in the help
+    CommandOption& show_default(); ///< shows the value before parsing in the help
     CommandOption& show_default(const std::string& text);
     CommandOption& range(int least, int most);
     CommandOption& range(double least, double most);
     CommandOption& one_of(const std::vector<std::string>& words);
-    CommandOption& check(const std::function<std::string(const std::string&)>& fault); ///< empty: none
-    CommandOption& count(int least, int most);                                         ///< how many values
+    CommandOption&
+    check(const std::function<std::string(const std::string&)>& fault); ///< returns an error, or empty
+    CommandOption& count(int least, int most);                          ///< number of values
     CommandOption& excludes(const CommandOption& other);
-    CommandOption& in_order(); ///< its function is called when the option is met: in the order of the words
-    CommandOption& ends_with(const std::vector<std::string>& endings); ///< such as ".svg", of a file to write
+    CommandOption& in_order(); ///< calls its function during parsing, in the order of the command line
+    CommandOption& ends_with(const std::vector<std::string>& endings); ///< file extensions such as ".svg"
 
-    CommandOption& rarely_needed(); ///< --help leaves it to --help-all
+    CommandOption& rarely_needed(); ///< shown by --help-all only
 
     bool is_given() const; ///< after parsing
 
@@ -43,14 +44,14 @@ private:
     CLI::Option* option_;
 };
 
-/// Every program has --help, --help-all, which lists rare options and formats of files too, and --version,
-/// which prints its name and the library's version.
+/// The command line of a program. All programs have --help, --help-all (with rarely needed options and file
+/// formats) and --version.
 class CommandLine {
 public:
     explicit CommandLine(const std::string& description);
     ~CommandLine();
 
-    /// "-o,--output" is an option, "figure" an argument in its place. `value` is set by parse().
+    /// "-o,--output" is an option, "figure" a positional argument. parse() sets `value`.
     CommandOption add(const std::string& name, std::string& value, const std::string& help);
     CommandOption add(const std::string& name, std::vector<std::string>& value, const std::string& help);
     CommandOption add(const std::string& name, std::vector<double>& value, const std::string& help);
@@ -58,18 +59,18 @@ public:
     CommandOption add(const std::string& name, std::size_t& value, const std::string& help);
     CommandOption add(const std::string& name, double& value, const std::string& help);
     CommandOption add_flag(const std::string& name, bool& value, const std::string& help);
-    /// Options whose value goes to a function.
+    /// Options whose value is passed to a function.
     CommandOption add_text(const std::string& name, const std::function<void(const std::string&)>& take,
                            const std::string& help);
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
-    /// Sets the examples in the help; the program's name is put before each.
+    /// Sets the examples in the help, without the program's name.
     void set_examples(std::vector<std::string> arguments);
-    /// Below the options in --help-all: how the files look that the program takes.
+    /// Text after the options in --help-all: file formats.
     void set_footer(const std::string& text);
 
-    /// Nothing, or the code to exit with: 0 after --help and --version, 1 where the words are wrong and
-    /// stderr says why.
+    /// Returns the exit code if the program should exit: 0 after --help and --version, 1 after an error,
+    /// which is printed.
     [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
 private:

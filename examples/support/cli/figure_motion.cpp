@@ -33,7 +33,7 @@ FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage) 
 
 namespace {
 
-/// Returns what is wrong with a posed cage; empty if nothing is.
+/// Returns the errors of a posed cage; empty if there are none.
 using PoseCheck = std::function<std::string(const std::vector<Point2>& pose)>;
 
 PoseCheck check_crossings(const CageFile& cage) {
@@ -55,8 +55,7 @@ PoseCheck check_crossings(const CageFile& cage) {
     };
 }
 
-/// A lattice folds where the deformation turns small triangles over: where the determinant of its Jacobian,
-/// 1 at rest, is not positive. It is looked at in places of a grid over the box.
+/// Checks for folds: points of a grid where the Jacobian determinant, 1 at rest, is not positive.
 PoseCheck check_folds(const LatticeBox<2>& lattice) {
     std::array<std::size_t, 2> counts{};
     for (std::size_t k = 0; k < 2; ++k)
@@ -105,9 +104,9 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
 
 namespace {
 
-/// Binds batches of points and moves them to all frames. The first batch decides whether the
-/// figure lies in the cage; only visible points count. In later batches each point is judged alone. A point
-/// without weights goes to a place that is not a number.
+/// Binds batches of points and moves them to all frames. The first batch decides whether the figure is inside
+/// the cage; only visible points count. In later batches, each point is checked separately. Points without
+/// weights become NaN.
 class BatchMover {
 public:
     BatchMover(const std::string& figure, const FigureControl& control, OutsideChoice outside,
@@ -119,7 +118,7 @@ public:
         options_ = outside_.bind_options(control.coordinates);
     }
 
-    /// False where it cannot be done: see `failure`.
+    /// False on an error, see `failure`.
     bool move(std::span<const Point2> in, std::span<const PointRole> roles, std::span<Point2> out) {
         const auto& coordinates = control_.coordinates;
         const auto [binding, bound] = coordinates.bind(in, options_, running_);
@@ -127,7 +126,7 @@ public:
             failure = control_.describe_faults(bound);
             return false;
         }
-        std::vector<bool> counts(in.size()); // seen, and with weights
+        std::vector<bool> counts(in.size()); // visible, and with weights
         for (std::size_t i = 0; i < in.size(); ++i) counts[i] = roles[i].is_seen;
         for (const std::size_t i : bound.unreached) counts[i] = false;
         cageform::BindReport judged = bound;
@@ -201,7 +200,7 @@ Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string
                                   const DeformOptions& options, const cageform::ParallelFor& parallel) {
     MovedFigure result;
     if (!control.coordinates.closed_form()) {
-        // The points come in several batches; the functions are solved once.
+        // Points arrive in several batches; solve once.
         ProgressBar bar("solving");
         const auto evaluation = control.coordinates.solve({parallel, bar.callback()});
         result.bound.status = evaluation.status;

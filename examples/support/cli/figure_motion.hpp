@@ -1,6 +1,6 @@
 #pragma once
 
-// A drawing moved by the poses of its cage, or of points: what deform_svg and animate_svg share.
+// Deforms a drawing by poses of a cage or of points; shared by deform_svg and animate_svg.
 
 #include "cli/coordinates.hpp"
 #include "svg/document.hpp"
@@ -12,29 +12,29 @@
 
 namespace cageform_support {
 
-/// Coordinates, and the poses of their handles in every frame: they move a figure.
+/// Coordinates, and the poses of their handles per frame.
 struct FigureControl {
     ChosenCoordinates<double, 2> coordinates;
-    std::string name;                       // of the cage's or the points' file, for messages
-    std::string pose_name;                  // of the poses' file
-    std::size_t frames = 1;                 // of a motion; of a pose 1
+    std::string name;                       // file of the cage or points, for messages
+    std::string pose_name;                  // file of the poses
+    std::size_t frames = 1;                 // 1 for a single pose
     std::vector<std::vector<Point2>> poses; // of the vertices: layer * frames + frame
-    bool poses_all_handles = false;         // whether the poses are of edges' vectors too
-    std::vector<double> weights;            // of sites, or none
+    bool poses_all_handles = false;         // whether poses include vectors of edges
+    std::vector<double> weights;            // of sites, or empty
     std::string weights_name;
     std::function<std::string(const cageform::BindReport&)> describe_faults;
 
-    /// "walk.csv: frame 12", of a motion; else the pose's name.
+    /// "walk.csv: frame 12" for a motion; else the pose's name.
     std::string name_of(std::size_t frame) const;
 };
 
-/// A control by a cage that has no pose yet.
+/// A control by a cage, without poses.
 FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage);
 
-/// Describes which edges of the posed cage cross, or where a lattice folds, and in how many frames; empty if
-/// it is sound in all.
+/// Describes the first crossing edges of a posed cage, or the worst fold of a lattice, and the number of
+/// frames with such errors; empty if there are none.
 ///
-///   cage   what the poses are of
+///   cage   the posed cage
 std::string pose_faults(const FigureControl& control, const CageFile& cage);
 
 struct MovedFigure {
@@ -42,20 +42,19 @@ struct MovedFigure {
     cageform::BindReport bound; // of the first batch of points
 };
 
-/// Binds all that a drawing shows and moves it to every frame. Warnings go to stderr.
+/// Binds a drawing and deforms it in every frame. Warnings go to stderr.
 ///
-///   figure     the name of its file
-///   parallel   what binds; the result does not depend on it
-///   fails      as animate() does, where the bind fails, or points are outside and --outside forbids it
+///   figure     name of its file
+///   parallel   for binding; does not affect the result
+///   fails      as animate(), if the bind fails, or points are outside and --outside forbids it
 Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
                                   const FigureControl& control, const OutsideChoice& outside,
                                   const DeformOptions& options,
                                   const cageform::ParallelFor& parallel = cageform::SerialFor{});
 
-/// Moves points of layer 0 to all frames of a control. Points outside give a warning, never an error by their
-/// number.
+/// Moves points of layer 0 to all frames of a control. Points outside cause a warning only, even if most are.
 ///
-///   returns  the points in every frame
+///   returns   #frames · #points
 Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
                                                        const std::string& figure,
                                                        const FigureControl& control,

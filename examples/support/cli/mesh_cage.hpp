@@ -1,6 +1,6 @@
 #pragma once
 
-// Cages in space: OBJ files of closed meshes, and what to say of them.
+// Cages in space: OBJ files of closed meshes, and messages about them.
 
 #include "files/bind_report.hpp"
 #include "files/clip_file.hpp"
@@ -17,74 +17,74 @@
 
 namespace cageform_support {
 
-/// 2 or 3: the dimension of a cage by its file. Fails where a lattice cannot be read.
+/// The dimension of a cage file, 2 or 3. Fails if a lattice cannot be read.
 Expected<std::size_t> cage_dimension(const std::string& path);
 
-/// A cage from an OBJ file, or a lattice; fails also where a face cannot be cut into triangles.
+/// Reads a cage from an OBJ or lattice file; fails also if a face cannot be triangulated.
 Expected<ObjFile> load_mesh_cage(const std::string& path);
 
-/// A lattice as an OBJ file: its handles, the faces between the outer ones, and the rows inside as lines.
+/// A lattice as an OBJ file: its handles, boundary faces, and interior rows as lines.
 ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
 
-/// The parts that the file's groups of faces part_1, part_2, part_-2 and so on name; faces of no such group
-/// are of part 1. None where there is no such group.
+/// The parts by the file's face groups part_1, part_2, part_-2 and so on; other faces are in part 1. Empty if
+/// there is no such group.
 cageform::CageParts cage_parts(const ObjFile& cage);
 
-/// "parts: 1 (39 vertices), 2 (15), -2 (15)": a line for people.
+/// "parts: 1 (39 vertices), 2 (15), -2 (15)".
 std::string describe_parts(const cageform::CageParts& parts);
 
-/// The faces of a cage as coordinates get them.
+/// The faces of a cage as passed to coordinates.
 struct CageFaces {
     std::vector<std::vector<std::uint32_t>> loops;
-    std::size_t polygons = 0; // of the file's faces with more than three corners, those that keep their plane
-    std::size_t fans = 0;     // those that become fans about the mean of their corners
-    std::size_t divided = 0;  // of those, the quads that are divided
-    std::uint32_t divisions = 1;     // of these, each way
-    std::vector<std::size_t> warped; // of those, the ones that are not planar
-    std::vector<std::size_t> cut;    // the others, cut into the file's triangles
-    std::vector<std::size_t> bent;   // of those, the ones that are neither planar nor possible as fans
-    double off_plane = 0;            // as far as corners of a kept face may lie off its plane
+    std::size_t polygons = 0;        // number of faces kept as planar polygons
+    std::size_t fans = 0;            // number of faces bound as fans about the mean of their corners
+    std::size_t divided = 0;         // number of these that are divided quads
+    std::uint32_t divisions = 1;     // of divided quads, per side
+    std::vector<std::size_t> warped; // fans that are not planar
+    std::vector<std::size_t> cut;    // triangulated faces
+    std::vector<std::size_t> bent;   // of these, neither planar nor valid as fans
+    double off_plane = 0;            // tolerance of planar faces
 };
 
-/// Which faces of more than three corners become fans.
+/// Which faces with more than three corners become fans.
 enum class FacesAsFans { none, not_planar, all };
 
-/// All faces, of which those of more than three corners are kept where that is wanted: as polygons, if they
-/// are planar to a millionth of the cage's diagonal (what six digits of a file leave of a plane), or as fans,
-/// if the mean of their corners sees all edges.
+/// Classifies the faces with more than three corners: kept as polygons if wanted and planar to a millionth of
+/// the cage's diagonal (the precision of six digits); as fans if wanted and the mean of their corners sees
+/// all edges; else triangulated.
 ///
-///   divisions   of quads, each way; above 1 all faces that are kept have to be fans
+///   divisions   of quads, per side; above 1, all faces with more than three corners become fans
 CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions = 1);
 
-/// Describes how faces with more than three corners were treated; empty if there are none.
+/// Describes the treatment of faces with more than three corners; empty if there are none.
 ///
-///   why   none of them is kept; empty where the user wants it so
+///   why   reason why polygons are not supported; empty if they are, or the user chose so
 std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why);
 
-/// describe_faults() of a mesh, whose file counts otherwise.
+/// describe_faults() of a mesh, with a note on indices.
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report);
 
-/// Says on stderr how many open edges of a sound cage were closed, if any.
+/// Warns of open edges of a cage that were closed, if any.
 void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report);
 
-/// "(0.1, 0.2, 0.3), …" for the first few of a list of points, named as the file counts them.
+/// "v 1 (0.1, 0.2, 0.3), …": the first three points of a list, with vertex numbers of the file.
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
 
-/// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the
-/// next. Fails where a file cannot be read, is no pose of the cage or is beyond single precision.
+/// A smooth motion from rest through poses (OBJ files) and back, `seconds` per step. Fails if a file cannot
+/// be read, is not a pose of the cage, or exceeds single precision.
 Expected<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
                                       double seconds);
 
-/// Returns why `pose` is not a pose of `cage`; empty if it is one.
+/// The difference that makes `pose` invalid for `cage`; empty if it is valid.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
 
-/// Returns the warning that faces look inwards: the pose mirrors the figure, or --flip-faces was given for a
-/// pose that does not. Empty if the faces look outwards.
+/// Returns a warning if faces point inwards: the pose mirrors the figure, or --flip-faces was given for a
+/// pose that does not. Else empty.
 ///
-///   side   the result of side_of(); 0 (flat) gives no warning
+///   side   result of side_of(); 0 (flat) gives no warning
 std::string describe_winding(const std::string& pose, const std::string& figure, int side, bool flips_faces);
 
-/// The name of the first pose of a motion that mirrors a figure; empty if there is none.
+/// The name of the first pose that mirrors a figure; empty if there is none.
 template <cageform::Scalar T>
 std::string first_mirror(const ObjFile& figure, const cageform::Binding<T, 3>& bound, const PoseClip& clip) {
     using cageform::Status;

@@ -12,7 +12,7 @@ namespace cageform_support {
 
 namespace {
 
-/// Poses the vertices by pins, if there are any, beside those held where they are.
+/// Poses the vertices by pins, if there are any. --hold keeps vertices.
 ///
 ///   still   vertices that no pose moves
 Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
@@ -68,8 +68,8 @@ Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const
     return control;
 }
 
-/// The pose by a file, or by operations; where neither is given that of rest if there are pins, or of a cage
-/// that is made one for a first look.
+/// The pose from a file or operations; without both, the rest pose if there are pins, else first_pose() for
+/// generated cages.
 ///
 ///   held   vertices that no pose moves
 Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,

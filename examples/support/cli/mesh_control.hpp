@@ -1,7 +1,7 @@
 #pragma once
 
-// The control of a figure in space, which programs that move one have in common: coordinates by a cage, a
-// lattice or points, and their pose by a file, operations and pins.
+// The control of a figure in space, shared by programs: coordinates of a cage, a lattice or points, and a
+// pose from a file, operations or pins.
 
 #include "cli/coordinates.hpp"
 #include "cli/pinned_cage.hpp"
@@ -15,21 +15,20 @@
 
 namespace cageform_support {
 
-/// The control of a figure: coordinates, and the pose of their handles.
+/// Coordinates, and the pose of their handles.
 struct MeshControl {
     ChosenCoordinates<double, 3> coordinates;
-    ObjFile cage, pose;          // of sites with points alone
-    std::vector<double> weights; // of sites, or none
+    ObjFile cage, pose;          // for sites, only vertices
+    std::vector<double> weights; // of sites, or empty
     std::function<std::string(const cageform::BindReport&)> describe_faults;
-    std::vector<Point3> handles = {}; // the pose of all, where pins pose vectors of faces too; else none
-    std::string on_pins = {};         // what --report says of them
-    std::size_t saved = 0; // the vertices that --save-pose writes: all but the corners of --surround
+    std::vector<Point3> handles = {}; // pose of all handles if pins pose vectors of faces; else empty
+    std::string on_pins = {};         // text of --report on pins
+    std::size_t saved = 0;            // number of vertices in --save-pose: without the corners of --surround
 
-    std::string saved_pose() const; ///< the text of a file that --pose reads
+    std::string saved_pose() const; ///< contents of a file for --pose
 };
 
-/// The options --cage, --pose, operations such as --turn, pins and --save-pose, and with those of its
-/// members all that control a figure.
+/// The options --cage, --pose, --save-pose, pose operations and pins, and the options of its members.
 struct MeshControlChoice {
     std::string cage, pose, save_pose;
     OutsideChoice outside;
@@ -38,19 +37,19 @@ struct MeshControlChoice {
     PoseChoice operations;
     PinChoice pins;
 
-    /// Adds all options but those of `outside`, `choice` and `of_sites`, which it prepares.
+    /// Adds all options except those of `outside`, `choice` and `of_sites`, which it configures.
     void add_options(CommandLine& line);
     bool has_pose() const { return !pose.empty() || !operations.operations.empty(); }
-    std::string fault() const; ///< why the options do not go together; empty: they do
-    /// Returns why --save-pose cannot write the pose; empty if it can.
+    std::string fault() const; ///< error if options contradict each other; else empty
+    /// Error if --save-pose cannot write the pose; else empty.
     std::string save_fault(const MeshControl& control) const;
 };
 
-/// Reads or makes the control that the options name.
+/// Reads or makes the control of the options.
 ///
-///   figure   a mesh that a made cage goes around
-///   places   points of the figure: pins may name them by number, and --surround takes them in
-///   fails    where a file cannot be read or fits not, no cage can be made, or pins cannot be reached
+///   figure   mesh that a generated cage encloses
+///   places   points of the figure, for pins by vertex number and for --surround
+///   fails    if a file cannot be read or does not match, no cage can be made, or pins cannot be solved
 Expected<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
                                         std::span<const Point3> places);
 

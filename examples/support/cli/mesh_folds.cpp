@@ -9,7 +9,7 @@ namespace cageform_support {
 
 namespace {
 
-/// Adds the report of a batch of vertices to that of those before it.
+/// Merges the report of a batch of vertices into the total.
 void add_report(cageform::FoldReport& total, const cageform::FoldReport& part, std::size_t first) {
     if (total.status == cageform::Status::ok) total.status = part.status;
     const std::size_t listed = std::min(part.count, part.folded.size());

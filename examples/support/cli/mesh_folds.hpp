@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a moved mesh folds, and how far it may go from rest until it does.
+// Detects folds of deformed meshes, and the largest step without a fold.
 
 #include "files/obj_file.hpp"
 
@@ -15,24 +15,24 @@
 
 namespace cageform_support {
 
-/// Folds of the tetrahedra of a mesh, or around its vertices where it has none.
+/// Folds of the tetrahedra of a mesh, or at its vertices if it has none.
 struct MeshFolds {
     bool of_cells = false;
-    std::size_t places = 0; ///< tetrahedra or vertices that were looked at
+    std::size_t places = 0; ///< number of tetrahedra or vertices checked
     cageform::FoldReport report;
     cageform::StepReport step{.step = 1}; ///< from rest
-    std::string unknown;                  ///< why nothing could be found; empty if it could
+    std::string unknown;                  ///< error if folds cannot be determined; else empty
 
-    /// Adds what is found around vertices, by the Jacobians of the deformation there.
+    /// Adds folds at vertices, from the Jacobians of the deformation.
     ///
-    ///   columns      as bind_jacobians() binds the vertices from number `first` on
+    ///   columns      bind_jacobians() of the vertices from index `first` on
     ///   rest, pose   of all handles
     void add(const std::array<cageform::Binding<double, 3>, 3>& columns, std::span<const Point3> rest,
              std::span<const Point3> pose, std::size_t first, const cageform::FoldOptions& options);
 
-    /// Returns why nothing is known; empty if all is.
+    /// The error, if any; else empty.
     std::string fault() const;
-    /// "tetrahedron 15", "v 15": counted from 1, as in the file.
+    /// "tetrahedron 15" or "v 15", from 1 as in the file.
     std::string name_of(std::size_t place) const;
 };
 
@@ -40,12 +40,12 @@ struct MeshFolds {
 MeshFolds folds_of_cells(const ObjFile& mesh, std::span<const Point3> moved,
                          const cageform::FoldOptions& options);
 
-/// The folds for people, in four lines.
+/// Formats the folds in four lines.
 ///
-///   stops   whether the mesh goes no farther than the largest step
+///   stops   whether the mesh is limited to the largest step
 std::string describe(const MeshFolds& folds, bool stops);
 
-/// The point that lies a step of the way from rest.
+/// Interpolates between rest and moved position.
 Point3 on_the_way(const Point3& rest, const Point3& moved, double step);
 
 } // namespace cageform_support

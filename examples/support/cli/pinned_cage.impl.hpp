@@ -1,4 +1,4 @@
-// Pins pose a cage: for the files that compile it, one for each dimension.
+// Implementation of PinnedCage, for the files that instantiate it.
 #pragma once
 
 #include "cli/pinned_cage.hpp"
@@ -21,7 +21,7 @@ inline double ms_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-inline constexpr std::size_t most_frames = 2000; // of a pose; figures in space take some hundred
+inline constexpr std::size_t most_frames = 2000; // per pose; figures in space take a few hundred
 
 template <std::size_t D>
 bool pin_turns(const Pin<D>& pin) {
@@ -36,7 +36,7 @@ FileError cage_refused(const Coordinates& coordinates, const PinnedCageNames& na
     return FileError{names.describe_faults(report)};
 }
 
-/// Samples the inside of a cage, with a bar.
+/// Samples the inside of a cage, with a progress bar.
 template <cageform::Scalar T, std::size_t D>
 Expected<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coordinates,
                                              const PinnedCageNames& names,
@@ -52,7 +52,7 @@ Expected<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coor
     return std::move(samples);
 }
 
-/// Warns of pins whose targets lie outside the box of the handles, enlarged twice about its middle.
+/// Warns of targets outside the box of the handles, enlarged by a factor of two.
 template <cageform::Scalar T, std::size_t D>
 void warn_of_far_targets(const cageform::HandleView<T, D>& handles, const std::vector<Pin<D>>& pins) {
     const auto bounds = point_bounds(handles);
@@ -69,21 +69,22 @@ void warn_of_far_targets(const cageform::HandleView<T, D>& handles, const std::v
     }
 }
 
-/// The weights of pins, and of the axes where pins turn.
+/// Weights of pins, and of axes at pins that turn.
 template <cageform::Scalar T, std::size_t D>
 struct BoundPins {
     cageform::Binding<T, D> places;
     std::array<cageform::Binding<T, D>, D> axes;
 };
 
-/// Binds pins, and names one that no vertex moves.
+/// Binds pins; fails if no vertex moves a pin.
 template <cageform::Scalar T, std::size_t D>
 Expected<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates, const PinnedCageNames& names,
                                     const std::vector<Pin<D>>& pins, const OutsideChoice& outside) {
     std::vector<cageform::Vec<double, D>> places;
     for (const Pin<D>& pin : pins) places.push_back(pin.place);
     cageform::BindOptions options = outside.bind_options(coordinates);
-    // A pin outside is a slip where the coordinates end at the cage, unless one asks for what is outside.
+    // A pin outside is probably a mistake if the coordinates do not extend outside, unless --outside is
+    // given.
     if (outside.word == "auto" && outside.falloff == 0 && !coordinates.has_extension())
         options.outside = cageform::OutsidePoints::keep_in_place;
     auto [bound, report] = coordinates.bind(places, options);

@@ -13,10 +13,10 @@ namespace {
 using Targets = PinnedCage<double, 2>::Targets;
 using Turns = PinnedCage<double, 2>::Turns;
 
-/// The targets and turns of pins through a motion.
+/// Targets and turns of pins during a motion.
 class PinMotion {
 public:
-    /// Plays the pins as vertices, and beside each a point at distance 1, whose way is the turn.
+    /// Animates pins as vertices, each with a second point at distance 1, whose motion gives the turn.
     static Expected<PinMotion> make(const ClipFile& motion) {
         ClipFile as_vertices = motion;
         std::vector<Point2> places;
@@ -33,7 +33,7 @@ public:
         return PinMotion(std::move(*clip), count);
     }
 
-    /// Sets where the pins are at a time; `turns` stays empty where none turns.
+    /// Samples the motion at a time; `turns` stays empty if none turns.
     void sample(double time, Targets& targets, Turns& turns) {
         clip_.sample(time, cursor_, places_);
         for (std::size_t n = 0; n < targets.size(); ++n) targets[n] = places_[n];
@@ -52,7 +52,7 @@ private:
     std::vector<cageform::Vec<double, 2>> places_;
 };
 
-/// A clip with an automatic key of every vertex at each of some poses.
+/// A clip with automatic keys of all vertices at some poses.
 ClipFile clip_of(const ClipFile& motion, const std::vector<Point2>& rest,
                  const std::vector<std::vector<Point2>>& poses, const std::vector<std::size_t>& keys) {
     ClipFile clip{motion.name, motion.length, motion.late, motion.ground, {}};
@@ -69,7 +69,8 @@ ClipFile clip_of(const ClipFile& motion, const std::vector<Point2>& rest,
     return clip;
 }
 
-/// Sets keys as few as keep to the poses: where they are missed most between two keys, one more.
+/// Fits keys to poses: repeatedly adds the pose with the largest error between two keys, until all errors are
+/// within the tolerance.
 Expected<ClipFile> fitted(const ClipFile& motion, const std::vector<Point2>& rest,
                           const std::vector<std::vector<Point2>>& poses, double tolerance) {
     const std::size_t last = poses.size() - 1;

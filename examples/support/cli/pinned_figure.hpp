@@ -1,6 +1,6 @@
 #pragma once
 
-// A drawing whose cage, or points without a cage, pins pose: what deform_svg and animate_svg share.
+// Drawings posed by pins; shared by deform_svg and animate_svg.
 
 #include "cli/figure_motion.hpp"
 #include "cli/pinned_cage.hpp"
@@ -13,34 +13,34 @@
 
 namespace cageform_support {
 
-/// Names what pins pose, and the options.
+/// Options and start pose of a PinnedFigure.
 struct PinnedControl {
     const CoordinatesChoice& coordinates;
     const PinChoice& pins;
     const OutsideChoice& outside;
-    const std::vector<Point2>& start; ///< the vertices, where held ones stay
+    const std::vector<Point2>& start; ///< vertex positions; held vertices stay there
     std::vector<std::uint32_t> held;
 };
 
-/// Moves the vertices of a control by pins.
+/// Poses the vertices of a control by pins.
 class PinnedFigure {
 public:
-    /// Works as PinnedCage::make(). The control's poses are then of all handles where vectors are among them.
+    /// As PinnedCage::make(). If vectors are handles, the control's poses then include them.
     static Expected<PinnedFigure> make(FigureControl& control, const PinnedControl& by,
                                        std::vector<Pin<2>> pins);
 
-    /// Settles the pins at their targets.
+    /// The converged pose for the pins' targets.
     Expected<std::vector<Point2>> settled();
 
-    /// The keys of all handles that follow pins through a motion: as few as keep to the poses, settled 60
-    /// times a second, to a 1,920th of the cage's size.
+    /// Converts a motion of pins to keys of all handles: few keys that approximate converged poses, 60 per
+    /// second, within 1/1920 of the cage's size.
     ///
     ///   motion   of the pins
-    ///   fails    as PinnedCage::settle() does
+    ///   fails    as PinnedCage::settle()
     Expected<ClipFile> keys_of(const ClipFile& motion);
 
     const PinnedCage<double, 2>& cage() const { return cage_; }
-    const std::vector<Point2>& rest() const { return rest_; } ///< of what poses are of
+    const std::vector<Point2>& rest() const { return rest_; } ///< rest positions of the posed handles
 
 private:
     explicit PinnedFigure(PinnedCage<double, 2> cage)
@@ -50,11 +50,11 @@ private:
                                           const PinnedCage<double, 2>::Turns& turns);
 
     PinnedCage<double, 2> cage_;
-    PinnedCage<double, 2>::Pose pose_; // of all handles, the last
+    PinnedCage<double, 2>::Pose pose_; // last pose of all handles
     std::vector<Point2> rest_;
 };
 
-/// The pins of a motion, with their places at rest as targets.
+/// The pins of a motion, with their rest positions as targets.
 std::vector<Pin<2>> pins_of(const ClipFile& motion);
 
 /// The motion of pins from rest to their targets and back.

@@ -27,7 +27,7 @@ std::string text_of(const Vec<double, D>& p) {
     return text + ')';
 }
 
-/// Reads numbers; an empty reason is success.
+/// Parses numbers. Returns the error; empty on success.
 std::string read_numbers(std::span<const std::string_view> parts, std::span<double> numbers) {
     for (std::size_t k = 0; k < numbers.size(); ++k) {
         if (std::string why = detail::parse_finite(parts[k], numbers[k]); !why.empty()) return why;
@@ -35,7 +35,7 @@ std::string read_numbers(std::span<const std::string_view> parts, std::span<doub
     return {};
 }
 
-/// Reads a place, or in space the number of a vertex.
+/// Parses a position, or in space the number of a vertex.
 template <std::size_t D>
 std::string read_place(std::span<const std::string_view> parts, std::span<const Vec<double, D>> vertices,
                        Vec<double, D>& place) {
@@ -53,7 +53,7 @@ std::string read_place(std::span<const std::string_view> parts, std::span<const 
     return {};
 }
 
-/// Reads the target of a pin whose place is known: a place, or with signs a displacement.
+/// Parses the target of a pin: a position, or with signs a displacement.
 template <std::size_t D>
 std::string read_target(std::string_view text, Pin<D>& pin) {
     Vec<double, D>& target = pin.target;
@@ -69,17 +69,17 @@ std::string read_target(std::string_view text, Pin<D>& pin) {
     return is_finite(target) ? "" : "the target leaves the range of numbers";
 }
 
-/// Reads columns of a line; an empty reason is success.
+/// Parses the columns of a line. Returns the error; empty on success.
 template <std::size_t D>
 std::string read_line(std::span<const std::string_view> fields, std::span<const Vec<double, D>> vertices,
                       Pin<D>& pin) {
     constexpr std::size_t turn_size = D == 2 ? 1 : 3;
-    const auto is_known = [&](std::size_t place) { // the number of columns, if a place has so many
+    const auto is_known = [&](std::size_t place) { // whether the columns match, if a position takes `place`
         const std::size_t more = fields.size() - place;
         return fields.size() > place && (more == D || more == D + turn_size || more == D + turn_size + 1);
     };
     while (!is_known(D) && (D == 2 || !is_known(1)) && fields.size() > 1 && fields.back().empty())
-        fields = fields.first(fields.size() - 1); // a spreadsheet's empty columns
+        fields = fields.first(fields.size() - 1); // empty columns of spreadsheets
     const std::size_t place = is_known(D) ? D : 1;
     if (place == 1 && (D == 2 || !is_known(1))) {
         return detail::counted(fields.size(), "column") +

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pins: points of a figure that are to go to targets, as words of a command line and as CSV files.
+// Pins (points of a figure with targets), from command line words and CSV files.
 
 #include "svg/path.hpp"
 
@@ -16,7 +16,7 @@
 
 namespace cageform_support {
 
-/// The text for --help.
+/// Help text on pins.
 inline constexpr const char* pins_format =
     "A pin takes a point of the figure to a target, and the rest follows as rigidly as it\n"
     "can: --pin PLACE:TARGET@DEGREES, where :TARGET and @DEGREES can be left out.\n"
@@ -38,47 +38,47 @@ inline constexpr const char* pins_format =
     "\n"
     "An empty line, a line of words at the top and lines that begin with # are skipped.\n";
 
-/// A point of a figure at rest, and what becomes of it.
+/// A point of a figure and its target.
 template <std::size_t D>
 struct Pin {
-    std::string name; ///< for messages: the option, or file and line
+    std::string name; ///< the option, or file and line, for messages
     cageform::Vec<double, D> place{};
     cageform::Vec<double, D> target{};
-    std::optional<cageform::PoseTurn<D>> turn = {}; ///< in radians; none: it turns as it likes
+    std::optional<cageform::PoseTurn<D>> turn = {}; ///< in radians; none: free to turn
     double weight = 1;
     bool is_relative = false; ///< whether the target was given as a displacement
 };
 
-/// Reads a pin of a command line, PLACE[:TARGET][@TURN].
+/// Parses a pin of the command line, PLACE[:TARGET][@TURN].
 ///
-///   vertices   the figure's, which pins in space may name; else empty
-///   fails      where a part is no place, target or turn, or a vertex is none of the figure's
+///   vertices   of the figure, for pins by vertex number in space; else empty
+///   fails      on an invalid place, target, turn or vertex number
 template <std::size_t D>
 Expected<Pin<D>> parse_pin(std::string_view word, std::span<const cageform::Vec<double, D>> vertices = {});
 
-/// Reads pins from the text of a CSV file.
+/// Parses a CSV file of pins.
 ///
-///   name    stands before every message, with the number of the line
-///   fails   where a line has too few or too many numbers, a number is wrong, a weight is not positive, a
-///           vertex is none of the figure's, or there is no pin
+///   name    prefix of every message, with the line number
+///   fails   on a wrong number of columns, an invalid number or vertex, a weight that is not positive, or if
+///           there are no pins
 template <std::size_t D>
 Expected<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::string& name,
                                          std::span<const cageform::Vec<double, D>> vertices = {});
 
-/// Works as parse_pins(), from a file; fails also where it cannot be read.
+/// As parse_pins(), from a file; fails also if it cannot be read.
 template <std::size_t D>
 Expected<std::vector<Pin<D>>> load_pins(const std::string& path,
                                         std::span<const cageform::Vec<double, D>> vertices = {});
 
-/// "pin 3 (pins.csv:4) at (12, 5)", counted from 1.
+/// "pin 3 (pins.csv:4) at (12, 5)", from 1.
 template <std::size_t D>
 std::string name_of(const std::vector<Pin<D>>& pins, std::size_t n);
 
-/// "moved by (20, -5) to (935, 160)", or "moved to (760, 60)" where the target was given as a place, "stays".
+/// "moved by (20, -5) to (935, 160)", "moved to (760, 60)" if the target was given as a position, or "stays".
 template <std::size_t D>
 std::string describe_target(const Pin<D>& pin);
 
-/// Names two pins at one place whose targets differ; empty where there are none.
+/// Names two pins at one position with different targets; empty if there are none.
 template <std::size_t D>
 std::string contradiction(const std::vector<Pin<D>>& pins);
 

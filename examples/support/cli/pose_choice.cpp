@@ -94,8 +94,8 @@ void MotionChoice::add_options(CommandLine& line) {
 
 namespace {
 
-/// Whether every key of a clip has the vertices of a cage far from where they are at rest: by a quarter of
-/// the cage's size in the mean, beside what all of them have in common.
+/// Whether a clip is probably for another cage: in every key, vertices differ from rest by more than a
+/// quarter of the cage's size in the mean, after removing the mean displacement.
 bool is_of_another_cage(const PoseClip& clip, const ObjFile& cage) {
     const double size = cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal();
     return std::all_of(clip.keys.begin(), clip.keys.end(), [&](const PoseKey& key) {

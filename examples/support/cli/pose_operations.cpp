@@ -16,7 +16,7 @@ using cageform::Vec;
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-/// Returns why a text is refused, with the text.
+/// An error that quotes a text.
 std::string refusal(std::string_view text, const std::string& why) {
     return detail::quoted(text) + " " + why;
 }
@@ -28,14 +28,14 @@ std::string parse_all(std::span<const std::string_view> parts, std::span<double>
     return {};
 }
 
-/// The axis of a letter; D where it names none.
+/// The axis of a letter; D if invalid.
 template <std::size_t D>
 std::size_t axis_of(std::string_view letter) {
     const std::size_t axis = letter.size() == 1 ? std::string_view("xyz").find(letter) : D;
     return std::min(axis, D);
 }
 
-/// "x>10": keeps of `selected` what lies there.
+/// Applies a condition such as "x>10" to `selected`.
 template <std::size_t D>
 std::string keep_where(std::string_view condition, std::span<const Vec<double, D>> rest,
                        std::vector<std::size_t>& selected) {
@@ -54,7 +54,7 @@ std::string keep_where(std::string_view condition, std::span<const Vec<double, D
     return {};
 }
 
-/// Reads the number of one of `count` things, such as vertices of a cage.
+/// Parses an index below `count` of things such as vertices.
 std::string parse_number_of(const std::string& thing, std::string_view text, std::size_t count,
                             std::size_t& number) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -66,7 +66,7 @@ std::string parse_number_of(const std::string& thing, std::string_view text, std
            std::to_string(count - 1);
 }
 
-/// The part of a cage that "part -2" names; null where the word is no such one, or there is none.
+/// The part of a cage that "part -2" names; null if invalid.
 const cageform::CagePart* part_named(std::string_view word, const cageform::CageParts* parts) {
     if (parts == nullptr || !word.starts_with("part ")) return nullptr;
     const std::string_view text = detail::trim(word.substr(5));
@@ -74,7 +74,7 @@ const cageform::CagePart* part_named(std::string_view word, const cageform::Cage
     return detail::parse_whole(text, number) ? parts->find(number) : nullptr;
 }
 
-/// Selects "part 3", and what hangs on it.
+/// Selects "part 3" and the parts attached to it.
 std::string select_part(std::string_view word, const cageform::CageParts* parts,
                         std::vector<std::size_t>& selected) {
     if (parts == nullptr || parts->parts.empty())
@@ -93,7 +93,7 @@ std::string select_part(std::string_view word, const cageform::CageParts* parts,
     return selected.empty() ? refusal(word, "has no vertex that is not on its joint") : "";
 }
 
-/// One part of a list.
+/// Selects the vertices of one entry of a list.
 template <std::size_t D>
 std::string select(std::string_view part, std::span<const Vec<double, D>> rest,
                    const cageform::CageParts* parts, std::vector<std::size_t>& selected) {
@@ -121,7 +121,7 @@ std::string select(std::string_view part, std::span<const Vec<double, D>> rest,
     return {};
 }
 
-/// A turn of the plane of two axes, from the first towards the second; exact at right angles.
+/// A rotation in the plane of two axes, from the first towards the second; exact for multiples of 90 degrees.
 struct Rotation {
     double cosine = 1, sine = 0;
 
@@ -144,7 +144,7 @@ struct Rotation {
     }
 };
 
-/// The parsed NUMBERS of an operation, for the selected vertices.
+/// An operation with parsed NUMBERS.
 template <std::size_t D>
 class Operation {
 public:
@@ -154,7 +154,7 @@ public:
         : kind_(kind)
         , centre_(centre) {}
 
-    /// An empty reason is success.
+    /// Returns the error; empty on success.
     std::string parse(std::string_view numbers) {
         text_ = numbers;
         return parse_parts(detail::parts_of(numbers, ','));
@@ -198,7 +198,7 @@ private:
         return {};
     }
 
-    /// AXES,FROM,TO,DEGREES.
+    /// Parses AXES,FROM,TO,DEGREES.
     std::string parse_span(std::span<const std::string_view> parts, const std::string& axes) {
         if (parts.size() != 4) return refusal(text_, "is not AXES,FROM,TO,DEGREES");
         const std::size_t letters = kind_ == PoseOperation::bend ? 2 : 1;
@@ -215,7 +215,7 @@ private:
         return from_ == to_ ? refusal(text_, "begins and ends at the same position") : "";
     }
 
-    /// Turns a vector; in space by Rodrigues' formula.
+    /// Rotates a vector; in space by Rodrigues' formula.
     Point turned(Point v) const {
         const Rotation rotation(degrees_);
         if constexpr (D == 2) {
@@ -227,10 +227,10 @@ private:
         }
     }
 
-    /// Returns how far a point is beyond FROM on the way to TO.
+    /// Signed distance of a point from FROM towards TO.
     double beyond(const Point& p) const { return to_ > from_ ? p[along_] - from_ : from_ - p[along_]; }
 
-    /// The line along the axis through the centre becomes a line, an arc of the same length and a line.
+    /// Bends the axis through the centre to a line, an arc of the same length, and a line.
     void bend(Point& p) const {
         const double length = std::fabs(to_ - from_), way = beyond(p),
                      across = p[towards_] - centre_[towards_];
@@ -245,7 +245,7 @@ private:
             centre_[towards_] + chord * half.sine + (way - on_arc) * whole.sine + across * whole.cosine;
     }
 
-    /// Turns a point about the axis through the centre, by an angle that grows along the axis.
+    /// Rotates a point about the axis through the centre, by an angle that grows along it.
     void twist(Point& p) const {
         const double share = std::clamp(beyond(p) / std::fabs(to_ - from_), 0.0, 1.0);
         if (share == 0) return;
@@ -258,7 +258,7 @@ private:
     PoseOperation kind_;
     std::string_view text_;
     Point centre_;
-    Point vector_{}; // of a move, the factors of a scale, the axis of a turn in space
+    Point vector_{}; // displacement, scale factors, or axis of a turn in space
     double degrees_ = 0, from_ = 0, to_ = 0;
     std::size_t along_ = 0, towards_ = 1;
 };
@@ -270,7 +270,7 @@ Vec<double, D> mean_of(std::span<const Vec<double, D>> pose, const std::vector<I
     return mean;
 }
 
-/// "3,4", or "v2,7": the mean of these vertices.
+/// Parses "3,4", or "v2,7" (the mean of these vertices).
 template <std::size_t D>
 std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> rest,
                          std::span<const Vec<double, D>> pose, const cageform::CageParts* parts,
@@ -322,7 +322,7 @@ std::string parse_turn(std::string_view text, double& degrees, Vec<double, D>& a
     double largest = 0;
     for (const double x : axis.v) largest = std::max(largest, std::fabs(x));
     if (largest == 0) return refusal(text, "has an axis of length zero");
-    for (double& x : axis.v) x /= largest; // so that its square is in range
+    for (double& x : axis.v) x /= largest; // avoids overflow
     axis = (1 / std::sqrt(dot(axis, axis))) * axis;
     return {};
 }

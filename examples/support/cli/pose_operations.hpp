@@ -1,6 +1,6 @@
 #pragma once
 
-// Operations that pose a cage, as words of a command line: which vertices, and what becomes of them.
+// Operations that pose a cage, from command line words: a selection of vertices and an action.
 
 #include "svg/path.hpp"
 
@@ -17,7 +17,7 @@ namespace cageform_support {
 
 enum class PoseOperation { move, turn, scale, bend, twist, curve };
 
-/// The text for --help.
+/// Help text on pose operations.
 inline constexpr const char* pose_operations_format =
     "An operation is WHICH:NUMBERS. It acts about the middle of the selected vertices;\n"
     "WHICH:NUMBERS@X,Y (in space @X,Y,Z) acts about a point, WHICH:NUMBERS@vWHICH about\n"
@@ -49,31 +49,30 @@ inline constexpr const char* pose_operations_format =
     "                             alone. All other operations on the end of an edge\n"
     "                             take the control points beside it along\n";
 
-/// The vertices that a word selects, in rising order.
+/// The selected vertices, ascending.
 ///
-///   rest    the cage's vertices, for conditions on their places
+///   rest    the cage's vertices, for conditions on positions
 ///   parts   of the cage, or null
-///   fails   where a part of the word is no selection, a number is too large, or conditions select nothing
+///   fails   if a part of the word is invalid, a number is too large, or conditions select nothing
 template <std::size_t D>
 Expected<std::vector<std::size_t>> parse_selection(std::string_view word,
                                                    std::span<const cageform::Vec<double, D>> rest,
                                                    const cageform::CageParts* parts = nullptr);
 
-/// Reads a turn: DEGREES, in space DEGREES,AXIS, such as 30,y or 30,1,1,0.
+/// Parses a turn: DEGREES, in space DEGREES,AXIS, such as 30,y or 30,1,1,0.
 ///
-///   axis      out, of length 1; in the plane untouched
-///   returns   empty, or why not
+///   axis      out: of length 1; unchanged in the plane
+///   returns   the error; empty on success
 template <std::size_t D>
 std::string parse_turn(std::string_view text, double& degrees, cageform::Vec<double, D>& axis);
 
-/// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Middles are means of vertices where they are by
-/// then.
+/// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Means of vertices are taken in the current pose.
 ///
 ///   rest        the cage, as long as `pose`
-///   pose        the cage after the operations before; vertices that are not selected keep every bit
-///   followers   of every vertex, those that come along, see CageFile::followers(); empty: none
+///   pose        in and out; vertices that are not selected do not change
+///   followers   #vertices: vertices that move along, see CageFile::followers(); empty: none
 ///   parts       of the cage, or null
-///   returns     empty, or why not, and `pose` is as it was
+///   returns     the error, and `pose` is unchanged; empty on success
 template <std::size_t D>
 std::string apply_operation(PoseOperation operation, std::string_view word,
                             std::span<const cageform::Vec<double, D>> rest,
@@ -83,8 +82,8 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
 
 /// Applies the operation `curve`, LOOP:K:DX,DY, to a pose.
 ///
-///   loops     the handles of every loop of a cage of curves
-///   returns   empty, or why not, and `pose` is as it was
+///   loops     handles of the loops of a cage of curves
+///   returns   the error, and `pose` is unchanged; empty on success
 std::string move_control_point(std::string_view word, std::span<const std::vector<std::size_t>> loops,
                                std::span<cageform::Vec<double, 2>> pose);
 

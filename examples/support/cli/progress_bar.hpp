@@ -1,6 +1,6 @@
 #pragma once
 
-// A progress bar on standard error, drawn only when that is a terminal.
+// A progress bar on stderr, if that is a terminal.
 
 #include "io/messages.hpp"
 
@@ -13,7 +13,7 @@
 
 namespace cageform_support {
 
-/// A progress callback that draws "label [=====     ] 42 %" after the first half second; never cancels.
+/// Draws "label [=====     ] 42 %" after the first half second; never cancels.
 class ProgressBar {
 public:
     explicit ProgressBar(const std::string& label)
@@ -24,7 +24,7 @@ public:
         if (drawn_ >= 0) std::fputs("\r\033[K", stderr);
     }
 
-    /// The callback; empty where there is nobody to see it.
+    /// The progress callback; empty if stderr is not a terminal.
     std::function<bool(double)> callback() {
         if (isatty(fileno(stderr)) == 0) return {};
         return [this](double done) {

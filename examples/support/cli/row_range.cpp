@@ -26,7 +26,7 @@ std::optional<RowRange> RowRange::of(const std::string& text) {
 
 namespace detail {
 
-/// A path cut at its places for a row's number.
+/// A path split at its placeholder.
 struct CutPath {
     std::string fault, before, after;
     std::size_t digits = 0, places = 0;

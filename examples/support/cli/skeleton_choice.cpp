@@ -25,7 +25,7 @@ std::string percent(double share) {
     return text.str();
 }
 
-/// Why a motion cannot be fitted.
+/// The error of a fit.
 std::string why_not(const FigureFrames& frames, const cageform::SkeletonReport& report) {
     if (report.status != Status::frame_not_finite)
         return frames.name + ": " + cageform::to_string(report.status);
@@ -36,7 +36,7 @@ std::string why_not(const FigureFrames& frames, const cageform::SkeletonReport& 
     return text + "v " + std::to_string(report.vertex + 1) + ": " + cageform::to_string(report.status);
 }
 
-/// Rounds what glTF files store in single precision, so that what is measured is what players show.
+/// Rounds to single precision as glTF files do, so that measured errors are those of players.
 void round_to_single(FittedMotion& motion) {
     const auto round = [](auto& values) {
         for (auto& value : values) {
@@ -58,7 +58,7 @@ void round_to_single(FittedMotion& motion) {
     }
 }
 
-/// Measures the keys as a file plays them.
+/// Measures the error of the played keys.
 void measure(const FigureFrames& frames, FittedMotion& motion) {
     StoredLoss& loss = motion.loss;
     loss.size =
@@ -91,7 +91,7 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
     if (loss.size > 0) motion.rms /= loss.size;
 }
 
-/// Notes what players lose that read four joints a vertex, where the file has more.
+/// Prints a note on the error of players that read only four joints per vertex, if the file has more.
 void note_loss_of_four(const FigureFrames& frames, const FittedMotion& motion) {
     const std::size_t sets = joint_sets(motion.skeleton.skin);
     if (sets <= 1) return;
@@ -170,7 +170,7 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
     const bool searches = choice.bones == "auto";
     const double asked =
         choice.distance > 0 || !searches ? choice.distance : SkeletonChoice::default_distance;
-    constexpr double of_keys = 0.2; // share of the distance
+    constexpr double of_keys = 0.2; // fraction of the distance
     cageform::SkeletonOptions options;
     options.bones = searches ? 0 : std::stoul(choice.bones);
     options.influences = choice.influences;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The options and the steps by which programs find a skeleton in a motion.
+// Fits skeletons to motions, with options.
 
 #include "cli/command_line.hpp"
 #include "files/bind_report.hpp"
@@ -14,12 +14,12 @@
 
 namespace cageform_support {
 
-/// A share as words give it: 0.002 or 0.2%.
+/// Parses a fraction from 0 to 1, such as 0.002 or 0.2%.
 ///
-///   returns   why it is none, from 0 to 1; empty where it is one
+///   returns   the error; empty on success
 std::string parse_share(const std::string& word, double& share);
 
-/// Adds an option whose value is a share.
+/// Adds an option with a fraction.
 CommandOption add_share(CommandLine& line, const std::string& name, double& share, const std::string& help);
 
 struct SkeletonChoice {
@@ -32,48 +32,48 @@ struct SkeletonChoice {
     bool flat = false;
     bool tangents = false; ///< of keys
 
-    /// Adds and returns --kind, --influences, --flat and --tangents; programs add --bones and --max-distance
-    /// in their words.
+    /// Adds and returns --kind, --influences, --flat and --tangents. Programs add --bones and --max-distance
+    /// with their own help.
     std::vector<CommandOption> add_options(CommandLine& line);
-    /// Why `bones` is neither; empty where it is one.
+    /// Error if `bones` is neither a number nor "auto"; else empty.
     static std::string fault_of_bones(const std::string& word);
 };
 
-/// A figure and where its vertices are in each frame. Programs write these places in single precision: they
-/// count them from near the figure (far_origin()).
+/// A figure and its vertex positions per frame. Programs write positions in single precision relative to
+/// far_origin().
 struct FigureFrames {
     std::string name; ///< of the figure, for messages
     std::span<const Point3> rest;
     std::span<const std::array<std::uint32_t, 3>> triangles;
     std::vector<std::vector<Point3>> places; ///< #frames · #vertices
     std::vector<double> times;               ///< #frames, in seconds; floats, ascending
-    std::vector<std::string> files;          ///< #frames; or one of all; none: the frames have no file
+    std::vector<std::string> files;          ///< one per frame, one for all frames, or none
 };
 
-/// A skeleton and its keys, and how far the figure as it is played is from its frames.
+/// A skeleton, its keys, and the error of the played figure.
 struct FittedMotion {
     cageform::FittedSkeleton<double> skeleton;
     cageform::SkeletonKeys<double> keys;
     std::vector<std::vector<Point3>> played; ///< #frames · #vertices
     StoredLoss loss;
-    double rms = 0; ///< a share of the figure's size
+    double rms = 0; ///< relative to the figure's size
     cageform::SkeletonReport report;
     cageform::SkeletonKeysReport keys_report;
 };
 
-/// A skin as a file stores it.
+/// A skin as stored in a file.
 ///
 ///   weights   float, unorm8 or unorm16
 cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::string& weights);
 
-/// Fits a skeleton as the options choose it. Keys may use a fifth of the distance.
+/// Fits a skeleton and keys. Keys may use a fifth of the maximum distance.
 ///
-///   weights   as which they are stored: float, unorm8 or unorm16
-///   fails     where the motion cannot be fitted, or the distance is asked for and not kept
+///   weights   as stored: float, unorm8 or unorm16
+///   fails     if the motion cannot be fitted, or a requested distance is exceeded
 Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
                                   const std::string& weights = "float");
 
-/// Bones, keys, distances and times, a line each.
+/// Formats bones, keys, distances and times, one line each.
 std::string describe(const FittedMotion& motion);
 
 /// "20 bones".

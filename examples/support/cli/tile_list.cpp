@@ -33,7 +33,7 @@ Expected<std::vector<Tile>> TileChoice::tiles() const {
     std::set<std::string> files;
     for (const std::string& pattern : patterns) {
         std::error_code none;
-        if (std::filesystem::exists(pattern, none)) { // a name with a * in it, too
+        if (std::filesystem::exists(pattern, none)) { // even with a * in its name
             files.insert(pattern);
             continue;
         }
@@ -62,7 +62,7 @@ Expected<std::vector<Tile>> TileChoice::tiles() const {
 std::optional<std::string> fault_of_tiles(const std::vector<Tile>& tiles,
                                           const std::vector<std::string>& inputs,
                                           const std::vector<std::string>& outputs) {
-    std::map<std::pair<dev_t, ino_t>, std::string> read; // by what a file is, whatever its name
+    std::map<std::pair<dev_t, ino_t>, std::string> read; // by device and inode
     const auto identity = [](const std::string& path, std::pair<dev_t, ino_t>& id) {
         struct stat status {};
         if (stat(path.c_str(), &status) != 0) return false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of files that many processes divide among them: patterns, rows, and a file to write for each.
+// Lists of files that several processes share: patterns, rows, and an output file for each.
 
 #include "cli/command_line.hpp"
 #include "svg/path.hpp"
@@ -12,28 +12,28 @@
 
 namespace cageform_support {
 
-/// A file of points and the figure that is made of it.
+/// A file of points and the figure to write.
 struct Tile {
-    std::size_t row = 0; // in the list of all tiles
+    std::size_t row = 0; // index in the list of all tiles
     std::string points, output;
 };
 
-/// The choice of --points, --rows and --output.
+/// The options --points, --rows and --output.
 struct TileChoice {
     std::vector<std::string> patterns;
     std::string rows, output;
 
     void add_options(CommandLine& line);
-    /// The chosen tiles, sorted by name. Fails where a pattern has no files, the
-    /// rows are none, or the output has no place for a tile's name and there are several.
+    /// The selected tiles, sorted by name. Fails if a pattern matches no file, the rows are invalid, or the
+    /// output has no placeholder and there are several tiles.
     Expected<std::vector<Tile>> tiles() const;
 };
 
-/// Why the outputs of tiles cannot be written, before anything is computed: one would write over an input or
-/// another output, or has no folder that can be written to. Nothing is written.
+/// Checks whether outputs can be written, before computing; returns the error, if any. An output must not be
+/// an input or another output, and its folder must be writable. Nothing is written.
 ///
-///   inputs   further files that are read
-///   outputs  further files to be written
+///   inputs    further input files
+///   outputs   further output files
 std::optional<std::string> fault_of_tiles(const std::vector<Tile>& tiles,
                                           const std::vector<std::string>& inputs,
                                           const std::vector<std::string>& outputs);

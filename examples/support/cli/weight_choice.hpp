@@ -1,6 +1,6 @@
 #pragma once
 
-// The options that say how weights are packed, and the poses in which their loss is measured.
+// Options for packing weights, and the poses in which errors are measured.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -14,28 +14,27 @@
 
 namespace cageform_support {
 
-/// The name of a format, as --format has it.
+/// The name of a format in --format.
 const char* name_of(cageform::WeightFormat format);
 
-/// The choice of --largest, --max-distance and --format.
+/// The options --largest, --max-distance and --format.
 struct WeightChoice {
     std::optional<cageform::WeightFormat> format;
     std::size_t largest = 0;
-    double distance = 0; // a share; 0: no promise
+    double distance = 0; // relative; 0: no bound
 
     /// Adds the options.
     ///
-    ///   share_of        what the distance is a share of
-    ///   more            about the distance: more text, with ";" at its end
-    ///   default_format  for the help
+    ///   share_of         reference of the distance
+    ///   more             additional text on the distance, ending with ";"
+    ///   default_format   for the help
     void add_options(CommandLine& line, const std::string& share_of, const std::string& more,
                      const std::string& default_format);
-    /// Why the options do not go with the coordinates and the motion; empty: they do.
+    /// Error if the options do not match the coordinates and the motion; else empty.
     std::string fault(const CoordinatesChoice& choice, bool has_motion) const;
 };
 
-/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without
-/// area.
+/// The poses of all handles, concatenated, from poses of the cage's vertices. Warns of faces without area.
 Expected<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
                                                const PoseClip& clip, const SampledPoses& poses);
 
