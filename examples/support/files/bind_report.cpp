@@ -38,27 +38,8 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::vertex_unused:
     case Kind::loop_orientation_reversed:
     case Kind::shell_orientation_reversed: return 1;
-    case Kind::lattice_degree:
-    case Kind::lattice_knots:
-    case Kind::loop_not_closed:
-    case Kind::curve_degree:
-    case Kind::edge_has_cusp:
-    case Kind::too_few_vertices:
-    case Kind::not_a_simplex:
-    case Kind::loops_do_not_match:
-    case Kind::duplicate_vertices:
-    case Kind::edges_cross:
-    case Kind::face_not_planar:
-    case Kind::face_crosses_itself:
-    case Kind::face_fan_folds:
-    case Kind::open_edge:
-    case Kind::edge_not_manifold:
-    case Kind::face_flipped:
-    case Kind::faces_cross:
-    case Kind::interior_cells_touch:
-    case Kind::gap_closed: return 2;
+    default: return 2;
     }
-    return 0;
 }
 
 std::string describe_fault(const cageform::CageFault& fault) {
@@ -173,6 +154,26 @@ void add_batch(cageform::BindReport& total, const cageform::BindReport& part, st
     total.cage = part.cage;
 }
 
+/// Formats the report of a solver in up to three lines; empty if there was none.
+static std::string describe_solver(const cageform::SolverReport& solver) {
+    std::ostringstream text;
+    if (solver.multigrid.cycles > 0) {
+        text << "solver: " << solver.cells << " unknowns, " << solver.solves << " functions, "
+             << solver.multigrid.cycles << " cycles, error " << solver.multigrid.error_estimate;
+        if (solver.multigrid.error_bound > 0) text << " (never above " << solver.multigrid.error_bound << ")";
+        text << ", convergence factor " << solver.multigrid.convergence_factor << ", "
+             << double(solver.bytes) / 1048576 << " MiB, " << solver.seconds << " s\n";
+        if (solver.tree.finest_size > 0) text << "grid: " << describe_grid(solver) << '\n';
+        if (const std::string coarse = describe_corners(solver); !coarse.empty()) {
+            text << "corners and edges: " << coarse << '\n';
+        } else if (!solver.multigrid.corners.empty()) {
+            text << "corners and edges: weights there are off by up to " << solver.worst_corner().error
+                 << " (an estimate)\n";
+        }
+    }
+    return text.str();
+}
+
 std::string describe(const cageform::BindReport& report) {
     std::ostringstream text;
     const auto list = [&](const char* what, const std::vector<std::size_t>& indices) {
@@ -211,22 +212,7 @@ std::string describe(const cageform::BindReport& report) {
          << " (largest change of a weight " << report.weight_change.value << ")\n";
     if (!report.not_restored.empty())
         list("linear precision not fully restored, weights are too large (thin cage)", report.not_restored);
-    if (report.solver.multigrid.cycles > 0) {
-        text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
-             << report.solver.multigrid.cycles << " cycles, error " << report.solver.multigrid.error_estimate;
-        if (report.solver.multigrid.error_bound > 0)
-            text << " (never above " << report.solver.multigrid.error_bound << ")";
-        text << ", convergence factor " << report.solver.multigrid.convergence_factor << ", "
-             << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
-        if (report.solver.tree.finest_size > 0) text << "grid: " << describe_grid(report.solver) << '\n';
-        const auto worst = report.solver.worst_corner();
-        const std::string coarse = describe_corners(report.solver);
-        if (!coarse.empty()) {
-            text << "corners and edges: " << coarse << '\n';
-        } else if (!report.solver.multigrid.corners.empty()) {
-            text << "corners and edges: weights there are off by up to " << worst.error << " (an estimate)\n";
-        }
-    }
+    text << describe_solver(report.solver);
     text << "time: " << report.seconds << " s\n";
     return text.str();
 }

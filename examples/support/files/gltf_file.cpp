@@ -282,14 +282,21 @@ bool png_has_alpha(std::string_view bytes) {
     return bytes[colour_type] == 4 || bytes[colour_type] == 6 || header.find("tRNS") != header.npos;
 }
 
-std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {
-    struct Texture {
-        std::optional<std::size_t> index;
-        bool has_alpha = false;
-    };
-    std::vector<std::string> warnings;
-    std::map<std::string, Texture> known; // by path of the image
-    const auto texture_of = [&](const ObjMaterial& material, const std::string& picture) -> Texture {
+namespace {
+
+struct Texture {
+    std::optional<std::size_t> index;
+    bool has_alpha = false;
+};
+
+/// Embeds images, each once.
+struct TextureWriter {
+    GltfDocument& document;
+    bool textured; // whether the meshes have texture coordinates
+    std::vector<std::string> warnings = {};
+    std::map<std::string, Texture> known = {}; // by path of the image
+
+    Texture add(const ObjMaterial& material, const std::string& picture) {
         if (picture.empty()) return {};
         if (!textured) {
             warnings.push_back("the figure has no texture coordinates for the texture " +
@@ -315,24 +322,30 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
                                        {"bufferView", document.add_bytes(*bytes)}});
         place->second = {document.append("textures", {{"source", image}}), is_png && png_has_alpha(*bytes)};
         return place->second;
-    };
+    }
+};
+
+} // namespace
+
+std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {
+    TextureWriter textures{document, textured};
     bool is_bright = false;
     for (const ObjMaterial& material : parts.materials) {
         const auto& c = material.colour;
         GltfJson pbr = {{"baseColorFactor", {c[0], c[1], c[2], material.opacity}},
                         {"metallicFactor", material.metallic},
                         {"roughnessFactor", material.roughness}};
-        const Texture of_colour = texture_of(material, material.texture);
+        const Texture of_colour = textures.add(material, material.texture);
         const bool see_through = of_colour.has_alpha && !material.opaque_texture;
         if (of_colour.index) pbr["baseColorTexture"] = {{"index", *of_colour.index}};
         if (of_colour.index && !material.opaque_texture && !see_through)
-            warnings.push_back(material.texture +
-                               ": has no alpha for the statement \"map_d\" of the material " +
-                               detail::quoted(material.name));
+            textures.warnings.push_back(material.texture +
+                                        ": has no alpha for the statement \"map_d\" of the material " +
+                                        detail::quoted(material.name));
         GltfJson written = {{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
-        if (const auto normals = texture_of(material, material.normal_texture); normals.index)
+        if (const auto normals = textures.add(material, material.normal_texture); normals.index)
             written["normalTexture"] = {{"index", *normals.index}};
-        const Texture of_emission = texture_of(material, material.emission_texture);
+        const Texture of_emission = textures.add(material, material.emission_texture);
         if (of_emission.index) written["emissiveTexture"] = {{"index", *of_emission.index}};
         constexpr std::array<double, 3> black{}, white{1, 1, 1};
         // The image is multiplied by Ke, which some programs omit or set to black.
@@ -350,7 +363,7 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
         document.append("materials", std::move(written));
     }
     if (is_bright) document.json["extensionsUsed"].push_back("KHR_materials_emissive_strength");
-    return warnings;
+    return textures.warnings;
 }
 
 cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>

@@ -214,6 +214,112 @@ std::string triangulate(ObjFile& file) {
     return {};
 }
 
+/// Parses the statements of an OBJ file.
+class ObjReader {
+public:
+    ObjReader(ObjFile& file, StrayVertices strays)
+        : file_(file)
+        , strays_(strays) {}
+
+    /// Returns the error, if any.
+    std::optional<FileError> read() {
+        if (auto error = read_vertices()) return error;
+        if (file_.vertices.empty()) {
+            const std::string_view format = other_format(file_.text);
+            return FileError{
+                file_.name + ": holds no vertices (lines \"v x y z\")" +
+                (format.empty() ? "" : ": it looks like a file of the format " + std::string(format))};
+        }
+        complete_colours();
+        if (auto error = read_faces()) return error;
+        std::string why = place_left_out(file_, used_, strays_);
+        if (why.empty()) why = triangulate(file_);
+        if (!why.empty()) return FileError{file_.name + ": " + why};
+        return std::nullopt;
+    }
+
+private:
+    FileError refuse(const std::string& why) const {
+        const std::string_view format = other_format(file_.text);
+        if (!format.empty())
+            return FileError{file_.name + ": looks like a file of the format " + std::string(format)};
+        return FileError{file_.name + ": " + why, line_};
+    }
+
+    std::optional<FileError> read_vertices() {
+        for (ObjScanner scanner(file_.text); scanner.next(words_, line_);) {
+            if (words_[0] != "v" && words_[0] != "vn") continue;
+            ObjNumbers numbers{words_[0] == "vn"};
+            Point3 point{};
+            const std::string why = parse_three_numbers(words_, file_.text, point, numbers);
+            if (!why.empty()) return refuse(why);
+            if (!numbers.is_normal && !cageform::is_finite(point)) {
+                if (strays_ == StrayVertices::refuse) return refuse(vertex_not_finite);
+                file_.left_out.push_back(file_.vertices.size());
+                lines_left_out_.push_back(line_);
+            }
+            (numbers.is_normal ? file_.normals : file_.vertices).push_back(point);
+            file_.numbers.push_back(numbers);
+            if (numbers.is_normal || words_.size() != 7) continue;
+            Point3 colour{};
+            ObjNumbers ignored;
+            const auto of_colour = std::span(words_).subspan(3); // parse_three_numbers() skips a word
+            if (!parse_three_numbers(of_colour, file_.text, colour, ignored).empty()) continue;
+            file_.colours.resize(file_.vertices.size() - 1, Point3{1, 1, 1});
+            file_.colours.push_back(colour);
+        }
+        return std::nullopt;
+    }
+
+    void complete_colours() {
+        if (!file_.colours.empty()) file_.colours.resize(file_.vertices.size(), Point3{1, 1, 1});
+        for (const Point3& colour : file_.colours)
+            file_.has_bytes_as_colours |= std::max({colour[0], colour[1], colour[2]}) > 1;
+        for (Point3& colour : file_.colours) {
+            if (file_.has_bytes_as_colours && colour != Point3{1, 1, 1}) colour = (1.0 / 255) * colour;
+        }
+    }
+
+    /// Call after read_vertices(), since indices may refer to later lines.
+    std::optional<FileError> read_faces() {
+        const std::array<std::size_t, 2> count{file_.vertices.size(), file_.normals.size()};
+        std::array<std::size_t, 2> so_far{};
+        used_.resize(file_.vertices.size());
+        int part = 0;
+        for (ObjScanner scanner(file_.text); scanner.next(words_, line_);) {
+            if (words_[0] == "g") part = part_of(std::span(words_).subspan(1));
+            if (words_[0] == "v") ++so_far[0];
+            if (words_[0] == "vn") ++so_far[1];
+            if (words_[0] != "f") continue;
+            if (words_.size() < 4) return refuse("a face has fewer than three corners");
+            ObjFace face{{}, line_};
+            for (const std::string_view word : std::span(words_).subspan(1)) {
+                ObjCorner& corner = face.corners.emplace_back();
+                const std::string why = parse_corner(word, so_far, count, corner);
+                if (!why.empty()) return refuse(why);
+                used_[corner.vertex] = true;
+                const auto& strays = file_.left_out;
+                const auto found = std::lower_bound(strays.begin(), strays.end(), std::size_t{corner.vertex});
+                if (found == strays.end() || *found != corner.vertex) continue;
+                line_ = lines_left_out_[std::size_t(found - strays.begin())];
+                return refuse(vertex_not_finite);
+            }
+            file_.faces.push_back(std::move(face));
+            file_.face_parts.push_back(part);
+        }
+        if (std::all_of(file_.face_parts.begin(), file_.face_parts.end(), [](int of) { return of == 0; }))
+            file_.face_parts.clear();
+        return std::nullopt;
+    }
+
+    ObjFile& file_;
+    StrayVertices strays_;
+    std::vector<std::string_view> words_;     // of the current statement
+    std::size_t line_ = 1;                    // of the current statement
+    std::vector<std::size_t> lines_left_out_; // as ObjFile::left_out
+    std::vector<bool> used_;                  // #vertices: whether a face uses it
+};
+
 } // namespace detail
 
 Expected<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays) {
@@ -221,81 +327,7 @@ Expected<ObjFile> parse_obj(std::string text, std::string name, StrayVertices st
     file.name = std::move(name);
     file.text = std::move(text);
     if (file.text.empty()) return FileError{file.name + ": is empty"};
-
-    std::vector<std::string_view> words;
-    std::vector<std::size_t> lines_left_out; // as ObjFile::left_out
-    std::size_t line = 1;
-    const auto refuse = [&](const std::string& why) {
-        const std::string_view format = detail::other_format(file.text);
-        if (!format.empty())
-            return FileError{file.name + ": looks like a file of the format " + std::string(format)};
-        return FileError{file.name + ": " + why, line};
-    };
-    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
-        if (words[0] != "v" && words[0] != "vn") continue;
-        ObjNumbers numbers{words[0] == "vn"};
-        Point3 point{};
-        const std::string why = detail::parse_three_numbers(words, file.text, point, numbers);
-        if (!why.empty()) return refuse(why);
-        const bool finite = std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-        if (!numbers.is_normal && !finite) {
-            if (strays == StrayVertices::refuse) return refuse(detail::vertex_not_finite);
-            file.left_out.push_back(file.vertices.size());
-            lines_left_out.push_back(line);
-        }
-        (numbers.is_normal ? file.normals : file.vertices).push_back(point);
-        file.numbers.push_back(numbers);
-        if (numbers.is_normal || words.size() != 7) continue;
-        Point3 colour{};
-        ObjNumbers ignored;
-        const auto of_colour = std::span(words).subspan(3); // parse_three_numbers() skips a word
-        if (!detail::parse_three_numbers(of_colour, file.text, colour, ignored).empty()) continue;
-        file.colours.resize(file.vertices.size() - 1, Point3{1, 1, 1});
-        file.colours.push_back(colour);
-    }
-    if (file.vertices.empty()) {
-        const std::string_view format = detail::other_format(file.text);
-        return FileError{
-            file.name + ": holds no vertices (lines \"v x y z\")" +
-            (format.empty() ? "" : ": it looks like a file of the format " + std::string(format))};
-    }
-    if (!file.colours.empty()) file.colours.resize(file.vertices.size(), Point3{1, 1, 1});
-    for (const Point3& colour : file.colours)
-        file.has_bytes_as_colours |= std::max({colour[0], colour[1], colour[2]}) > 1;
-    for (Point3& colour : file.colours) {
-        if (file.has_bytes_as_colours && colour != Point3{1, 1, 1}) colour = (1.0 / 255) * colour;
-    }
-
-    // After counting, since indices may refer to later lines.
-    const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
-    std::array<std::size_t, 2> so_far{};
-    std::vector<bool> used(file.vertices.size());
-    int part = 0;
-    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
-        if (words[0] == "g") part = detail::part_of(std::span(words).subspan(1));
-        if (words[0] == "v") ++so_far[0];
-        if (words[0] == "vn") ++so_far[1];
-        if (words[0] != "f") continue;
-        if (words.size() < 4) return refuse("a face has fewer than three corners");
-        ObjFace face{{}, line};
-        for (const std::string_view word : std::span(words).subspan(1)) {
-            const std::string why = detail::parse_corner(word, so_far, count, face.corners.emplace_back());
-            if (!why.empty()) return refuse(why);
-            used[face.corners.back().vertex] = true;
-            const auto found = std::lower_bound(file.left_out.begin(), file.left_out.end(),
-                                                std::size_t{face.corners.back().vertex});
-            if (found == file.left_out.end() || *found != face.corners.back().vertex) continue;
-            line = lines_left_out[std::size_t(found - file.left_out.begin())];
-            return refuse(detail::vertex_not_finite);
-        }
-        file.faces.push_back(std::move(face));
-        file.face_parts.push_back(part);
-    }
-    if (std::all_of(file.face_parts.begin(), file.face_parts.end(), [](int of) { return of == 0; }))
-        file.face_parts.clear();
-    std::string why = detail::place_left_out(file, used, strays);
-    if (why.empty()) why = detail::triangulate(file);
-    if (!why.empty()) return FileError{file.name + ": " + why};
+    if (auto error = detail::ObjReader(file, strays).read()) return std::move(*error);
     return file;
 }
 

@@ -200,6 +200,45 @@ void unify_prefixes(pugi::xml_node root) {
     }
 }
 
+/// Records the line numbers of elements, escapes quotes in attribute values, and limits the depth.
+///
+///   text      of the file; empty if its encoding is not UTF-8, then lines are unknown
+///   returns   the error, if any
+std::optional<FileError> record_lines(SvgDocument& document, pugi::xml_node root, std::string_view text) {
+    int depth = 0;
+    std::size_t line = 1;
+    std::size_t counted = 0;
+    for (pugi::xml_node node = root; node;) {
+        const std::ptrdiff_t offset = node.offset_debug();
+        if (!text.empty() && node.type() == pugi::node_element && offset >= 0) {
+            const std::size_t at = std::min(static_cast<std::size_t>(offset), text.size());
+            line +=
+                static_cast<std::size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(counted),
+                                                    text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+            counted = at;
+            document.lines[node.hash_value()] = line;
+        }
+        for (pugi::xml_attribute attribute : node.attributes()) { // values that were in single quotes
+            std::string value = attribute.value();
+            if (value.find('"') == std::string::npos) continue;
+            for (std::size_t at = value.find('"'); at != std::string::npos; at = value.find('"', at)) {
+                value.replace(at, 1, "&quot;");
+            }
+            attribute.set_value(value.c_str());
+        }
+        const pugi::xml_node next = next_node(node, root);
+        if (next && next.parent() == node) {
+            if (++depth > max_svg_depth) {
+                return error_at(document, node, "elements are nested too deeply");
+            }
+        } else if (next) {
+            for (pugi::xml_node up = node; up.parent() != next.parent(); up = up.parent()) --depth;
+        }
+        node = next;
+    }
+    return std::nullopt;
+}
+
 } // namespace detail
 
 Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
@@ -238,37 +277,8 @@ Expected<SvgDocument> parse_svg(std::string_view text, std::string name) {
         return refuse("not SVG: the root element is <" + std::string(root.name()) + '>');
     }
 
-    int depth = 0;
-    std::size_t line = 1;
-    std::size_t counted = 0;
-    for (pugi::xml_node node = root; node;) {
-        const std::ptrdiff_t offset = node.offset_debug();
-        if (utf8 && node.type() == pugi::node_element && offset >= 0) {
-            const std::size_t at = std::min(static_cast<std::size_t>(offset), text.size());
-            line +=
-                static_cast<std::size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(counted),
-                                                    text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
-            counted = at;
-            document.lines[node.hash_value()] = line;
-        }
-        for (pugi::xml_attribute attribute : node.attributes()) { // values that were in single quotes
-            std::string value = attribute.value();
-            if (value.find('"') == std::string::npos) continue;
-            for (std::size_t at = value.find('"'); at != std::string::npos; at = value.find('"', at)) {
-                value.replace(at, 1, "&quot;");
-            }
-            attribute.set_value(value.c_str());
-        }
-        const pugi::xml_node next = detail::next_node(node, root);
-        if (next && next.parent() == node) {
-            if (++depth > detail::max_svg_depth) {
-                return detail::error_at(document, node, "elements are nested too deeply");
-            }
-        } else if (next) {
-            for (pugi::xml_node up = node; up.parent() != next.parent(); up = up.parent()) --depth;
-        }
-        node = next;
-    }
+    if (const auto error = detail::record_lines(document, root, utf8 ? text : std::string_view()))
+        return *error;
     detail::unify_prefixes(root); // searches ancestors: after the check of the depth
     for (const pugi::xml_node node : document.xml.children()) {
         const bool states = node.type() == pugi::node_declaration && node.attribute("encoding");
