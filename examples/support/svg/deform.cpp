@@ -273,11 +273,9 @@ private:
         moved_.resize(shapes.size());
         regions_.resize(rest_.references.size());
         find_filter_maps(curves);
-        std::vector<bool> has_inside_at_rest;
-        std::set<std::size_t> referring; // elements with references, by hash
-        for (const Reference& reference : rest_.references) referring.insert(reference.node.hash_value());
+        for (const Reference& reference : rest_.references) referring_.insert(reference.node.hash_value());
         for (const DrawnShape& shape : shapes) {
-            has_inside_at_rest.push_back(has_inside(shape.path));
+            has_inside_at_rest_.push_back(has_inside(shape.path));
             boxes_at_rest_.push_back(bounds(shape.path, shape.from_root));
         }
         for (std::size_t r = 0; r < rest_.references.size(); ++r) {
@@ -288,56 +286,64 @@ private:
         seen_after_.resize(shapes.size());
         for (std::size_t f = 0; f < frames_; ++f) {
             for (std::size_t i = 0; i < shapes.size(); ++i) {
-                DrawnShape& shape = shapes[i];
                 if (!moves_[i]) continue;
-                shape.path = curves.path(i, f);
-                Moved& moved = moved_[i];
-                const auto best = curves.motion(i, f).best_map();
-                moved.has_map = moved.has_map || best;
-                moved.maps.push_back(best ? *best : moved.maps.empty() ? Affine2() : moved.maps.back());
-                if (shape.is_box || shape.is_extent) continue;
-                Affine2 from_root = shape.from_root;
-                if (shape.has_stroke && !shape.clips && is_skewed(shape.to_root)) {
-                    const Point2 centre = apply(shape.to_root, boxes_at_rest_[i].centre());
-                    Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), centre);
-                    if (referring.count(shape.node.hash_value()) != 0) {
-                        moved.pen_stays = moved.pen_stays || !(turn == Affine2());
-                        turn = {};
-                    }
-                    moved.turns.push_back(turn);
-                    from_root = compose(from_root, *inverse(turn));
-                }
-                if (shape.carrier && moves_[*shape.carrier]) { // undo the motion of the text
-                    const auto undone = inverse(moved_[*shape.carrier].maps.back());
-                    from_root = compose(from_root, undone.value_or(Affine2()));
-                } else {
-                    from_root = compose(from_root, unfiltered(i, f, {}));
-                }
-                Path local = transformed(shape.path, from_root);
-                if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
-                moved.boxes.push_back(bounds(local));
-                moved.paths.push_back(std::move(local));
-                if (!shape.markers[1].empty())
-                    moved.marked.push_back(transformed(curves.path_of_vertices(i, f), from_root));
-                moved.gains_inside = moved.gains_inside || (!has_inside_at_rest[i] && has_inside(shape.path));
+                if (auto error = add_frame(curves, i, f)) return error;
             }
-            for (std::size_t r = 0; r < rest_.references.size(); ++r) {
-                const Reference& reference = rest_.references[r];
-                const std::size_t by = reference.first < reference.end ? filter_of_[reference.first] : none;
-                const bool goes_along =
-                    by != none && (by == r || rest_.references[by].node != reference.node);
-                const Affine2 back = goes_along ? unfiltered(reference.first, f, {}) : Affine2();
-                regions_[r].after.push_back(bounds(shapes, reference.first, reference.end, reference.level,
-                                                   compose(reference.from_root, back)));
-                const Motion motion = motion_of(reference, curves, f);
-                const auto best = motion.best_map();
-                regions_[r].moved = regions_[r].moved || motion.moved();
-                regions_[r].maps.push_back(best ? std::optional(compose(back, *best)) : std::nullopt);
-            }
+            for (std::size_t r = 0; r < rest_.references.size(); ++r) add_region_frame(curves, r, f);
             const std::vector<Box> after = seen_boxes(rest_);
             for (std::size_t i = 0; i < shapes.size(); ++i) seen_after_[i].add(after[i]);
         }
         return std::nullopt;
+    }
+
+    /// Adds a frame of a shape that moves.
+    std::optional<FileError> add_frame(const CurveDeformer& curves, std::size_t i, std::size_t f) {
+        DrawnShape& shape = rest_.shapes[i];
+        shape.path = curves.path(i, f);
+        Moved& moved = moved_[i];
+        const auto best = curves.motion(i, f).best_map();
+        moved.has_map = moved.has_map || best;
+        moved.maps.push_back(best ? *best : moved.maps.empty() ? Affine2() : moved.maps.back());
+        if (shape.is_box || shape.is_extent) return std::nullopt;
+        Affine2 from_root = shape.from_root;
+        if (shape.has_stroke && !shape.clips && is_skewed(shape.to_root)) {
+            const Point2 centre = apply(shape.to_root, boxes_at_rest_[i].centre());
+            Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), centre);
+            if (referring_.count(shape.node.hash_value()) != 0) {
+                moved.pen_stays = moved.pen_stays || !(turn == Affine2());
+                turn = {};
+            }
+            moved.turns.push_back(turn);
+            from_root = compose(from_root, *inverse(turn));
+        }
+        if (shape.carrier && moves_[*shape.carrier]) { // undo the motion of the text
+            const auto undone = inverse(moved_[*shape.carrier].maps.back());
+            from_root = compose(from_root, undone.value_or(Affine2()));
+        } else {
+            from_root = compose(from_root, unfiltered(i, f, {}));
+        }
+        Path local = transformed(shape.path, from_root);
+        if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
+        moved.boxes.push_back(bounds(local));
+        moved.paths.push_back(std::move(local));
+        if (!shape.markers[1].empty())
+            moved.marked.push_back(transformed(curves.path_of_vertices(i, f), from_root));
+        moved.gains_inside = moved.gains_inside || (!has_inside_at_rest_[i] && has_inside(shape.path));
+        return std::nullopt;
+    }
+
+    /// Adds a frame of the region of a clip path, mask or filter.
+    void add_region_frame(const CurveDeformer& curves, std::size_t r, std::size_t f) {
+        const Reference& reference = rest_.references[r];
+        const std::size_t by = reference.first < reference.end ? filter_of_[reference.first] : none;
+        const bool goes_along = by != none && (by == r || rest_.references[by].node != reference.node);
+        const Affine2 back = goes_along ? unfiltered(reference.first, f, {}) : Affine2();
+        regions_[r].after.push_back(bounds(rest_.shapes, reference.first, reference.end, reference.level,
+                                           compose(reference.from_root, back)));
+        const Motion motion = motion_of(reference, curves, f);
+        const auto best = motion.best_map();
+        regions_[r].moved = regions_[r].moved || motion.moved();
+        regions_[r].maps.push_back(best ? std::optional(compose(back, *best)) : std::nullopt);
     }
 
     Motion motion_of(const Reference& reference, const CurveDeformer& curves, std::size_t frame) const {
@@ -421,34 +427,7 @@ private:
         }
         PaintFollower paint(work_, styles_, ids_, tolerance_, result_.tracks);
         for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
-            const DrawnShape& shape = rest_.shapes[i];
-            Moved& moved = moved_[i];
-            if (!moves_[i] || shape.is_extent || carried[i]) continue;
-            for (std::size_t f = 0; f < frames_; ++f) moved.maps[f] = unfiltered(i, f, moved.maps[f]);
-            if (shape.is_box) {
-                leave_clips_behind(rest_, styles_, shape.node);
-                if (moved.has_map)
-                    carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
-                continue;
-            }
-            if (moved.pen_stays)
-                result_.report.warnings.push_back(
-                    label(work_, shape.node) +
-                    ": its stroke keeps its direction: its transform is skewed, and "
-                    "it has a clip path, a mask or a filter");
-            for (std::size_t f = 0; f < moved.turns.size(); ++f) // the map without the rotation
-                moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
-            if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
-            if (moved.has_map && !shape.clips)
-                paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
-            const std::string kind = local_name(shape.node);
-            const bool takes_markers = kind != "rect" && kind != "circle" && kind != "ellipse";
-            if (takes_markers && has_markers(shape)) turn_markers(shape, moved.maps);
-            const bool adds_vertices =
-                takes_markers && !shape.markers[1].empty() && has_other_vertices(moved);
-            if (adds_vertices) write_path(add_marked_path(styles_, shape.node), i, std::move(moved.marked));
-            if (adds_vertices || (!takes_markers && has_markers(shape))) drop_markers(styles_, shape.node);
-            write_path(shape.node, i, std::move(moved.paths));
+            if (moves_[i] && !rest_.shapes[i].is_extent && !carried[i]) write_shape_of(i, paint);
         }
         for (std::size_t k = 0; k < filter_maps_.size(); ++k) {
             if (filter_maps_[k].empty()) continue;
@@ -470,6 +449,34 @@ private:
         styles_.settle(warnings);
         for (pugi::xml_node animation : animations) animation.parent().remove_child(animation);
         return std::nullopt;
+    }
+
+    /// Writes a deformed shape, its paints and markers.
+    void write_shape_of(std::size_t i, PaintFollower& paint) {
+        const DrawnShape& shape = rest_.shapes[i];
+        Moved& moved = moved_[i];
+        for (std::size_t f = 0; f < frames_; ++f) moved.maps[f] = unfiltered(i, f, moved.maps[f]);
+        if (shape.is_box) {
+            leave_clips_behind(rest_, styles_, shape.node);
+            if (moved.has_map)
+                carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
+            return;
+        }
+        if (moved.pen_stays)
+            result_.report.warnings.push_back(
+                label(work_, shape.node) + ": its stroke keeps its direction: its transform is skewed, and "
+                                           "it has a clip path, a mask or a filter");
+        for (std::size_t f = 0; f < moved.turns.size(); ++f) // the map without the rotation
+            moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
+        if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
+        if (moved.has_map && !shape.clips) paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
+        const std::string kind = local_name(shape.node);
+        const bool takes_markers = kind != "rect" && kind != "circle" && kind != "ellipse";
+        if (takes_markers && has_markers(shape)) turn_markers(shape, moved.maps);
+        const bool adds_vertices = takes_markers && !shape.markers[1].empty() && has_other_vertices(moved);
+        if (adds_vertices) write_path(add_marked_path(styles_, shape.node), i, std::move(moved.marked));
+        if (adds_vertices || (!takes_markers && has_markers(shape))) drop_markers(styles_, shape.node);
+        write_path(shape.node, i, std::move(moved.paths));
     }
 
     /// Rotates markers with a fixed direction by the rotation of the shape's best map. Shapes with equal
@@ -566,6 +573,8 @@ private:
     static constexpr std::size_t none = std::size_t(-1);
     std::vector<std::size_t> filter_of_; // #shapes: reference of the enclosing element that moves, or none
     std::vector<std::vector<Affine2>> filter_maps_; // #references · #frames
+    std::set<std::size_t> referring_;               // elements with references, by hash
+    std::vector<bool> has_inside_at_rest_;          // #shapes
     std::vector<Box> boxes_at_rest_;                // each in its own user space
     std::vector<MovedRegion> regions_;              // of the references
     std::vector<Box> seen_before_, seen_after_;
