@@ -93,7 +93,7 @@ struct Outcome {
     bool was_done = false;
     std::uint64_t first_not_finite = 0;
     std::string error; // empty: none
-    bool may_pass = false;
+    bool may_retry = false;
 };
 
 /// A number of a file's points that stand in the way, with the first of them.
@@ -143,9 +143,9 @@ public:
     }
 
 private:
-    void refuse(const std::string& why, bool may_pass) {
+    void refuse(const std::string& why, bool may_retry) {
         outcome_.error = why;
-        outcome_.may_pass = may_pass;
+        outcome_.may_retry = may_retry;
     }
 
     /// Whether the figure is there, whole, of these points by these options.
@@ -164,7 +164,7 @@ private:
 
     void bind() {
         PointFile points(tile_.points);
-        if (!points.error().empty()) return refuse(points.error(), points.may_pass());
+        if (!points.error().empty()) return refuse(points.error(), points.may_retry());
         FigureStream figure(tile_.output);
         std::vector<double> numbers;
         std::vector<Point> piece;
@@ -172,7 +172,7 @@ private:
         do {
             numbers.clear();
             const std::size_t count = points.read(job_.piece, numbers);
-            if (!points.error().empty()) return refuse(points.error(), points.may_pass());
+            if (!points.error().empty()) return refuse(points.error(), points.may_retry());
             if (count == 0 && first > 0) break;
             piece.resize(count);
             for (std::size_t n = 0; n < 3 * count; ++n) piece[n / 3][n % 3] = float(numbers[n]);
@@ -180,10 +180,10 @@ private:
             first += count;
         } while (piece.size() == job_.piece);
         const auto hash = points.hash_to_end();
-        if (!hash) return refuse(points.error(), points.may_pass());
+        if (!hash) return refuse(points.error(), points.may_retry());
         outcome_.record.points_hash = *hash;
         outcome_.record.parameters_hash = job_.parameters;
-        if (!figure.finish(outcome_.record)) return refuse(figure.error(), figure.may_pass());
+        if (!figure.finish(outcome_.record)) return refuse(figure.error(), figure.may_retry());
         outcome_.bytes = figure.bytes();
     }
 
@@ -220,7 +220,7 @@ private:
         }
         recycled_ = std::move(bound.value);
         if (figure.append(packed.value.bytes(), piece)) return true;
-        refuse(figure.error(), figure.may_pass());
+        refuse(figure.error(), figure.may_retry());
         return false;
     }
 
@@ -249,7 +249,7 @@ std::string json_of(const Job& job, const Tile& tile, const Outcome& outcome) {
         line["not_finite"] = outcome.record.not_finite;
     } else {
         line["error"] = outcome.error;
-        line["try_again"] = outcome.may_pass;
+        line["try_again"] = outcome.may_retry;
     }
     return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -281,7 +281,7 @@ int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads
             const std::lock_guard guard(lock);
             if (!outcome.error.empty()) {
                 (void)fail(outcome.error);
-                (outcome.may_pass ? passes : failed) = true;
+                (outcome.may_retry ? passes : failed) = true;
             } else if (outcome.record.not_finite > 0 && !outcome.was_done) {
                 warn(tiles[n].points + ": " + std::to_string(outcome.record.not_finite) + " of " +
                      std::to_string(outcome.record.points) +
@@ -355,7 +355,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
         const auto bytes = solution->map();
         if (!solution->error().empty()) {
             const int code = fail(solution->error());
-            return solution->may_pass() ? try_again : code;
+            return solution->may_retry() ? try_again : code;
         }
         solved = job.coordinates.load_solution(bytes, running);
         if (solved.status != Status::ok)
@@ -379,7 +379,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
     file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (const auto why = file.commit()) {
         const int code = fail(*why);
-        return file.may_pass() ? try_again : code;
+        return file.may_retry() ? try_again : code;
     }
     return 0;
 }

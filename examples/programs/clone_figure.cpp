@@ -54,7 +54,7 @@ struct Arguments {
 /// The fate of a row.
 struct Outcome {
     std::string path, fault, warning;
-    bool skipped = false, may_pass = false;
+    bool skipped = false, may_retry = false;
     bool at_output = false; // whether the fault is that of writing: other rows would meet it too
     std::size_t bytes = 0;
     double seconds = 0;
@@ -145,7 +145,7 @@ public:
         if (const auto why = out.commit()) {
             outcome.fault = *why;
             outcome.at_output = true;
-            outcome.may_pass = out.may_pass();
+            outcome.may_retry = out.may_retry();
             return outcome;
         }
         outcome.bytes = contents.size();
@@ -249,7 +249,7 @@ void print_line(const PoseRow& row, const Outcome& outcome) {
 template <class File>
 int fail_to_read(const File& file) {
     fail(file.error());
-    return file.may_pass() ? try_again : 1;
+    return file.may_retry() ? try_again : 1;
 }
 
 template <class T, std::size_t D>
@@ -268,7 +268,7 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
         threads(count, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) outcomes[n] = cloner.write(poses, batch[n]);
         });
-        bool stops = false, may_pass = false;
+        bool stops = false, may_retry = false;
         for (std::size_t n = 0; n < count; ++n) {
             const Outcome& outcome = outcomes[n];
             if (given.json) print_line(batch[n], outcome);
@@ -277,12 +277,12 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
             if (outcome.fault.empty()) continue;
             if (++failed <= most_messages && !(stops && outcome.at_output)) fail(outcome.fault);
             stops = stops || outcome.at_output;
-            may_pass = may_pass || outcome.may_pass;
+            may_retry = may_retry || outcome.may_retry;
         }
         if (given.json && !std::cout.flush()) return 1;
-        if (may_pass)
+        if (may_retry)
             note("this may pass: run the same line again, with --skip-existing to keep what is done");
-        if (stops) return may_pass ? try_again : 1;
+        if (stops) return may_retry ? try_again : 1;
     }
     if (failed > most_messages) note("and " + std::to_string(failed - most_messages) + " more");
     if (failed > 0)

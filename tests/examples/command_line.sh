@@ -76,7 +76,7 @@ svg far.svg '<path stroke="white" d="M1,1 L9,99"/>'
 for program in "$heights" "$colours"; do
   refuses "none.svg: holds no stroke" "$program" none.svg -o out.png
   refuses "dot.svg: path \"dot\" (line 1) is smaller than a pixel" "$program" dot.svg -o out.png
-  refuses "far.svg: path (line 1) reaches beyond the picture" "$program" far.svg -o out.png
+  refuses "far.svg: path (line 1) extends beyond the picture" "$program" far.svg -o out.png
   refuses "url(#g)" "$program" paint.svg -o out.png
   refuses "values for 2 vertices: give one, two for the ends, or one for each" "$program" counts.svg -o out.png
   refuses "nothing.svg: the file is empty" "$program" nothing.svg -o out.png

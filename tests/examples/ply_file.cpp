@@ -251,7 +251,7 @@ TEST_CASE("what is wrong with a PLY file is said", "[examples][ply]") {
     PlyReader none("no_such_file.ply"), folder(".");
     CHECK(none.error() == "no_such_file.ply: no such file");
     CHECK(folder.error() == ".: is a folder");
-    CHECK(!none.may_pass());
+    CHECK(!none.may_retry());
 }
 
 TEST_CASE("points are the vertices of OBJ files and arrays of numpy", "[examples][ply][points]") {

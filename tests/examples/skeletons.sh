@@ -14,7 +14,7 @@ refuses '1 bone does not keep it within 0.001 %' "$fit" twist_0.obj twist_?.obj 
 awk 'FNR == NR { count += $1 == "v"; next } $1 == "v" { v[++n] = $0 } $1 == "f" { for (k = 2; k <= NF; k++) { split($k, part, "/"); $k = count + 1 - part[1] } f[++m] = $0 }
   END { for (k = n; k > 0; k--) print v[k]; for (k = 1; k <= m; k++) print f[k] }' character_cage.obj character_cage.obj >reversed_cage.obj
 works "a clip of another cage" "$programs/export_gltf" character.obj --cage reversed_cage.obj --clip character_clip.csv --bones 2 --rate 5 -o reversed.glb
-grep -q 'warning: character_clip.csv: every key has the vertices of reversed_cage.obj far from where they are' log && ok=yes || ok=no
+grep -q 'warning: character_clip.csv: all keys are far from the rest pose of reversed_cage.obj' log && ok=yes || ok=no
 report $ok "is warned of"
 works "a clip of this cage" "$programs/export_gltf" character.obj --cage character_cage.obj --clip character_clip.csv --bones 2 --rate 5 -o own.glb
 grep -q 'every key has' log && ok=no || ok=yes
@@ -75,7 +75,7 @@ head -c 30 solid.mdd >short.mdd
 printf '\377\377\377\377\000\000\000\004' >huge.mdd
 frames '\177\300\000\000' >nan.mdd
 works "more bones than four vertices allow" "$fit" solid.obj solid.mdd -o solid.glb --bones 3
-grep -q 'warning: solid.obj: 3 bones were asked for, and 1 bone is of use' log && ok=yes || ok=no
+grep -q 'warning: solid.obj: 3 bones were requested, but only 1 bone is useful' log && ok=yes || ok=no
 report $ok "which is said"
 refuses 'empty.mdd: is no MDD file: it has 0 bytes' "$fit" solid.obj empty.mdd -o out.glb
 refuses 'short.mdd: has 30 bytes, but 2 frames of 4 vertices take 112' "$fit" solid.obj short.mdd -o out.glb

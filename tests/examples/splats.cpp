@@ -565,7 +565,7 @@ TEST_CASE("a scene turned by a quarter looks the same from a quarter farther", "
     CAPTURE(seed);
     Random random(seed);
     SplatFile scene = random_scene(random, 3, 60);
-    const MeshSight sight{.turn = 20, .rise = 15};
+    const ViewAngles sight{.turn = 20, .rise = 15};
     const Picture rest = draw_splats(scene, nullptr, 80, 60, sight);
     const Matrix3 quarter{Point3{0, 0, -1}, {0, 1, 0}, {1, 0, 0}}; // about y
     for (std::size_t i = 0; i < scene.size(); ++i) pose(scene, i, quarter);

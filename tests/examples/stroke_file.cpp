@@ -94,7 +94,7 @@ TEST_CASE("a drawing's strokes have values along them", "[examples][strokes]") {
     CHECK(strokes_of("<rect width=\"5\" height=\"5\"/>").error().message ==
           "stroke_file_test.svg: holds no stroke");
     CHECK(strokes_of("<path id=\"far\" stroke=\"red\" d=\"M0,0 L101,4\"/>").error().message ==
-          "stroke_file_test.svg: path \"far\" (line 1) reaches beyond the picture (its viewBox)");
+          "stroke_file_test.svg: path \"far\" (line 1) extends beyond the picture (its viewBox)");
 }
 
 TEST_CASE("level lines lie where the field has the value, and end at the rim alone",

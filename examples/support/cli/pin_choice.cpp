@@ -12,22 +12,25 @@ void PinChoice::add_options(CommandLine& line) {
     solving.settled_step = 1e-6;
     line.add_text(
             "--pin", [this](const std::string& word) { given.emplace_back(word, false); },
-            "take a point of the figure to a place, and all else along: PLACE:TARGET@DEGREES, such as "
-            "90,16:70,20 or, with signs, by how much: 90,16:+0,-5; PLACE alone stays where it is")
+            "move a point of the figure to a target, and the rest with it: PLACE:TARGET@DEGREES, such as "
+            "90,16:70,20; with signs, TARGET is a displacement: 90,16:+0,-5; PLACE alone keeps the point "
+            "fixed")
         .in_order();
     line.add_text(
             "--pins", [this](const std::string& path) { given.emplace_back(path, true); },
-            "a CSV file of pins, one on each line")
+            "a CSV file of pins, one per line")
         .in_order();
-    line.add("--hold", held,
-             "vertices of the cage that pins leave where the pose has them, by default at rest: 0-1,5");
+    line.add(
+        "--hold", held,
+        "vertices of the cage that pins do not move: 0-1,5; they stay in the given pose, by default at rest");
     line.add("--pin-weight", solving.pin_weight,
-             "how strongly pins pull; less lets them miss their targets, where there are many")
+             "the weight of pins; with many pins, a smaller weight lets them miss their targets")
         .range(1e-6, 1e12)
         .show_default();
-    line.add_flag("--hard-pins", solving.hard_pins, "let pins miss a thousand times less").rarely_needed();
+    line.add_flag("--hard-pins", solving.hard_pins, "enforce pins a thousand times more strictly")
+        .rarely_needed();
     line.add("--smoothing", sampling.smoothing,
-             "spread bends by pins over this length, a share of the cage's size; soft drawings take 0.02")
+             "spread bending by pins over this length, relative to the cage's size, such as 0.02")
         .range(0.0, 1.0)
         .show_default();
 }

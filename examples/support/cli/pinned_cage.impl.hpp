@@ -214,7 +214,7 @@ std::string PinnedCage<T, D>::report() const {
         text << "largest miss: " << last_.miss << ", " << name_of(pins_, last_.missed) << '\n';
     text << "stretch: " << last_.least_stretch << " to " << last_.largest_stretch
          << " in the mean of a cluster, " << last_.folded << " folded\n";
-    if (last_.unfelt > 0) text << "handles that hardly a sample feels: " << last_.unfelt << '\n';
+    if (last_.unfelt > 0) text << "handles with negligible stiffness: " << last_.unfelt << '\n';
     return text.str();
 }
 
@@ -224,14 +224,14 @@ std::string PinnedCage<T, D>::warning() const {
     if (folded_ > 0)
         text = "pins fold the figure, in " + std::to_string(folded_) + " of " +
                std::to_string(solver_.samples().cluster_count) +
-               " parts: move them less, or lower --pin-weight where they are many";
+               " parts: move them less, or lower --pin-weight if there are many";
     if (unsettled_ == 0) return text;
     return text + (text.empty() ? "" : "; ") +
            (poses_ == 1
                 ? "the pose by pins has"
                 : std::to_string(unsettled_) + " of " + std::to_string(poses_) + " poses by pins have") +
-           " not settled after " + std::to_string(detail::most_frames) + " frames: a vertex still moves by " +
-           detail::short_number(largest_step_) + " in a frame";
+           " not converged after " + std::to_string(detail::most_frames) +
+           " iterations: a vertex still moves by " + detail::short_number(largest_step_) + " per iteration";
 }
 
 } // namespace cageform_support

@@ -127,8 +127,8 @@ Expected<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
                                    : load_pose_clip(clip, cage.vertices.size());
         if (!motion) return motion;
         if (!clip.empty() && is_of_another_cage(*motion, cage)) {
-            warn(clip + ": every key has the vertices of " + cage.name +
-                 " far from where they are at rest: a clip is made for one cage");
+            warn(clip + ": all keys are far from the rest pose of " + cage.name +
+                 ": the clip is probably for another cage");
         }
         for (PoseKey& key : motion->keys) {
             for (const std::size_t i : *held) key.places[i] = cage.vertices[i];

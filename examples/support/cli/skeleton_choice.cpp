@@ -188,8 +188,8 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
         motion.skeleton = std::move(fitted.value);
     }
     if (options.bones > motion.report.bones) {
-        warn(frames.name + ": " + std::to_string(options.bones) + " bones were asked for, and " +
-             count_bones(motion) + (motion.report.bones == 1 ? " is" : " are") + " of use");
+        warn(frames.name + ": " + std::to_string(options.bones) + " bones were requested, but only " +
+             count_bones(motion) + (motion.report.bones == 1 ? " is" : " are") + " useful");
     }
     make_sums_exact(motion.skeleton.skin);
     motion.skeleton.skin = stored_skin(motion.skeleton.skin, weights);

@@ -100,7 +100,7 @@ bool FigureStream::fail(const std::string& why) {
 
 bool FigureStream::is_sound(const AtomicFile& file) {
     if (!file.error()) return error_.empty();
-    may_pass_ = may_pass_ || (error_.empty() && file.may_pass());
+    may_retry_ = may_retry_ || (error_.empty() && file.may_retry());
     return fail(*file.error());
 }
 
@@ -159,7 +159,7 @@ bool FigureStream::put_array(std::size_t array, BlockReader& rest) {
     for (const Section& section : sections_[array]) {
         if (!rest.read(section.offset, section.bytes,
                        [&](std::span<const std::byte> bytes) { put(bytes); })) {
-            may_pass_ = may_pass_ || (error_.empty() && failure_may_pass(rest.code()));
+            may_retry_ = may_retry_ || (error_.empty() && is_temporary_failure(rest.code()));
             return fail("cannot write " + figure_.path().string() + ": its temporary cannot be read again: " +
                         std::generic_category().message(rest.code()));
         }
@@ -215,7 +215,7 @@ bool FigureStream::finish(TileRecord& record) {
         constexpr std::uint64_t after = sizeof(cageform::PackedPrefix);
         const auto hash = written.hash(begin + after, end);
         if (!hash) {
-            may_pass_ = failure_may_pass(written.code());
+            may_retry_ = is_temporary_failure(written.code());
             return fail("cannot write " + figure_.path().string() +
                         ": it cannot be read again: " + std::generic_category().message(written.code()));
         }

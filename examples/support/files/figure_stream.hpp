@@ -55,7 +55,7 @@ public:
     bool finish(TileRecord& record);
 
     const std::string& error() const { return error_; } ///< the first failure; empty while there is none
-    bool may_pass() const { return may_pass_; }
+    bool may_retry() const { return may_retry_; }
     std::uint64_t bytes() const { return bytes_; } ///< size of the figure, after finish()
 
 private:
@@ -77,7 +77,7 @@ private:
     cageform::MemoryHash points_;
     std::uint64_t bytes_ = 0, bytes_of_rest_ = 0;
     std::string error_;
-    bool may_pass_ = false;
+    bool may_retry_ = false;
 };
 
 /// The record of a complete figure file with a correct checksum; else nothing. Reads the file once, in

@@ -47,12 +47,12 @@ struct LatticeWord {
 
 /// Help text on lattices.
 inline constexpr const char* lattice_format =
-    "A lattice is a box of control points about the figure: lattice:4x4 for a drawing,\n"
-    "lattice:4x4x4 for a mesh, 2 points or more along each axis. After it can stand, in\n"
-    "this order, /1, /2 or /3, the degree of its splines (3 unless given), or /bernstein,\n"
-    "polynomials over the whole box (at most 64 points along an axis); +R, beyond which\n"
-    "nothing outside moves, R in diagonals of the box; and @ANGLE, which turns the box of\n"
-    "a drawing. Points are numbered along x first, then y, then z. A file .lattice.json,\n"
+    "A lattice is a box of control points around the figure: lattice:4x4 for a drawing,\n"
+    "lattice:4x4x4 for a mesh, 2 points or more along each axis. Optional suffixes, in\n"
+    "this order: /1, /2 or /3, the degree of the splines (default 3), or /bernstein for\n"
+    "polynomials over the whole box (at most 64 points along an axis); +R: points farther\n"
+    "outside than R diagonals of the box do not move; @ANGLE turns the box of a\n"
+    "drawing. Points are numbered along x first, then y, then z. A file .lattice.json,\n"
     "which make_cage --lattice writes, is the lattice with its box. A pose of a lattice in\n"
     "the plane is an SVG file of its rows and columns, each a line of points, or a CSV\n"
     "file of its points; in space it is an OBJ file with the points moved.\n";

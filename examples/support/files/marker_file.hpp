@@ -16,14 +16,13 @@ inline constexpr const char* markers_format =
     "a row for each time:\n"
     "\n"
     "    time,nose x,nose y,paw x,paw y     names; this row can be left out\n"
-    "    rest,130,240,175,744               where they are on the figure as drawn\n"
-    "    0.00,131,238,93,744                where they are after so many seconds\n"
-    "    0.04,131,237,,                     nothing: a marker was lost\n"
+    "    rest,130,240,175,744               positions on the figure as drawn\n"
+    "    0.00,131,238,93,744                a time in seconds, and positions\n"
+    "    0.04,131,237,,                     an empty position: a marker was lost\n"
     "\n"
-    "Without the row of rest, the first time is rest. A lost marker goes on to where it\n"
-    "is seen next. The motion begins again at its end: it goes back to the first row for\n"
-    "half a second if the last row differs from that. There can be lines late and ground\n"
-    "as in a clip; # begins a comment.\n";
+    "Without a rest row, the first row is rest. Positions of lost markers are\n"
+    "interpolated. The motion repeats; if the last row differs from the first, it returns\n"
+    "within half a second. Lines late and ground are as in a clip; # begins a comment.\n";
 
 /// Parses markers to a clip of pins.
 ///

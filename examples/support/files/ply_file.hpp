@@ -68,8 +68,8 @@ public:
     explicit PlyReader(const std::string& path);
 
     const PlyHeader& header() const { return header_; }
-    const std::string& error() const { return error_; } ///< the first error; empty if none
-    bool may_pass() const { return file_.may_pass(); }  ///< InputFile::may_pass
+    const std::string& error() const { return error_; }  ///< the first error; empty if none
+    bool may_retry() const { return file_.may_retry(); } ///< InputFile::may_retry
     /// InputFile::hash_to_end; nothing can be read after it.
     std::optional<std::uint64_t> hash_to_end();
 

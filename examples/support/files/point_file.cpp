@@ -25,8 +25,8 @@ PointFile::PointFile(const std::string& path)
     }
 }
 
-bool PointFile::may_pass() const {
-    return ply_ ? ply_->may_pass() : obj_ ? obj_->may_pass() : npy_->may_pass();
+bool PointFile::may_retry() const {
+    return ply_ ? ply_->may_retry() : obj_ ? obj_->may_retry() : npy_->may_retry();
 }
 
 bool PointFile::fail(const std::string& why) {

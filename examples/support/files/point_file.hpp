@@ -33,7 +33,7 @@ public:
     std::optional<std::uint64_t> hash_to_end();
 
     const std::string& error() const { return error_; } ///< the first error; empty if none
-    bool may_pass() const;                              ///< InputFile::may_pass
+    bool may_retry() const;                             ///< InputFile::may_retry
 
 private:
     bool fail(const std::string& why);

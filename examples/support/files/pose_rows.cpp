@@ -25,8 +25,8 @@ Expected<cageform::CageClip<double, 2>> motion_of_clip(std::string_view text, co
     const auto clip = parse_clip(text, name, rest.size());
     if (!clip) return clip.error();
     if (clip->has_pins())
-        return FileError{name +
-                         ": pins move points of the figure: animate_svg --save-clip makes keys of them"};
+        return FileError{
+            name + ": a clip of pins cannot be used here: convert it to keys by animate_svg --save-clip"};
     std::vector<Point2> vertices;
     for (const auto& p : rest) vertices.push_back({p[0], p[1]});
     return make_clip(*clip, vertices);

@@ -65,7 +65,7 @@ public:
 
     /// The first error; empty if none.
     const std::string& error() const { return error_; }
-    bool may_pass() const { return lines_.may_pass(); } ///< InputFile::may_pass
+    bool may_retry() const { return lines_.may_retry(); } ///< InputFile::may_retry
 
 private:
     bool next_line(std::string_view& line); // the next row of a table

@@ -86,7 +86,7 @@ Expected<StrokeFile> load_strokes(const std::string& path, const std::vector<con
                     const double rounding = 1e-9 * (std::fabs(low[k]) + size[k]);
                     if (!(p[k] >= low[k] - rounding && p[k] <= low[k] + size[k] + rounding))
                         return FileError{document->name + ": " + line.label +
-                                         " reaches beyond the picture (its viewBox)"};
+                                         " extends beyond the picture (its viewBox)"};
                     p[k] = std::clamp(p[k], low[k], low[k] + size[k]);
                 }
             }

@@ -158,11 +158,11 @@ std::optional<std::string> AtomicFile::undo() {
     } else if (!std::filesystem::exists(status_)) {
         std::filesystem::remove(target_, error);
     } else {
-        return path_.string() + " stays in its place";
+        return path_.string() + " was not restored";
     }
     if (error) {
         const std::string kept = old_.empty() ? "" : "; the old file is " + old_.string();
-        return path_.string() + " stays in its place (" + error.message() + ")" + kept;
+        return path_.string() + " was not restored (" + error.message() + ")" + kept;
     }
     old_.clear();
     in_place_ = false;
@@ -181,7 +181,7 @@ void AtomicFile::refuse(const std::string& why) {
 }
 
 void AtomicFile::refuse_code(int code) {
-    may_pass_ = may_pass_ || (!error_ && failure_may_pass(code));
+    may_retry_ = may_retry_ || (!error_ && is_temporary_failure(code));
     refuse(std::generic_category().message(code));
 }
 

@@ -44,8 +44,8 @@ public:
 
     /// The first failure so far.
     const std::optional<std::string>& error() const { return error_; }
-    /// Whether the failure may be temporary (failure_may_pass()): the disk is full or does not respond.
-    bool may_pass() const { return may_pass_; }
+    /// Whether the failure may be temporary (is_temporary_failure()): the disk is full or does not respond.
+    bool may_retry() const { return may_retry_; }
 
     /// Closes the temporary file; afterwards only the renaming can fail. Nothing can be written after it.
     [[nodiscard]] std::optional<std::string> finish();
@@ -75,7 +75,7 @@ private:
     std::filesystem::file_status status_;
     std::FILE* file_ = nullptr;
     std::optional<std::string> error_;
-    bool may_pass_ = false;
+    bool may_retry_ = false;
 };
 
 /// All output files of a program. They are renamed into place together, after all are complete.

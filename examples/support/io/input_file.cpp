@@ -128,7 +128,7 @@ static std::mutex& lock_of_inputs() {
     return lock;
 }
 
-bool failure_may_pass(int code) {
+bool is_temporary_failure(int code) {
     constexpr std::array passing{EIO,    ENOSPC, EDQUOT, EMFILE, ENFILE,    ENOMEM,
                                  EAGAIN, EBUSY,  ESTALE, EINTR,  ETIMEDOUT, ENETDOWN};
     return std::find(passing.begin(), passing.end(), code) != passing.end();
@@ -141,7 +141,7 @@ InputFile::InputFile(std::string path)
     struct stat status {};
     if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) {
         const int code = errno;
-        may_pass_ = failure_may_pass(code);
+        may_retry_ = is_temporary_failure(code);
         refuse(code == ENOENT ? "no such file"
                               : "cannot be opened: " + std::generic_category().message(code));
     } else if (S_ISDIR(status.st_mode)) {
@@ -183,7 +183,7 @@ bool InputFile::read(std::string& text) {
     text.resize(before + std::size_t(std::max<ssize_t>(count, 0)));
     read_so_far_ += text.size() - before;
     hash_.add(std::as_bytes(std::span(text).subspan(before)));
-    may_pass_ = may_pass_ || (count < 0 && failure_may_pass(code));
+    may_retry_ = may_retry_ || (count < 0 && is_temporary_failure(code));
     if (count < 0) error_ = path_ + ": cannot be read: " + std::generic_category().message(code);
     return count > 0;
 }

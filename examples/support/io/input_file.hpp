@@ -32,7 +32,7 @@ public:
     /// The first error, with the path; empty if none.
     const std::string& error() const { return error_; }
     /// Whether the failure may be temporary: a disk or network that does not respond, too many open files.
-    bool may_pass() const { return may_pass_; }
+    bool may_retry() const { return may_retry_; }
 
     /// Reads to the end. Returns hash_memory of all bytes of the file; nothing if it cannot be read.
     std::optional<std::uint64_t> hash_to_end();
@@ -50,7 +50,7 @@ private:
     std::uintmax_t size_ = 0, read_so_far_ = 0;
     void* mapped_ = nullptr; // size_ bytes
     std::string error_;
-    bool may_pass_ = false;
+    bool may_retry_ = false;
     cageform::MemoryHash hash_; // of the bytes read so far
 };
 
@@ -78,7 +78,7 @@ public:
     std::optional<std::uint64_t> hash_to_end(); ///< InputFile::hash_to_end; no lines can be read after it
 
     const std::string& error() const { return error_; }
-    bool may_pass() const { return file_.may_pass(); } ///< InputFile::may_pass
+    bool may_retry() const { return file_.may_retry(); } ///< InputFile::may_retry
 
     /// Number of the last line, from 1.
     std::size_t line() const { return line_; }
@@ -96,7 +96,7 @@ private:
 };
 
 /// Whether a failure with this errno may be temporary, so that a retry makes sense.
-bool failure_may_pass(int code);
+bool is_temporary_failure(int code);
 
 /// The path under which this program opened the file at `path` as an InputFile; empty if it did not. Links,
 /// hard links and different spellings of a path count as the same file.

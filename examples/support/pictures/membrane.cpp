@@ -20,8 +20,8 @@ public:
         , options_(options)
         , width_(region.width)
         , height_(region.height) {
-        made_.parallel_ = parallel;
-        made_.width_ = width_;
+        membrane_.parallel_ = parallel;
+        membrane_.width_ = width_;
     }
 
     Expected<Membrane> run() {
@@ -29,15 +29,15 @@ public:
         trace();
         sort_loops();
         find_squares();
-        std::vector<std::string> faults(made_.groups_.size());
-        made_.parallel_(made_.groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t n = begin; n < end; ++n) faults[n] = bind_group(made_.groups_[n]);
+        std::vector<std::string> faults(membrane_.groups_.size());
+        membrane_.parallel_(membrane_.groups_.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) faults[n] = bind_group(membrane_.groups_[n]);
         });
         for (const std::string& fault : faults) {
             if (!fault.empty()) return FileError{"the region cannot be bound: " + fault};
         }
         report();
-        return std::move(made_);
+        return std::move(membrane_);
     }
 
 private:
@@ -70,7 +70,7 @@ private:
     /// A closed boundary of a part, outer or of a hole.
     struct Loop {
         std::size_t pixel = 0;           // an adjacent inner pixel
-        std::uint32_t root = 0, end = 0; // of its stretches
+        std::uint32_t root = 0, end = 0; // of its sections
     };
 
     /// A node of the tree of a part's loops, which are consecutive.
@@ -125,7 +125,7 @@ private:
         constexpr std::array<Place, 4> normals{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
         std::vector<std::uint32_t> number(region_.kinds.size());
         for (std::uint32_t n = 0; n < region_.outline.size(); ++n) number[region_.outline[n]] = n;
-        std::vector<std::uint8_t> seen(region_.kinds.size());
+        std::vector<std::uint8_t> traced(region_.kinds.size());
         std::vector<std::pair<Place, std::uint32_t>> vertices;
         const auto moved = [](std::size_t pixel, std::ptrdiff_t by) {
             return std::size_t(std::ptrdiff_t(pixel) + by);
@@ -133,11 +133,11 @@ private:
         for (std::size_t start = 0; start < region_.kinds.size(); ++start) {
             if (!is_inside(start)) continue;
             for (std::size_t first = 0; first < 4; ++first) {
-                if (is_inside(moved(start, over[first])) || (seen[start] >> first & 1) != 0) continue;
+                if (is_inside(moved(start, over[first])) || (traced[start] >> first & 1) != 0) continue;
                 vertices.clear();
                 std::size_t pixel = start, side = first;
                 do {
-                    seen[pixel] = std::uint8_t(seen[pixel] | 1u << side);
+                    traced[pixel] = std::uint8_t(traced[pixel] | 1u << side);
                     vertices.push_back({{float(pixel % width_) + 0.98f * normals[side][0],
                                          float(pixel / width_) + 0.98f * normals[side][1]},
                                         number[moved(pixel, over[side])]});
@@ -152,30 +152,30 @@ private:
                         pixel = ahead;
                     }
                 } while (pixel != start || side != first);
-                Loop loop{start, std::uint32_t(made_.stretches_.size()), 0};
-                add_stretch(vertices, 0, vertices.size());
-                loop.end = std::uint32_t(made_.stretches_.size());
+                Loop loop{start, std::uint32_t(membrane_.sections_.size()), 0};
+                add_section(vertices, 0, vertices.size());
+                loop.end = std::uint32_t(membrane_.sections_.size());
                 loops_.push_back(loop);
-                made_.report_.vertices += vertices.size();
+                membrane_.report_.vertices += vertices.size();
             }
         }
     }
-    std::size_t add_stretch(const std::vector<std::pair<Place, std::uint32_t>>& vertices, std::size_t begin,
+    std::size_t add_section(const std::vector<std::pair<Place, std::uint32_t>>& vertices, std::size_t begin,
                             std::size_t end) {
-        const std::size_t at = made_.stretches_.size();
-        made_.stretches_.emplace_back();
+        const std::size_t at = membrane_.sections_.size();
+        membrane_.sections_.emplace_back();
         places_.emplace_back();
         extents_.emplace_back();
         if (end - begin == 1) {
-            made_.stretches_[at].vertices = vertices[begin].second;
+            membrane_.sections_[at].vertices = vertices[begin].second;
             places_[at] = vertices[begin].first;
             extents_[at].add(places_[at]);
             return at;
         }
         const std::size_t middle = begin + (end - begin) / 2;
-        const std::size_t left = add_stretch(vertices, begin, middle),
-                          right = add_stretch(vertices, middle, end);
-        made_.stretches_[at] = {std::uint32_t(right), std::uint32_t(end - begin)};
+        const std::size_t left = add_section(vertices, begin, middle),
+                          right = add_section(vertices, middle, end);
+        membrane_.sections_[at] = {std::uint32_t(right), std::uint32_t(end - begin)};
         const float part = float(middle - begin) / float(end - begin);
         for (std::size_t k = 0; k < 2; ++k)
             places_[at][k] = part * places_[left][k] + (1 - part) * places_[right][k];
@@ -244,24 +244,24 @@ private:
         far_ = distances();
         point_at_.assign(region_.kinds.size(), none);
         levels_ = std::size_t(std::bit_width(std::max(width_, height_) - 1));
-        is_there_.resize(levels_ + 1);
+        occupied_.resize(levels_ + 1);
         std::size_t w = width_, h = height_;
-        is_there_[0].resize(w * h);
-        for (std::size_t i = 0; i < w * h; ++i) is_there_[0][i] = is_inside(i) ? 1 : 0;
+        occupied_[0].resize(w * h);
+        for (std::size_t i = 0; i < w * h; ++i) occupied_[0][i] = is_inside(i) ? 1 : 0;
         for (std::size_t level = 1; level <= levels_; ++level) {
             const std::size_t narrow = (w + 1) / 2;
-            is_there_[level].resize(narrow * ((h + 1) / 2));
+            occupied_[level].resize(narrow * ((h + 1) / 2));
             for (std::size_t y = 0; y < h; ++y) {
                 for (std::size_t x = 0; x < w; ++x)
-                    is_there_[level][y / 2 * narrow + x / 2] |= is_there_[level - 1][y * w + x];
+                    occupied_[level][y / 2 * narrow + x / 2] |= occupied_[level - 1][y * w + x];
             }
             w = narrow;
             h = (h + 1) / 2;
         }
         const Squares all = visit(levels_, 0, 0);
         add_groups(all);
-        find_hanging();
-        is_there_ = {};
+        find_t_junctions();
+        occupied_ = {};
         far_ = {};
         point_at_ = {};
     }
@@ -272,10 +272,10 @@ private:
         bool are_grouped = false;
     };
     Squares visit(std::size_t level, std::size_t x, std::size_t y) {
-        auto& squares = made_.squares_;
+        auto& squares = membrane_.squares_;
         Squares all{squares.size(), squares.size(), false};
         const std::size_t columns = ((width_ - 1) >> level) + 1, rows = ((height_ - 1) >> level) + 1;
-        if (x >= columns || y >= rows || is_there_[level][y * columns + x] == 0) return all;
+        if (x >= columns || y >= rows || occupied_[level][y * columns + x] == 0) return all;
         const std::size_t side = std::size_t(1) << level, left = x << level, top = y << level;
         bool is_square = level == 0;
         if (level > 0 && left + side < width_ && top + side < height_) {
@@ -306,14 +306,14 @@ private:
         if (squares.are_grouped || squares.begin == squares.end) return;
         std::vector<std::size_t> order;
         for (std::size_t n = squares.begin; n < squares.end; ++n) order.push_back(n);
-        const auto part = [&](std::size_t n) { return part_of(made_.squares_[n].first); };
+        const auto part = [&](std::size_t n) { return part_of(membrane_.squares_[n].first); };
         if (parts_ > 1)
             std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
                 return std::pair(part(a), a) < std::pair(part(b), b);
             });
         for (std::size_t i = 0; i < order.size(); ++i) {
-            if (i == 0 || part(order[i]) != part(order[i - 1])) made_.groups_.emplace_back();
-            Membrane::Square& square = made_.squares_[order[i]];
+            if (i == 0 || part(order[i]) != part(order[i - 1])) membrane_.groups_.emplace_back();
+            Membrane::Square& square = membrane_.squares_[order[i]];
             const std::size_t side = square.side;
             const std::array<std::size_t, 4> pixels{square.first, square.first + side,
                                                     square.first + side * width_,
@@ -323,7 +323,7 @@ private:
                 if (point == none) {
                     point = std::uint32_t(points_.size());
                     points_.push_back({float(pixels[k] % width_), float(pixels[k] / width_)});
-                    made_.groups_.back().points.push_back(point);
+                    membrane_.groups_.back().points.push_back(point);
                     part_at_.push_back(part(order[i]));
                 }
                 square.corners[k] = point;
@@ -333,64 +333,66 @@ private:
 
     /// Finds points in the middle of larger squares' sides (T-junctions), largest squares first, because ends
     /// of a side may be T-junctions too.
-    void find_hanging() {
+    void find_t_junctions() {
         std::vector<const Membrane::Square*> large;
-        for (const auto& square : made_.squares_) {
+        for (const auto& square : membrane_.squares_) {
             if (square.side > 2) large.push_back(&square);
         }
         std::sort(large.begin(), large.end(), [](const auto* a, const auto* b) {
             return a->side != b->side ? a->side > b->side : a->first < b->first;
         });
-        std::vector<std::uint8_t> hangs(points_.size());
+        std::vector<std::uint8_t> is_t_junction(points_.size());
         for (const auto* const square : large) {
             const std::size_t half = square->side / 2, side = square->side, first = square->first;
             const auto& [a, b, c, d] = square->corners;
             const auto add = [&](std::size_t pixel, std::uint32_t one, std::uint32_t other) {
                 const std::uint32_t point = point_at_[pixel];
-                if (point == none || hangs[point] != 0) return;
-                hangs[point] = 1;
-                made_.hanging_.push_back({point, one, other});
+                if (point == none || is_t_junction[point] != 0) return;
+                is_t_junction[point] = 1;
+                membrane_.t_junctions_.push_back({point, one, other});
             };
             add(first + half, a, b);
             add(first + half * width_, a, c);
             add(first + side * width_ + half, c, d);
             add(first + half * width_ + side, b, d);
         }
-        for (Membrane::Group& group : made_.groups_)
-            std::erase_if(group.points, [&](std::uint32_t point) { return hangs[point] != 0; });
-        std::erase_if(made_.groups_, [](const Membrane::Group& group) { return group.points.empty(); });
+        for (Membrane::Group& group : membrane_.groups_)
+            std::erase_if(group.points, [&](std::uint32_t point) { return is_t_junction[point] != 0; });
+        std::erase_if(membrane_.groups_, [](const Membrane::Group& group) { return group.points.empty(); });
     }
 
     // ---- weights ----
 
-    /// An approximation of the outline for points in an extent: stretches, and their number per loop.
-    struct Seen {
-        std::vector<std::uint32_t> stretches;
+    /// An approximation of the outline for points in an extent: sections, and their number per loop.
+    struct OutlineSections {
+        std::vector<std::uint32_t> sections;
         std::vector<std::size_t> loops;
     };
-    void look(const Extent& from, double coarseness, std::uint32_t range, Seen& seen) const {
+    void approximate(const Extent& from, double coarseness, std::uint32_t range,
+                     OutlineSections& used) const {
         const LoopRange& loops = ranges_[range];
         // The weights of the two sides of a distant hole nearly cancel.
         if (double(loops.largest) <= 0.125 * coarseness * double(loops.extent.distance(from))) return;
         if (loops.right != 0) {
-            look(from, coarseness, range + 1, seen);
-            look(from, coarseness, loops.right, seen);
+            approximate(from, coarseness, range + 1, used);
+            approximate(from, coarseness, loops.right, used);
             return;
         }
         const std::uint32_t root = loops_[loops.begin].root;
-        const std::size_t before = seen.stretches.size();
-        add_seen(from, coarseness, root, 2, seen); // each loop has four vertices or more
-        seen.loops.push_back(seen.stretches.size() - before);
+        const std::size_t before = used.sections.size();
+        add_sections(from, coarseness, root, 2, used); // each loop has four vertices or more
+        used.loops.push_back(used.sections.size() - before);
     }
-    void add_seen(const Extent& from, double coarseness, std::uint32_t at, int depth, Seen& seen) const {
-        const Membrane::Stretch& stretch = made_.stretches_[at];
-        if (stretch.right == 0 ||
+    void add_sections(const Extent& from, double coarseness, std::uint32_t at, int depth,
+                      OutlineSections& used) const {
+        const Membrane::Section& section = membrane_.sections_[at];
+        if (section.right == 0 ||
             (depth <= 0 && double(extents_[at].size()) <= coarseness * double(extents_[at].distance(from)))) {
-            seen.stretches.push_back(at);
+            used.sections.push_back(at);
             return;
         }
-        add_seen(from, coarseness, at + 1, depth - 1, seen);
-        add_seen(from, coarseness, stretch.right, depth - 1, seen);
+        add_sections(from, coarseness, at + 1, depth - 1, used);
+        add_sections(from, coarseness, section.right, depth - 1, used);
     }
 
     /// Returns the error if a group cannot be bound; else empty.
@@ -403,16 +405,16 @@ private:
         };
         std::vector<cageform::Vec<float, 2>> points, vertices;
         for (const std::uint32_t point : group.points) points.push_back(about(points_[point]));
-        Seen seen;
-        look(extent, options_.coarseness, roots_[part_at_[group.points.front()]], seen);
+        OutlineSections used;
+        approximate(extent, options_.coarseness, roots_[part_at_[group.points.front()]], used);
         for (;;) {
             vertices.clear();
-            for (const std::uint32_t at : seen.stretches) vertices.push_back(about(places_[at]));
+            for (const std::uint32_t at : used.sections) vertices.push_back(about(places_[at]));
             const cageform::MeanValueCoordinates<float, 2> coordinates(
-                cageform::Polygon<float>(vertices, seen.loops));
+                cageform::Polygon<float>(vertices, used.loops));
             // A coarse outline may self-intersect; the finest does not.
             const cageform::CageReport& cage = coordinates.cage_report();
-            if (cage.status != cageform::Status::ok && refine(cage, seen)) continue;
+            if (cage.status != cageform::Status::ok && refine(cage, used)) continue;
             auto bound =
                 cageform::bind(coordinates, points, {.linear_precision = cageform::LinearPrecision::leave});
             if (!bound) return cageform::to_string(bound.status());
@@ -422,16 +424,16 @@ private:
             std::vector<cageform::Lanes<float>> at_rest(3 * cageform::block_count<float>(points.size()));
             for (auto& lanes : at_rest) std::fill(std::begin(lanes.v), std::end(lanes.v), 0.0f);
             group.binding = {std::move(memory.weights), std::move(at_rest), black, points.size()};
-            group.handles = std::move(seen.stretches);
+            group.handles = std::move(used.sections);
             return {};
         }
     }
-    /// Halves the stretches in errors of the outline; false if none can be halved.
-    bool refine(const cageform::CageReport& cage, Seen& seen) const {
-        std::vector<std::uint8_t> is_named(seen.stretches.size());
+    /// Halves the sections in errors of the outline; false if none can be halved.
+    bool refine(const cageform::CageReport& cage, OutlineSections& used) const {
+        std::vector<std::uint8_t> is_named(used.sections.size());
         std::vector<std::size_t> loop_of, begins{0};
-        for (std::size_t l = 0; l < seen.loops.size(); ++l) {
-            loop_of.insert(loop_of.end(), seen.loops[l], l);
+        for (std::size_t l = 0; l < used.loops.size(); ++l) {
+            loop_of.insert(loop_of.end(), used.loops[l], l);
             begins.push_back(loop_of.size());
         }
         const auto name_edge = [&](std::size_t from) {
@@ -450,30 +452,30 @@ private:
         std::vector<std::uint32_t> finer;
         std::size_t halved = 0;
         for (std::size_t i = 0; i < is_named.size(); ++i) {
-            const std::uint32_t at = seen.stretches[i], right = made_.stretches_[at].right;
+            const std::uint32_t at = used.sections[i], right = membrane_.sections_[at].right;
             if (is_named[i] == 0 || right == 0) {
                 finer.push_back(at);
                 continue;
             }
             finer.insert(finer.end(), {at + 1, right});
-            ++seen.loops[loop_of[i]];
+            ++used.loops[loop_of[i]];
             ++halved;
         }
-        seen.stretches = std::move(finer);
+        used.sections = std::move(finer);
         return halved > 0;
     }
 
     void report() {
-        MembraneReport& report = made_.report_;
+        MembraneReport& report = membrane_.report_;
         report.loops = loops_.size();
         report.parts = parts_;
-        report.groups = made_.groups_.size();
-        for (const Membrane::Group& group : made_.groups_) {
+        report.groups = membrane_.groups_.size();
+        for (const Membrane::Group& group : membrane_.groups_) {
             report.points += group.points.size();
             report.weights += group.points.size() * group.handles.size();
         }
-        made_.stretch_values_.resize(made_.stretches_.size());
-        made_.values_.resize(points_.size());
+        membrane_.section_values_.resize(membrane_.sections_.size());
+        membrane_.values_.resize(points_.size());
     }
 
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -481,19 +483,19 @@ private:
     const PixelRegion& region_;
     MembraneOptions options_;
     std::size_t width_, height_;
-    Membrane made_;
+    Membrane membrane_;
 
     std::vector<std::uint32_t> part_, parents_; // run of each pixel; part of each run
     std::size_t parts_ = 0;
     std::vector<Loop> loops_;
     std::vector<LoopRange> ranges_;
     std::vector<std::uint32_t> roots_; // #parts: index into ranges_
-    std::vector<Place> places_;        // of stretches
+    std::vector<Place> places_;        // of sections
     std::vector<Extent> extents_;
     std::vector<std::uint16_t> far_;
     std::vector<std::uint32_t> point_at_;
     std::size_t levels_ = 0;
-    std::vector<std::vector<std::uint8_t>> is_there_; // by level: whether a square contains an inner pixel
+    std::vector<std::vector<std::uint8_t>> occupied_; // by level: whether a square contains an inner pixel
     std::vector<Place> points_;
     std::vector<std::uint32_t> part_at_; // of points
 };
@@ -505,28 +507,29 @@ Expected<Membrane> Membrane::bind(const PixelRegion& region, const MembraneOptio
 }
 
 void Membrane::find_corners(std::span<const Values> outline) {
-    for (std::size_t n = stretches_.size(); n-- > 0;) {
-        const Stretch& stretch = stretches_[n];
-        if (stretch.right == 0) {
-            stretch_values_[n] = outline[stretch.vertices];
+    for (std::size_t n = sections_.size(); n-- > 0;) {
+        const Section& section = sections_[n];
+        if (section.right == 0) {
+            section_values_[n] = outline[section.vertices];
             continue;
         }
-        const float part = float(stretch.vertices / 2) / float(stretch.vertices);
-        stretch_values_[n] = part * stretch_values_[n + 1] + (1 - part) * stretch_values_[stretch.right];
+        const float part = float(section.vertices / 2) / float(section.vertices);
+        section_values_[n] = part * section_values_[n + 1] + (1 - part) * section_values_[section.right];
     }
     parallel_(groups_.size(), 8, [&](std::size_t begin, std::size_t end) {
         std::vector<Values> pose, found;
         for (std::size_t n = begin; n < end; ++n) {
             const Group& group = groups_[n];
             pose.clear();
-            for (const std::uint32_t handle : group.handles) pose.push_back(stretch_values_[handle]);
+            for (const std::uint32_t handle : group.handles) pose.push_back(section_values_[handle]);
             found.resize(group.points.size());
             // The sizes match, and the values are finite.
             static_cast<void>(cageform::clone(group.binding, pose, found));
             for (std::size_t i = 0; i < found.size(); ++i) values_[group.points[i]] = found[i];
         }
     });
-    for (const auto& [point, one, other] : hanging_) values_[point] = 0.5f * (values_[one] + values_[other]);
+    for (const auto& [point, one, other] : t_junctions_)
+        values_[point] = 0.5f * (values_[one] + values_[other]);
 }
 
 } // namespace cageform_support

@@ -94,17 +94,17 @@ private:
         std::array<std::uint32_t, 4> corners{};
     };
     /// A node of the tree of sections of a loop; a leaf is one vertex. Its left half follows it.
-    struct Stretch {
+    struct Section {
         std::uint32_t right = 0;    // index of the right half; 0 for a leaf
         std::uint32_t vertices = 1; // of a leaf: index into the outline
     };
     struct Group {
         cageform::Binding<float, 3> binding;
-        std::vector<std::uint32_t> handles; // indices of stretches
+        std::vector<std::uint32_t> handles; // indices of sections
         std::vector<std::uint32_t> points;
     };
     /// A T-junction: a point in the middle of a larger square's side has the mean of the side's ends.
-    struct Hanging {
+    struct TJunction {
         std::uint32_t point, one, other;
     };
 
@@ -112,10 +112,10 @@ private:
 
     std::size_t width_ = 0;
     std::vector<Square> squares_;
-    std::vector<Stretch> stretches_;
-    std::vector<Values> stretch_values_, values_; // by stretch, by point
+    std::vector<Section> sections_;
+    std::vector<Values> section_values_, values_; // by section, by point
     std::vector<Group> groups_;
-    std::vector<Hanging> hanging_; // larger squares first
+    std::vector<TJunction> t_junctions_; // larger squares first
     cageform::ParallelFor parallel_;
     MembraneReport report_;
 };

@@ -255,7 +255,7 @@ ViewDirections view_from(double turn, double rise) {
             {-std::sin(t) * std::cos(r), -std::cos(t) * std::cos(r), std::sin(r)}};
 }
 
-ViewDirections directions_of(const MeshSight& sight) {
+ViewDirections directions_of(const ViewAngles& sight) {
     constexpr double radians_per_degree = 3.14159265358979323846 / 180;
     const double turn = radians_per_degree * std::remainder(sight.turn, 360),
                  rise = radians_per_degree * sight.rise;
@@ -269,7 +269,7 @@ ViewDirections directions_of(const MeshSight& sight) {
 }
 
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
-                    const MeshSight& sight) {
+                    const ViewAngles& sight) {
     Picture picture(width, height, mesh_background);
     const std::size_t part = width / scenes.size();
     std::vector<std::span<const Point3>> all; // every scene is seen at the same size from the same place

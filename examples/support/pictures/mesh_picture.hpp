@@ -49,7 +49,7 @@ struct MeshScene {
 };
 
 /// View direction of meshes: rotation from the front towards the figure's left, then upwards, in degrees.
-struct MeshSight {
+struct ViewAngles {
     double turn = 34.4, rise = 11.5;
     bool z_is_up = false; ///< true: z is up, the front faces -y; false: y is up, the front faces z
 };
@@ -59,14 +59,14 @@ inline constexpr Colour mesh_background{0.965f, 0.965f, 0.955f};
 
 /// Draws scenes side by side in equal parts of the width, with the same scale and camera.
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
-                    const MeshSight& sight = {});
+                    const ViewAngles& sight = {});
 
 /// Orthonormal axes of a view: right, up, towards the viewer.
 struct ViewDirections {
     Point3 right, up, towards;
 };
 
-ViewDirections directions_of(const MeshSight& sight);
+ViewDirections directions_of(const ViewAngles& sight);
 
 /// View directions with z up: rotated about z, then from above; periodic.
 ///

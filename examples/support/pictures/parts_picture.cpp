@@ -55,7 +55,7 @@ PaintedCage painted(const ObjFile& cage) {
 } // namespace
 
 Picture draw_cage_parts(const ObjFile& figure, const ObjFile& cage, std::size_t width, std::size_t height,
-                        const MeshSight& sight) {
+                        const ViewAngles& sight) {
     const MeshView lines = cage_view(cage, cage.vertices);
     const MeshScene caged{{figure.vertices, figure.triangles}, lines};
     if (cage.face_parts.empty())

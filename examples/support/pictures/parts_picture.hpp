@@ -9,6 +9,6 @@ namespace cageform_support {
 /// Draws a figure in its cage, and beside it the cage with a colour and a number per part. Mirror images have
 /// the same colour, darker for negative numbers. A lattice has the colour of clay.
 Picture draw_cage_parts(const ObjFile& figure, const ObjFile& cage, std::size_t width, std::size_t height,
-                        const MeshSight& sight);
+                        const ViewAngles& sight);
 
 } // namespace cageform_support

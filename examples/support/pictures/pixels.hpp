@@ -2,6 +2,7 @@
 
 // RGBA pictures of 8 bits per channel, and regions of their pixels.
 
+#include "io/expected.hpp"
 #include "pictures/picture.hpp"
 
 #include <cstddef>

@@ -43,7 +43,7 @@ std::vector<SpaceLine> bones_of(const FigureFrames& frames, const FittedMotion& 
 
 } // namespace
 
-Picture draw_skeleton(const FigureFrames& frames, const FittedMotion& motion, const MeshSight& sight) {
+Picture draw_skeleton(const FigureFrames& frames, const FittedMotion& motion, const ViewAngles& sight) {
     const std::size_t count = std::min<std::size_t>(frames.places.size(), 5);
     constexpr std::size_t width = 320, height = 400;
     constexpr Colour pale{0.86f, 0.84f, 0.8f};

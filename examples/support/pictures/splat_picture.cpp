@@ -112,7 +112,7 @@ void draw_rows(const std::vector<const DrawnSplat*>& splats, std::size_t top, st
 } // namespace
 
 Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t width, std::size_t height,
-                    const MeshSight& sight, const cageform::Running& running) {
+                    const ViewAngles& sight, const cageform::Running& running) {
     std::vector<Point3> places(scene.size());
     for (std::size_t i = 0; i < places.size(); ++i) places[i] = scene.place(i);
     const std::size_t left = mesh != nullptr ? width / 2 : 0, part = width - left;

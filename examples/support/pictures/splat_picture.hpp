@@ -20,6 +20,6 @@ namespace cageform_support {
 ///   mesh      null: the scene has the full width
 ///   running   in bands of rows; does not affect the result
 Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t width, std::size_t height,
-                    const MeshSight& sight, const cageform::Running& running = {});
+                    const ViewAngles& sight, const cageform::Running& running = {});
 
 } // namespace cageform_support

@@ -9,7 +9,7 @@ namespace cageform_support {
 namespace {
 
 /// Parses "TURN,RISE" in degrees. Returns the error; empty on success.
-std::string parse_view(std::string_view word, MeshSight& sight) {
+std::string parse_view(std::string_view word, ViewAngles& sight) {
     const std::size_t comma = word.find(',');
     double turn = 0, rise = 0;
     const bool whole = comma != word.npos && detail::parse_number(word.substr(0, comma), turn).empty() &&
@@ -28,7 +28,7 @@ void ViewChoice::add_options(CommandLine& line) {
             "--view", [this](const std::string& word) { (void)parse_view(word, sight); },
             "the picture's view: TURN,RISE in degrees, from the front towards the figure's left, and upwards")
         .check([](const std::string& word) {
-            MeshSight ignored;
+            ViewAngles ignored;
             return parse_view(word, ignored);
         })
         .show_default("34,11");

@@ -8,7 +8,7 @@
 namespace cageform_support {
 
 struct ViewChoice {
-    MeshSight sight;
+    ViewAngles sight;
 
     void add_options(CommandLine& line); ///< --view and --up
 };

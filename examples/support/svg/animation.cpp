@@ -199,7 +199,7 @@ private:
 /// rotation, skew and scale. All but the translation are about `centre`.
 class AnimatedTransform {
 public:
-    enum Part { shift, turn, lean, scale };
+    enum Part { shift, turn, skew, scale };
     static constexpr std::array<const char*, 4> types{"translate", "rotate", "skewX", "scale"};
 
     std::array<KeyFrames, 4> parts;
@@ -238,7 +238,7 @@ public:
         const auto is_right_everywhere = [&] {
             for (std::size_t f = 0; f < maps.size(); ++f) {
                 const Affine2 played = product({parts[shift].played(f), parts[turn].played(f),
-                                                parts[lean].played(f), parts[scale].played(f)});
+                                                parts[skew].played(f), parts[scale].played(f)});
                 if (!is_right(f, played, tolerance)) return false;
             }
             return true;
@@ -250,7 +250,7 @@ public:
                 parts[k].decimals = fewest_decimals(sensitivities[k], each);
                 parts[k].choose([&](std::size_t frame, const Numbers& numbers) {
                     std::array<Numbers, 4> all{parts[shift].exact[frame], parts[turn].exact[frame],
-                                               parts[lean].exact[frame], parts[scale].exact[frame]};
+                                               parts[skew].exact[frame], parts[scale].exact[frame]};
                     all[k] = numbers;
                     return is_right(frame, product(all), each);
                 });
@@ -269,13 +269,13 @@ private:
         const double across = -m.c * std::sin(angle) + m.d * std::cos(angle);
         parts[shift].exact.push_back({there.x, there.y});
         parts[turn].exact.push_back({angle / per_degree});
-        parts[lean].exact.push_back({std::atan(along / across) / per_degree});
+        parts[skew].exact.push_back({std::atan(along / across) / per_degree});
         parts[scale].exact.push_back({std::hypot(m.a, m.b), across});
     }
 
     Affine2 product(const std::array<Numbers, 4>& numbers) const {
         const double angle = numbers[turn][0] * per_degree, c = std::cos(angle), s = std::sin(angle);
-        const double tangent = std::tan(numbers[lean][0] * per_degree);
+        const double tangent = std::tan(numbers[skew][0] * per_degree);
         const Affine2 about{numbers[scale][0], 0, numbers[scale][1] * tangent, numbers[scale][1], 0, 0};
         const Affine2 moved = compose({c, s, -s, c, numbers[shift][0], numbers[shift][1]}, about);
         return compose(moved, {1, 0, 0, 1, -centre.x, -centre.y});

@@ -44,11 +44,11 @@ private:
         std::string context_stroke = "none";
     };
 
-    struct Claim { // a clip path or mask in use under a transform
+    struct ContentInUse { // a clip path or mask in use under a transform
         Affine2 to_root;
         std::string id;
         std::size_t first = 0, end = 0; // its shapes
-        bool has_window = false;        // the mask's region was replaced by a clip path
+        bool region_clips = false;      // the mask's region was replaced by a clip path
     };
 
     bool fail(pugi::xml_node node, const std::string& why);
@@ -89,7 +89,7 @@ private:
     bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
                       const Place& parent);
     /// Resolves context-fill and context-stroke; returns the element's values.
-    Values take_context_paint(pugi::xml_node node, const Place& place);
+    Values resolve_context_paint(pugi::xml_node node, const Place& place);
     /// Replaces images in a copy by uses of a shared definition, so that their data is not repeated.
     void share_images(pugi::xml_node copy);
     bool count_copies(pugi::xml_node top);
@@ -142,8 +142,9 @@ private:
     StyleSheets& styles_;
     IdTable& ids_;
     WalkOptions options_;
-    std::set<std::size_t> symbols_;                              // copies of symbols, by their hash
-    std::unordered_map<std::size_t, std::vector<Claim>> claims_; // by the hash of the original node
+    std::set<std::size_t> symbols_; // copies of symbols, by their hash
+    std::unordered_map<std::size_t, std::vector<ContentInUse>>
+        contents_in_use_;                                    // by the hash of the original node
     std::vector<pugi::xml_node> active_;                     // enclosing use targets, clip paths and masks
     std::unordered_map<std::string, pugi::xml_node> images_; // definitions, by position and data
     std::unordered_map<std::size_t, pugi::xml_node> uses_of_images_; // definitions, by the hash of their use

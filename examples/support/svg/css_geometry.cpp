@@ -224,7 +224,7 @@ private:
         ++place.depth;
         for (const pugi::xml_node child : node.children()) visit(child, inside, place);
         if (is_read && !kind.empty()) is_read = take_transform(node, kind, values, view);
-        if (!is_read) StyleSheets::leave_unmoved(node);
+        if (!is_read) StyleSheets::mark_unmoved(node);
         keep_in_style(node, values);
     }
 
@@ -425,7 +425,7 @@ private:
     Box object_box(pugi::xml_node node, const Viewport& view, int depth) {
         const std::string kind = local_name(node);
         Box box;
-        if (++looked_at_ > 1'000'000) return box; // limit for nested uses
+        if (++visited_nodes_ > 1'000'000) return box; // limit for nested uses
         if (is_shape(kind)) {
             std::vector<FileError> told_by_the_walk;
             return bounds(shape_path(document_, node, view, told_by_the_walk));
@@ -459,7 +459,7 @@ private:
     StyleSheets& styles_;
     const IdTable ids_;
     std::set<std::size_t> used_; // by hash: the elements that `use` refers to
-    std::size_t looked_at_ = 0;
+    std::size_t visited_nodes_ = 0;
 };
 
 } // namespace

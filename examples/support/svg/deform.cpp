@@ -26,8 +26,8 @@ int decimals_for(const Affine2& to_root, double tolerance) {
 ///
 ///   best   #frames, in root user space
 ///   box    content of the element, in its own user space
-void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine2>& best, const Box& box,
-           std::vector<AnimatedSvg::Track>& tracks) {
+void add_transform_track(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine2>& best,
+                         const Box& box, std::vector<AnimatedSvg::Track>& tracks) {
     const auto own = parse_transform(attribute_text(node, "transform"));
     if (!own) return;
     const auto from_root = inverse(to_root), before = inverse(*own);
@@ -44,7 +44,7 @@ void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine
 
 /// Moves an element into a group that takes over its clip path and mask, whose shapes are deformed
 /// separately.
-void leave_clips_behind(const Drawing& drawing, const StyleSheets& styles, pugi::xml_node node) {
+void wrap_with_clips(const Drawing& drawing, const StyleSheets& styles, pugi::xml_node node) {
     const auto is_its = [&](const Reference& each) { return each.node == node && !is_filter(each); };
     if (std::none_of(drawing.references.begin(), drawing.references.end(), is_its)) return;
     pugi::xml_node group = node.parent().insert_child_before((name_prefix(node) + 'g').c_str(), node);
@@ -205,7 +205,7 @@ public:
         diagonal_ = std::hypot(view_.width, view_.height);
         const bool given = options_.tolerance > 0 && std::isfinite(options_.tolerance);
         tolerance_ = given ? options_.tolerance : 2e-5 * diagonal_;
-        styles_.report.look_at(work_);
+        styles_.report.check(work_);
         auto rest = walk(work_, styles_, ids_, {.boxes = true}, result_.report.warnings);
         if (!rest) return rest.error();
         for (std::string& line : styles_.report.lines()) result_.report.warnings.push_back(std::move(line));
@@ -227,11 +227,11 @@ public:
             if (curves.is_lost(i))
                 result_.report.warnings.push_back(
                     label(work_, rest_.shapes[i].node) +
-                    ": has a point whose place cannot be computed, and stays as it is");
+                    ": has a point that cannot be computed, and stays unchanged");
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
-        if (const auto error = look_at_frames(curves)) return error;
+        if (const auto error = record_frames(curves)) return error;
         return write(curves);
     }
 
@@ -268,7 +268,7 @@ private:
         return roles;
     }
 
-    std::optional<FileError> look_at_frames(const CurveDeformer& curves) {
+    std::optional<FileError> record_frames(const CurveDeformer& curves) {
         std::vector<DrawnShape>& shapes = rest_.shapes;
         moved_.resize(shapes.size());
         regions_.resize(rest_.references.size());
@@ -416,24 +416,24 @@ private:
     }
 
     std::optional<FileError> write(const CurveDeformer& curves) {
-        std::vector<bool> carried(rest_.shapes.size());
+        std::vector<bool> has_transform_track(rest_.shapes.size());
         if (frames_ > 1) {
             for (AffinePart& part : affine_parts(rest_, curves, frames_, tolerance_)) {
                 for (std::size_t f = 0; f < frames_; ++f)
                     part.maps[f] = unfiltered(part.first, f, part.maps[f]);
-                carry(part.node, part.to_root, part.maps, part.box, result_.tracks);
-                for (std::size_t i = part.first; i < part.end; ++i) carried[i] = true;
+                add_transform_track(part.node, part.to_root, part.maps, part.box, result_.tracks);
+                for (std::size_t i = part.first; i < part.end; ++i) has_transform_track[i] = true;
             }
         }
         PaintFollower paint(work_, styles_, ids_, tolerance_, result_.tracks);
         for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
-            if (moves_[i] && !rest_.shapes[i].is_extent && !carried[i]) write_shape_of(i, paint);
+            if (moves_[i] && !rest_.shapes[i].is_extent && !has_transform_track[i]) write_shape_of(i, paint);
         }
         for (std::size_t k = 0; k < filter_maps_.size(); ++k) {
             if (filter_maps_[k].empty()) continue;
             const Reference& r = rest_.references[k];
-            leave_clips_behind(rest_, styles_, r.node);
-            carry(r.node, r.to_root, filter_maps_[k], regions_[k].before, result_.tracks);
+            wrap_with_clips(rest_, styles_, r.node);
+            add_transform_track(r.node, r.to_root, filter_maps_[k], regions_[k].before, result_.tracks);
         }
         auto& warnings = result_.report.warnings;
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);
@@ -457,9 +457,9 @@ private:
         Moved& moved = moved_[i];
         for (std::size_t f = 0; f < frames_; ++f) moved.maps[f] = unfiltered(i, f, moved.maps[f]);
         if (shape.is_box) {
-            leave_clips_behind(rest_, styles_, shape.node);
+            wrap_with_clips(rest_, styles_, shape.node);
             if (moved.has_map)
-                carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
+                add_transform_track(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
             return;
         }
         if (moved.pen_stays)
@@ -525,7 +525,7 @@ private:
         const std::vector<Affine2>& turns = moved_[index].turns;
         const auto turned = [](const Affine2& map) { return !(map == Affine2()); };
         if (std::any_of(turns.begin(), turns.end(), turned))
-            carry(node, shape.to_root, turns, boxes_at_rest_[index], result_.tracks);
+            add_transform_track(node, shape.to_root, turns, boxes_at_rest_[index], result_.tracks);
         Affine2 to_root = shape.to_root; // of the frame with the largest scale
         for (std::size_t f = 0; f < frames_; ++f) {
             const Affine2 there = compose(*inverse(unfiltered(index, f, {})), shape.to_root);

@@ -288,7 +288,7 @@ void UnappliedReport::declare(const std::string& where, std::string_view propert
     }
 }
 
-void UnappliedReport::look_at(const SvgDocument& document) {
+void UnappliedReport::check(const SvgDocument& document) {
     static const std::set<std::string_view> known_elements = set_of(element_names);
     for (const pugi::xml_node node : document.xml.children()) {
         if (node.type() != pugi::node_pi || std::string_view(node.name()) != "xml-stylesheet") continue;
@@ -299,14 +299,14 @@ void UnappliedReport::look_at(const SvgDocument& document) {
         const std::string kind = local_name(node);
         const bool foreign = kind.empty() || kind.find(':') != std::string::npos;
         const bool known = known_elements.count(kind) != 0;
-        if (!foreign && known) look_at(document, node, kind);
+        if (!foreign && known) check(document, node, kind);
         if (!foreign && !known) add(label(document, node), kind + " is not deformed and stays as it is");
         const bool opaque = !known || kind == "foreignObject" || kind == "metadata" || kind == "script";
         node = opaque ? node_after(node, root) : next_node(node, root);
     }
 }
 
-void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, const std::string& kind) {
+void UnappliedReport::check(const SvgDocument& document, pugi::xml_node node, const std::string& kind) {
     static const std::set<std::string_view> known_attributes = set_of(attribute_names);
     const auto tell = [&](std::string_view property, std::string_view value) {
         const PropertyUse use = use_of(property);

@@ -44,7 +44,7 @@ public:
     void add(const std::string& where, const std::string& what, std::string_view value = {});
 
     /// Checks the attributes, style attributes and elements of a document.
-    void look_at(const SvgDocument& document);
+    void check(const SvgDocument& document);
 
     std::vector<std::string> lines() const;
 
@@ -53,7 +53,7 @@ private:
         std::string first, value;
         std::size_t count = 0;
     };
-    void look_at(const SvgDocument& document, pugi::xml_node node, const std::string& kind);
+    void check(const SvgDocument& document, pugi::xml_node node, const std::string& kind);
 
     std::map<std::string, Place> places_; // by message
     std::vector<std::string> order_;

@@ -101,7 +101,7 @@ bool ShapeCollector::replace_use(pugi::xml_node use, pugi::xml_node target, std:
     drop_use_attributes(use);
     pugi::xml_node copy = use.parent().insert_copy_after(target, use);
     keep_places(document_, target, document_, copy);
-    styles_.stand_alone(copy);
+    styles_.match_in_isolation(copy);
     drop_ids(copy);
     transform += std::string(transform.empty() ? "" : " ") + copy.attribute("transform").value();
     for (const pugi::xml_attribute attribute : use.attributes()) {
@@ -122,7 +122,7 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     if (!transform.empty()) set_attribute(use, "transform", transform);
     pugi::xml_node copy = use.append_copy(target);
     keep_places(document_, target, document_, copy);
-    styles_.stand_alone(copy);
+    styles_.match_in_isolation(copy);
     drop_ids(copy);
     share_images(copy);
     if (kind == "svg" || kind == "symbol") {
@@ -136,7 +136,7 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     }
     Place place = parent;
     Place own = parent;
-    const Values values = take_context_paint(use, own);
+    const Values values = resolve_context_paint(use, own);
     inherit(values, own);
     place.context_fill = own.style.fill;
     place.context_stroke = own.style.stroke;
@@ -146,7 +146,7 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     return good;
 }
 
-StyleSheets::Values ShapeCollector::take_context_paint(pugi::xml_node node, const Place& place) {
+StyleSheets::Values ShapeCollector::resolve_context_paint(pugi::xml_node node, const Place& place) {
     Values values = styles_.values(node);
     for (const char* property : {"fill", "stroke"}) {
         const std::string paint = text_of(values, property);
@@ -293,13 +293,13 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
         unit_square = {box.width(), 0, 0, box.height(), box.x0, box.y0};
         to_root = compose(to_root, unit_square);
     }
-    std::vector<Claim>& claims = claims_[target.hash_value()];
-    auto claim =
-        std::find_if(claims.begin(), claims.end(), [&](const Claim& c) { return c.to_root == to_root; });
-    if (claim == claims.end()) {
+    std::vector<ContentInUse>& in_use = contents_in_use_[target.hash_value()];
+    auto used = std::find_if(in_use.begin(), in_use.end(),
+                             [&](const ContentInUse& c) { return c.to_root == to_root; });
+    if (used == in_use.end()) {
         pugi::xml_node content = target;
         std::string content_id = id;
-        if (!claims.empty() || of_box) {
+        if (!in_use.empty() || of_box) {
             if (!count_copies(target)) {
                 return fail(reference.node, "the clip paths of this file expand to too many elements");
             }
@@ -310,27 +310,27 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
         }
         if (!own_transform(content)) return false;
         if (has_content_of_box) to_user_space(content, units, unit_square);
-        claims.push_back({to_root, content_id, drawing.shapes.size(), 0, !window.empty()});
-        const std::size_t index = claims.size() - 1;
+        in_use.push_back({to_root, content_id, drawing.shapes.size(), 0, !window.empty()});
+        const std::size_t index = in_use.size() - 1;
         if (!visit_content(content, target, place, first, window)) return false;
-        std::vector<Claim>& grown = claims_[target.hash_value()];
+        std::vector<ContentInUse>& grown = contents_in_use_[target.hash_value()];
         grown[index].end = drawing.shapes.size();
-        claim = grown.begin() + static_cast<std::ptrdiff_t>(index);
+        used = grown.begin() + static_cast<std::ptrdiff_t>(index);
     }
-    reference.first_inside = claim->first;
-    reference.end_inside = claim->end;
+    reference.first_inside = used->first;
+    reference.end_inside = used->end;
     const auto is_text = [](pugi::xml_node part) { return local_name(part) == "text"; };
-    reference.hides_rest = claim->first < claim->end || !target.find_node(is_text);
-    reference.target = ids_.find(claim->id);
-    if (claim->has_window) { // its region must not clip
+    reference.hides_rest = used->first < used->end || !target.find_node(is_text);
+    reference.target = ids_.find(used->id);
+    if (used->region_clips) { // its region must not clip
         Box region = region_in_user_space(reference.target, place.viewport, box);
         region.add(box);
         set_attribute(reference.target, "maskUnits", "userSpaceOnUse");
         set_box(reference.target, region, 17);
     }
-    if (claim->id != id) {
+    if (used->id != id) {
         const std::string value = styles_.value(reference.node, property).text;
-        styles_.set(reference.node, property, with_referenced_id(value, claim->id));
+        styles_.set(reference.node, property, with_referenced_id(value, used->id));
     }
     return true;
 }

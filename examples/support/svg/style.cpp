@@ -277,7 +277,7 @@ StyleSheets::StyleSheets(SvgDocument& document, std::size_t most)
     }
 }
 
-void StyleSheets::stand_alone(pugi::xml_node copy) {
+void StyleSheets::match_in_isolation(pugi::xml_node copy) {
     const auto mark_of = [&](pugi::xml_node node) {
         const pugi::xml_attribute mark = node.attribute(rules_mark);
         return mark ? mark.as_ullong() : elements_.size();
@@ -287,7 +287,7 @@ void StyleSheets::stand_alone(pugi::xml_node copy) {
     for (pugi::xml_node node = copy; node; node = next_node(node, copy)) {
         const std::size_t element = mark_of(node);
         if (element >= elements_.size()) continue; // new, or already in a copy
-        const auto [place, fresh] = alone_.try_emplace({top, element}, marked_.size());
+        const auto [place, fresh] = isolated_marks_.try_emplace({top, element}, marked_.size());
         if (fresh) marked_.push_back(matching(elements_[element], marked_[element], elements_[top]));
         set_attribute(node, rules_mark, std::to_string(place->second));
     }
@@ -528,11 +528,11 @@ std::optional<std::string> StyleSheets::custom_property(pugi::xml_node node, std
     return std::nullopt;
 }
 
-void StyleSheets::leave_unmoved(pugi::xml_node node) {
+void StyleSheets::mark_unmoved(pugi::xml_node node) {
     set_attribute(node, unmoved_mark, "");
 }
 
-bool StyleSheets::is_left_unmoved(pugi::xml_node node) {
+bool StyleSheets::is_marked_unmoved(pugi::xml_node node) {
     return node.attribute(unmoved_mark);
 }
 

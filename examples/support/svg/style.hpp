@@ -87,7 +87,7 @@ public:
 
     /// Marks the copy for a `use` with the rules that match its original without ancestors and siblings, as
     /// in SVG 2.
-    void stand_alone(pugi::xml_node copy);
+    void match_in_isolation(pugi::xml_node copy);
 
     /// Whether a sheet sets geometry or transforms.
     bool places_elements() const {
@@ -97,8 +97,8 @@ public:
     void remove_placing();
 
     /// Marks an element as not deformed, because its geometry or transform is not supported.
-    static void leave_unmoved(pugi::xml_node node);
-    static bool is_left_unmoved(pugi::xml_node node);
+    static void mark_unmoved(pugi::xml_node node);
+    static bool is_marked_unmoved(pugi::xml_node node);
     /// Whether a rule that is not applied sets the element's geometry or transform. Rules for states such as
     /// :hover do not count.
     bool is_placed_by_unapplied_rule(pugi::xml_node node) const;
@@ -182,7 +182,7 @@ private:
     pugi::xml_document read_;              // the document at load
     std::vector<pugi::xml_node> elements_; // of `read_`, by mark
     std::map<std::pair<std::size_t, std::size_t>, std::size_t>
-        alone_; // marks, by the marks of top and element
+        isolated_marks_; // marks, by the marks of top and element
     std::vector<Removed> placing_;
     mutable SelectorSearch search_;
 };

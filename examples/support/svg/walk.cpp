@@ -96,7 +96,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     const bool is_shared_image = uses_of_images_.count(node.hash_value()) != 0;
     const std::string kind = is_shared_image ? "image" : local_name(node);
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
-    if (StyleSheets::is_left_unmoved(node))
+    if (StyleSheets::is_marked_unmoved(node))
         return !options_.is_strict || fail(node, "its geometry or transform is not read");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
@@ -106,7 +106,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     if (!known) return true; // not drawn by any renderer
 
     // Pages and hidden layers need not lie in the cage. For reading (a cage, say), hidden shapes count.
-    const Values values = take_context_paint(node, parent);
+    const Values values = resolve_context_paint(node, parent);
     if (options_.follow_references && text_of(values, "display") == "none") {
         warn(node, "is not displayed and stays as it is");
         return true;
