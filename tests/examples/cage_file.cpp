@@ -79,7 +79,7 @@ TEST_CASE("the blocks of a cage file are loops, chains and points", "[examples][
     CHECK(parse("# chains\n# points 3\n# Chain\n" + square)->size() == 1);
 }
 
-TEST_CASE("the file and line of a faulty block are named", "[examples][cage]") {
+TEST_CASE("a fault in a block is reported with file and line", "[examples][cage]") {
     CHECK(refusal(square + "\n# point\n1,1\n") == "c.csv:6: the radius is missing: \"# point RADIUS\"");
     CHECK(refusal(square + "\n# point wide\n1,1\n") == "c.csv:6: not a number: \"wide\"");
     CHECK(refusal(square + "\n# point 1 2\n1,1\n") == "c.csv:6: not a number: \"1 2\"");
@@ -153,7 +153,7 @@ TEST_CASE("points are read with the columns of the cage", "[examples][cage]") {
     CHECK(detail::parse_point<3>("1,2,", p) == "not a number: \"\"");
 }
 
-TEST_CASE("lines are taken off a text as std::getline takes them", "[examples][csv][property]") {
+TEST_CASE("lines are split as by std::getline", "[examples][csv][property]") {
     const auto seed = GENERATE(range(0, 50));
     CAPTURE(seed);
     std::mt19937 random(static_cast<unsigned>(seed));
@@ -168,7 +168,7 @@ TEST_CASE("lines are taken off a text as std::getline takes them", "[examples][c
     CHECK_FALSE(take_line(rest, line));
 }
 
-TEST_CASE("points are read in batches, whatever pieces the file comes in", "[examples][csv][property]") {
+TEST_CASE("batches of points do not depend on the sizes of the reads", "[examples][csv][property]") {
     const auto seed = GENERATE(range(0, 6));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));
@@ -308,8 +308,7 @@ std::string decorated(const std::string& text, Random& random) {
     return result;
 }
 
-TEST_CASE("every CSV file may be as spreadsheets write it, or is refused by name",
-          "[examples][csv][property]") {
+TEST_CASE("CSV files of spreadsheets are read, or refused with a reason", "[examples][csv][property]") {
     const auto seed = GENERATE(range(0, 12));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
@@ -363,7 +362,7 @@ TEST_CASE("every CSV file may be as spreadsheets write it, or is refused by name
     CHECK(to_string(mesh.error()) == path + ": is UTF-16 text, and UTF-8 is read: save it as UTF-8");
 }
 
-TEST_CASE("a first row with a number is no header", "[examples][csv]") {
+TEST_CASE("a first row with a number is not a header", "[examples][csv]") {
     for (const char* line : {"x,1", "1.5x,2", "x;2", "nan,y", "-,y", "\"1.5\",y", "?", "control,arm"})
         CHECK_FALSE(detail::is_header(line));
     for (const char* line : {"x,y", "\"a b\",", "X;Y", "größe\thöhe", "name,parent,x1"})
@@ -389,7 +388,7 @@ TEST_CASE("files of a sequence are sorted by their numbers, with signs", "[examp
     CHECK(order_by_numbers(sorted).size() == 1);
 }
 
-TEST_CASE("a file that cannot be read is no empty file", "[examples][csv]") {
+TEST_CASE("an unreadable file is an error, not an empty file", "[examples][csv]") {
     for (const std::string path : {".", "no/such/file", "/proc/self/mem"}) {
         if (path == "/proc/self/mem" && !std::filesystem::exists(path)) continue; // not Linux
         CAPTURE(path);
@@ -408,7 +407,7 @@ TEST_CASE("a file that cannot be read is no empty file", "[examples][csv]") {
     }
 }
 
-TEST_CASE("of many faults the first are listed and the others counted", "[examples][cage]") {
+TEST_CASE("the first faults are listed, the others counted", "[examples][cage]") {
     cageform::BindReport report;
     for (int i = 0; i < 5000; ++i) report.cage.add(CageFaultKind::edges_cross, 3, 7);
     report.status = report.cage.status;
@@ -421,7 +420,7 @@ TEST_CASE("of many faults the first are listed and the others counted", "[exampl
     CHECK(describe(report).find("\n  cage: and 4991 more\n") != std::string::npos);
 }
 
-TEST_CASE("faults are described with the numbers that mean something", "[examples][cage]") {
+TEST_CASE("descriptions of faults contain only the numbers that apply", "[examples][cage]") {
     const auto text = [](CageFaultKind kind) { return describe_fault({kind, 3, 7}); };
     CHECK(text(CageFaultKind::edges_cross) == "edges cross or touch (3, 7)");
     CHECK(text(CageFaultKind::gap_closed) == "open edge, closed (warning) (3, 7)");

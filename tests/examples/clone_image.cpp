@@ -178,7 +178,7 @@ TEST_CASE("a membrane reproduces linear functions", "[examples][clone_image][pro
     });
 }
 
-TEST_CASE("a membrane over a rectangle keeps to the range of its outline",
+TEST_CASE("a membrane over a rectangle stays in the range of its outline",
           "[examples][clone_image][property]") {
     const auto seed = GENERATE(seeds(effort(20, 5)));
     CAPTURE(seed);
@@ -197,8 +197,7 @@ TEST_CASE("a membrane over a rectangle keeps to the range of its outline",
     }
 }
 
-TEST_CASE("a membrane is near the one of all pixels and all of the outline",
-          "[examples][clone_image][property]") {
+TEST_CASE("an approximate membrane is close to the exact one", "[examples][clone_image][property]") {
     const auto seed = GENERATE(seeds(effort(20, 3)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 47);
@@ -215,7 +214,7 @@ TEST_CASE("a membrane is near the one of all pixels and all of the outline",
     CHECK(sum / double(region.inside) < 0.01);
 }
 
-TEST_CASE("parts of a region do not see each other", "[examples][clone_image][property]") {
+TEST_CASE("separate parts of a region do not affect each other", "[examples][clone_image][property]") {
     const auto seed = GENERATE(seeds(effort(10, 3)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 57);
@@ -236,7 +235,7 @@ TEST_CASE("parts of a region do not see each other", "[examples][clone_image][pr
     });
 }
 
-TEST_CASE("both ways solve for linear functions, and for a single pixel",
+TEST_CASE("both methods reproduce linear functions, also on a single pixel",
           "[examples][clone_image][property]") {
     const auto seed = GENERATE(seeds(effort(20, 4)));
     CAPTURE(seed);
@@ -262,7 +261,7 @@ TEST_CASE("both ways solve for linear functions, and for a single pixel",
     });
 }
 
-TEST_CASE("over a rectangle both ways are near each other", "[examples][clone_image][property]") {
+TEST_CASE("both methods agree approximately over a rectangle", "[examples][clone_image][property]") {
     const auto seed = GENERATE(seeds(effort(20, 4)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 77);
@@ -276,7 +275,7 @@ TEST_CASE("over a rectangle both ways are near each other", "[examples][clone_im
                    [&](std::size_t i, double, double) { CHECK(distance(all[i], (*exact)[i]) < 0.2f); });
 }
 
-TEST_CASE("a clone keeps the target about the region, and its colours move by a constant",
+TEST_CASE("a clone changes only the region, and a constant difference shifts its colours by the constant",
           "[examples][clone_image][property]") {
     const auto seed = GENERATE(seeds(effort(20, 4)));
     CAPTURE(seed);
@@ -331,7 +330,7 @@ TEST_CASE("a clone keeps the target about the region, and its colours move by a 
     }
 }
 
-TEST_CASE("a picture in itself is itself", "[examples][clone_image]") {
+TEST_CASE("cloning a picture into itself changes nothing", "[examples][clone_image]") {
     Random random(97);
     const Pixels picture = random_picture(random, 40, 30);
     const PixelRegion region = random_region(random, 30, true);
@@ -346,7 +345,7 @@ TEST_CASE("a picture in itself is itself", "[examples][clone_image]") {
     });
 }
 
-TEST_CASE("a place out of the target is named with the way beyond", "[examples][clone_image]") {
+TEST_CASE("a place outside the target is refused with the distance", "[examples][clone_image]") {
     const PixelRegion region = rectangle(30, 20);
     const Pixels target{50, 40};
     CHECK(fault_of_place(region, target, {0, 0}).empty());
@@ -363,7 +362,7 @@ TEST_CASE("a place out of the target is named with the way beyond", "[examples][
           std::string::npos);
 }
 
-TEST_CASE("a region without an inside is refused", "[examples][clone_image]") {
+TEST_CASE("a region without interior is refused", "[examples][clone_image]") {
     CHECK(make_region({}, 0).is_empty());
     CHECK(make_region(std::vector<std::uint8_t>(12), 4).is_empty());
     for (const auto& [width, height] : {std::pair<std::size_t, std::size_t>{1, 1}, {2, 9}, {9, 2}}) {

@@ -16,7 +16,7 @@ for file in boat.png exact.png pasted.png; do
   report $ok "$file is a picture of its own"
 done
 works "a boat where it is" "$clone" noon.png noon.png --region boat.svg -o itself.png
-same "a picture in itself is itself" noon.png itself.png
+same "cloning a picture into itself changes nothing" noon.png itself.png
 works "a way of places" "$clone" noon.png evening.png --region boat.svg --at 0,0 --at 24,8 --steps 3 --frames way_ -o strip.png
 [ "$(echo way_*)" = "way_01.png way_02.png way_03.png way_04.png" ] && [ -s strip.png ] && ok=yes || ok=no
 report $ok "each place has a frame"

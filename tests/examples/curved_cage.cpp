@@ -146,7 +146,7 @@ TEST_CASE("arcs of an outline are cubics of at most 45 degrees", "[examples][cur
     CHECK((*figure)[0].path[0].segments.size() == 4);
 }
 
-TEST_CASE("an outline ends where it begins, or is refused", "[examples][curved_cage]") {
+TEST_CASE("an outline that is not closed is refused", "[examples][curved_cage]") {
     const auto one_loop = [](const std::string& data) { return outline_of("<path d=\"" + data + "\"/>")[0]; };
     CHECK(one_loop("M0 0H4V4Z").segments.size() == 3);
     CHECK(one_loop("M0 0H4V4L0 0").segments.size() == 3);
@@ -189,7 +189,7 @@ TEST_CASE("transforms act on control points", "[examples][curved_cage][property]
     }
 }
 
-TEST_CASE("a cage of curves has three control points for each edge", "[examples][curved_cage][property]") {
+TEST_CASE("a cage of cubic curves has three control points per edge", "[examples][curved_cage][property]") {
     const unsigned seed = std::random_device()();
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -361,7 +361,7 @@ TEST_CASE("cages of lines and of curves are read from one file", "[examples][cur
     fs::remove_all(folder, ignored);
 }
 
-TEST_CASE("the end of an edge takes its control points along", "[examples][curved_cage][property]") {
+TEST_CASE("moving the end of an edge moves its control points", "[examples][curved_cage][property]") {
     using Vec2 = cageform::Vec<double, 2>;
     const unsigned seed = std::random_device()();
     CAPTURE(seed);
@@ -397,7 +397,7 @@ TEST_CASE("the end of an edge takes its control points along", "[examples][curve
     CHECK(polygon.followers().empty());
 }
 
-TEST_CASE("one control point moves alone", "[examples][curved_cage]") {
+TEST_CASE("moving a control point moves nothing else", "[examples][curved_cage]") {
     const CageFile cage = cage_of("M0 0H9V9ZM5 1H6V2Z");
     const auto rest = cage.places();
     auto pose = rest;

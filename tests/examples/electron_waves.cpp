@@ -51,7 +51,7 @@ const WaveLattice coarse{112, 84, 0.2};
 
 } // namespace
 
-TEST_CASE("steps of a wave are of fourth order, and those of S2 of second", "[examples][waves][property]") {
+TEST_CASE("steps of a wave are of fourth order, those of S2 of second order", "[examples][waves][property]") {
     const auto seed = GENERATE(seeds(4));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1);
@@ -76,7 +76,7 @@ TEST_CASE("steps of a wave are of fourth order, and those of S2 of second", "[ex
     CHECK(errors_second[0] / errors_second[1] < 4.3);
 }
 
-TEST_CASE("a wave keeps its norm at any step, and goes back", "[examples][waves][property]") {
+TEST_CASE("steps of any size keep the norm and are reversible", "[examples][waves][property]") {
     const auto seed = GENERATE(seeds(8));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 2);
@@ -97,7 +97,7 @@ TEST_CASE("a wave keeps its norm at any step, and goes back", "[examples][waves]
     CHECK(wave_distance(wave, values_of(start)) < 1e-10);
 }
 
-TEST_CASE("steps do the same in one call or in several, and on several threads", "[examples][waves]") {
+TEST_CASE("steps do not depend on the number of calls or threads", "[examples][waves]") {
     const WaveScene scene = make_wave_scene("spin", {200, 160, 0.1}, false);
     LatticeWave<float> one(scene.lattice, scene.runs[0].terms), three(scene.lattice, scene.runs[0].terms, 3);
     for (auto* const wave : {&one, &three}) {
@@ -164,7 +164,7 @@ TEST_CASE("densities do not depend on the gauge of a field", "[examples][waves][
     CHECK(largest < 1e-12);
 }
 
-TEST_CASE("a free packet moves and spreads as it should", "[examples][waves]") {
+TEST_CASE("a free packet moves and spreads as in theory", "[examples][waves]") {
     WaveLine line{50, 0.1, 15, 1.5};
     const double time = 30;
     const WaveMoments known = free_packet(line, time);
@@ -184,7 +184,7 @@ TEST_CASE("a free packet moves and spreads as it should", "[examples][waves]") {
     CHECK(errors[0] < 0.06);
 }
 
-TEST_CASE("as much goes through a barrier as of plane waves", "[examples][waves]") {
+TEST_CASE("the transmission of a barrier is that of plane waves", "[examples][waves]") {
     WaveLine line{60, 0.1, 14, 3, 1.25, 29, 29.2};
     const double known = transmitted_of_plane_waves(line);
     CHECK(known == Approx(0.58720).margin(5e-6));
@@ -264,7 +264,7 @@ TEST_CASE("two slits give bright beams at multiples of the wavelength by their d
     }
 }
 
-TEST_CASE("half widths and maxima of known curves", "[examples][waves]") {
+TEST_CASE("half widths and maxima of known curves are found", "[examples][waves]") {
     std::vector<double> bell, two;
     for (int k = 0; k <= 180; ++k) {
         bell.push_back(std::exp(-std::pow((k - 83.0) / 20, 2)));

@@ -75,7 +75,7 @@ TEST_CASE("each cell is the mean of its neighbours, to the fraction", "[examples
     }
 }
 
-TEST_CASE("a table too large for fractions is told so", "[examples][puzzle]") {
+TEST_CASE("a table too large for fractions is refused", "[examples][puzzle]") {
     Puzzle puzzle{"table.csv", 40, 30, std::vector<std::uint8_t>(1200, 0), std::vector<mpq_class>(1200), 4};
     puzzle.given[0] = 1;
     CHECK(ExactSolver(puzzle).solve() ==

@@ -47,7 +47,7 @@ double length(const std::vector<Point2>& loop) {
     return sum;
 }
 
-TEST_CASE("a domain cut along a lattice is the domain, and its rim the loops",
+TEST_CASE("a domain cut along a lattice keeps its area and its boundary",
           "[examples][field_plot][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
@@ -90,7 +90,7 @@ TEST_CASE("a domain cut along a lattice is the domain, and its rim the loops",
           Approx(length(loops[0]) + (loops.size() == 2 ? length(loops[1]) : 0)).epsilon(0).margin(1e-9));
 }
 
-TEST_CASE("a part of a domain is what lies in the box", "[examples][field_plot]") {
+TEST_CASE("a part of a domain is its intersection with the box", "[examples][field_plot]") {
     const std::vector<std::vector<Point2>> loops{{{0, 0}, {4, 0}, {4, 3}, {0, 3}}};
     double covered = 0;
     const PlaneMesh mesh = cut_by_lattice(loops, {{3, 1}, {6, 2}}, 7);
@@ -105,7 +105,7 @@ TEST_CASE("a part of a domain is what lies in the box", "[examples][field_plot]"
     CHECK(!clip_segment({0, 0}, {1, 0}, {{2, -1}, {3, 2}}).has_value());
 }
 
-TEST_CASE("a box in words is read or refused", "[examples][field_plot]") {
+TEST_CASE("the text of a box is read or refused", "[examples][field_plot]") {
     const auto box = parse_box("-1, 2.5,3,4e1");
     REQUIRE(box.has_value());
     CHECK(box->low.x == -1);
@@ -118,7 +118,7 @@ TEST_CASE("a box in words is read or refused", "[examples][field_plot]") {
     }
 }
 
-TEST_CASE("points are seen from a side as the reference values say", "[examples][field_plot][oracle]") {
+TEST_CASE("projected points are those of the reference", "[examples][field_plot][oracle]") {
     const auto reference = read_json("fields");
     std::size_t count = 0;
     for (const auto& view : reference["plot"]) {
@@ -155,7 +155,7 @@ bool is_like(const Colour& a, const Colour& b, float difference) {
            std::fabs(a.b - b.b) <= difference;
 }
 
-TEST_CASE("a plane is drawn as a plane, however finely it is cut", "[examples][field_plot]") {
+TEST_CASE("the picture of a plane does not depend on its subdivision", "[examples][field_plot]") {
     FieldStyle style;
     style.size = 150;
     SurfaceView view;
@@ -175,7 +175,7 @@ TEST_CASE("a plane is drawn as a plane, however finely it is cut", "[examples][f
     CHECK(unlike <= 4); // samples on an edge
 }
 
-TEST_CASE("whole turns change no byte", "[examples][field_plot]") {
+TEST_CASE("whole turns of the view change no byte", "[examples][field_plot]") {
     FieldStyle style;
     style.size = 80;
     style.set_range(0, 1);
@@ -193,7 +193,7 @@ TEST_CASE("whole turns change no byte", "[examples][field_plot]") {
     for (std::size_t n = 1; n < 4; ++n) CHECK(same_as(n));
 }
 
-TEST_CASE("lines are seen in front of a surface and hidden behind it", "[examples][field_plot]") {
+TEST_CASE("lines are visible in front of a surface and hidden behind it", "[examples][field_plot]") {
     // A wall in the plane y = 0, seen along y.
     const std::vector<Point3> wall{{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
     const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
@@ -213,7 +213,7 @@ TEST_CASE("lines are seen in front of a surface and hidden behind it", "[example
     CHECK(green_pixels(-0.5) >= 100);
 }
 
-TEST_CASE("a field of nothing, and of one value, is drawn", "[examples][field_plot]") {
+TEST_CASE("an empty field and a constant field are drawn", "[examples][field_plot]") {
     FieldStyle style;
     style.size = 40;
     style.set_range(0, 1);

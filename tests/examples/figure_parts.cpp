@@ -86,7 +86,7 @@ TEST_CASE("a clip of a figure of version 0.1 plays as the library's clip", "[fig
     CHECK(play("clip_of_0_1.figure") == play("clip.figure"));
 }
 
-TEST_CASE("a game poses a figure of a file by pins, as the program would", "[figure_parts]") {
+TEST_CASE("a figure from a file posed by pins is that of the program", "[figure_parts]") {
     const auto coordinates = in_box(4);
     const auto packed = samples_of(coordinates);
     const auto figure = figure_with(coordinates, {{"PINS", packed.bytes()}});

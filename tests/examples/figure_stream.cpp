@@ -81,7 +81,7 @@ Points3<float> random_points(const MeshData& data, std::size_t count, std::uint6
 
 } // namespace
 
-TEST_CASE("a figure in pieces clones as its pieces do", "[examples][tiles]") {
+TEST_CASE("a figure bound in pieces deforms as its pieces do", "[examples][tiles]") {
     const auto data = sphere(1);
     const auto cage = data.mesh<float>();
     for (std::uint64_t seed = 1; seed <= 24; ++seed) {
@@ -127,7 +127,7 @@ TEST_CASE("a figure in pieces clones as its pieces do", "[examples][tiles]") {
     std::filesystem::remove_all(folder);
 }
 
-TEST_CASE("only a whole figure has a record, and none is left of a broken one", "[examples][tiles]") {
+TEST_CASE("only a complete figure has a record, and a broken one leaves no file", "[examples][tiles]") {
     const auto data = sphere(1);
     const auto cage = data.mesh<float>();
     const auto points = random_points(data, 40, 1);
@@ -166,7 +166,7 @@ TEST_CASE("only a whole figure has a record, and none is left of a broken one", 
     std::filesystem::remove_all(folder);
 }
 
-TEST_CASE("a hash of pieces is that of the whole", "[examples][tiles]") {
+TEST_CASE("a hash computed piece by piece is that of the whole", "[examples][tiles]") {
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
         CAPTURE(seed);
         Random random(seed);

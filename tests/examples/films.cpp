@@ -102,7 +102,7 @@ TEST_CASE("four sheets of the halfway surface meet in one place", "[films]") {
         CHECK(distance(eversion_point(halfway, t, phi), place) <= 1e-9);
 }
 
-TEST_CASE("no step between 240 frames is above a twentieth of the size", "[films]") {
+TEST_CASE("no step between 240 frames exceeds a twentieth of the size", "[films]") {
     EversionMesh before = eversion_mesh(eversion().stage(0), 24, 48);
     for (int n = 1; n < 240; ++n) {
         EversionMesh after = eversion_mesh(eversion().stage(n / 239.0), 24, 48);
@@ -144,7 +144,7 @@ TEST_CASE("double curves lie on both sheets", "[films]") {
     CHECK(double_curve(coarse.vertices, coarse.triangles).size() == found);
 }
 
-TEST_CASE("a lattice moves a stage that it knows nothing of, and it stays an immersion", "[films]") {
+TEST_CASE("a lattice deforms a stage of the eversion, which stays an immersion", "[films]") {
     const int n = GENERATE(0, 2, 4, 6);
     CAPTURE(n);
     const auto mesh = eversion_mesh(eversion().stage(n / 12.0), 16, 32);
@@ -195,7 +195,7 @@ TEST_CASE("from the circle to a curve with loops no correction is needed", "[fil
     }
 }
 
-TEST_CASE("curves of no turns that cancel each other start elsewhere", "[films]") {
+TEST_CASE("curves of turning number 0 that cancel each other get other starting points", "[films]") {
     const double a = 2.404825557695773;
     const Homotopy homotopy({0, {a}}, {0, {-a, 0.3}});
     CHECK(homotopy.start() > 0);
@@ -203,7 +203,7 @@ TEST_CASE("curves of no turns that cancel each other start elsewhere", "[films]"
     CHECK(std::fabs(homotopy.turns(0.5)) <= 1e-9);
 }
 
-TEST_CASE("curves that turn unequally often have a place where every mix of them stands still", "[films]") {
+TEST_CASE("a homotopy of curves with different turning numbers has stages whose velocity vanishes somewhere", "[films]") {
     const auto seed = GENERATE(range(0u, 20u));
     CAPTURE(seed);
     const int from_turns = int(seed % 4) - 1, to_turns = from_turns + (seed % 3 == 0 ? 2 : 1);
@@ -221,7 +221,7 @@ TEST_CASE("curves that turn unequally often have a place where every mix of them
     CHECK(std::fabs(homotopy.turns(1) - to_turns) <= 1e-9);
 }
 
-TEST_CASE("from the circle to its mirror image the curve stands still halfway", "[films]") {
+TEST_CASE("from the circle to its mirror image the velocity vanishes halfway", "[films]") {
     const auto stops = Homotopy({1}, {-1}).stops();
     REQUIRE(stops.size() == 2);
     for (const auto& stop : stops) {
@@ -249,7 +249,7 @@ TEST_CASE("a level's corners stay in the next one", "[films]") {
     }
 }
 
-TEST_CASE("lengths, areas and dimensions of self-similar curves", "[films]") {
+TEST_CASE("lengths, areas and dimensions of self-similar curves are those of theory", "[films]") {
     const SelfSimilarCurve koch(Kind::koch), peano(Kind::peano), sierpinski(Kind::sierpinski);
     for (int level = 0; level <= 5; ++level) {
         const auto corners = koch.corners(level);
@@ -277,7 +277,7 @@ std::vector<bool> pixels_of(const SelfSimilarCurve& curve, int level, double tim
     return dark;
 }
 
-TEST_CASE("a zoom ends with the frame that it begins with", "[films]") {
+TEST_CASE("the first and last frame of a zoom are equal", "[films]") {
     const auto kind = GENERATE(Kind::koch, Kind::peano, Kind::sierpinski);
     const SelfSimilarCurve curve(kind);
     for (int level = 1; level <= (kind == Kind::peano ? 2 : 3); ++level) {

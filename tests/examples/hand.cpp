@@ -135,7 +135,7 @@ TEST_CASE("bones move rigidly and stay joined", "[examples][hand][property]") {
     }
 }
 
-TEST_CASE("an angle turns the bones beyond its joint by itself, and no other", "[examples][hand]") {
+TEST_CASE("an angle turns exactly the bones beyond its joint, by that angle", "[examples][hand]") {
     const auto angle = GENERATE(range(std::size_t{0}, hand_angle_count));
     CAPTURE(hand_angle_ranges[angle].name);
     const double degrees = hand_angle_ranges[angle].most;
@@ -164,7 +164,7 @@ TEST_CASE("fingers bend to the inner side and spread apart", "[examples][hand]")
     }
 }
 
-TEST_CASE("control points move with their bones, lines by half, shared points by the mean",
+TEST_CASE("control points move with their bones, creases by half the angle, shared points by the mean",
           "[examples][hand][property]") {
     const auto seed = GENERATE(range(0u, 20u));
     CAPTURE(seed);
@@ -190,7 +190,7 @@ TEST_CASE("control points move with their bones, lines by half, shared points by
     }
 }
 
-TEST_CASE("a point that two joints share goes with either", "[examples][hand]") {
+TEST_CASE("a point shared by two joints follows both", "[examples][hand]") {
     std::size_t shared = 0;
     for (std::size_t i = 0; i < hand().points.size(); ++i) {
         const HandPoint& point = hand().points[i];
@@ -287,7 +287,7 @@ TEST_CASE("poses stay within the ranges of their angles, and so does rest", "[ex
     }
 }
 
-TEST_CASE("a grasp closes until it touches, and goes into nothing", "[examples][hand]") {
+TEST_CASE("a grasp closes until contact, without penetration", "[examples][hand]") {
     const auto& poses = hand_poses();
     for (const auto& [name, object] : {std::pair{"ball", &hand_ball()}, {"rod", &hand_rod()}}) {
         CAPTURE(name);

@@ -51,7 +51,7 @@ bool same(const LatticeBox<D>& a, const LatticeBox<D>& b) {
 
 } // namespace
 
-TEST_CASE("words describe lattices", "[examples][lattice]") {
+TEST_CASE("lattices are read from text", "[examples][lattice]") {
     const auto plain = lattice_of("4x5");
     CHECK(plain.axes[0].points == 4);
     CHECK(plain.axes[1].points == 5);
@@ -108,7 +108,7 @@ TEST_CASE("words describe lattices", "[examples][lattice]") {
     CHECK(to_string(point.error()) == "f.svg: no lattice about it: the figure is a single point");
 }
 
-TEST_CASE("a lattice's file gives it back to the bit", "[examples][lattice][property]") {
+TEST_CASE("a lattice written and read is unchanged to the bit", "[examples][lattice][property]") {
     const int seed = GENERATE(range(0, 20));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -132,7 +132,7 @@ TEST_CASE("a lattice's file gives it back to the bit", "[examples][lattice][prop
     }
 }
 
-TEST_CASE("a file that is no lattice is refused by name", "[examples][lattice][faults]") {
+TEST_CASE("a file that is not a lattice is refused with a reason", "[examples][lattice][faults]") {
     const std::string axes = R"("axes": [{"points": 4, "degree": 3}, {"points": 4, "degree": 3}])";
     const std::string box = R"("frame_columns": [[1, 0], [0, 1]], "origin": [0, 0])";
     const auto parse = [](const std::string& members) {

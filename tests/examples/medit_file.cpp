@@ -51,7 +51,7 @@ double volume_inside(const ObjFile& file) {
 
 } // namespace
 
-TEST_CASE("a vertex that is not finite is left out where no cell has it", "[medit]") {
+TEST_CASE("a vertex that is not finite is left out if no cell uses it", "[medit]") {
     const std::string dirty =
         with(with(cube, "Vertices 8", "Vertices 9"), "\nRequired", "\nnan 0 inf 3\nRequired");
     CHECK(refusal_of(dirty) == "file.mesh: the coordinates of a vertex are not finite (line 13)");
@@ -78,7 +78,7 @@ TEST_CASE("a mesh of tetrahedra is read with its surface", "[medit]") {
     CHECK(file.faces.empty());
 }
 
-TEST_CASE("a mesh of tetrahedra is written with everything else as it was", "[medit]") {
+TEST_CASE("writing a mesh of tetrahedra changes only its vertices", "[medit]") {
     const ObjFile file = mesh_of(cube);
     CHECK(to_text(file, file.vertices) == cube);
     auto moved = file.vertices;
@@ -93,7 +93,7 @@ TEST_CASE("a mesh of tetrahedra is written with everything else as it was", "[me
     CHECK(again.tetrahedra == file.tetrahedra);
 }
 
-TEST_CASE("a .mesh file of a surface has the triangles that it says", "[medit]") {
+TEST_CASE("the triangles of a .mesh file of a surface are read", "[medit]") {
     const ObjFile file =
         mesh_of("MeshVersionFormatted 1 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 1 1 0 0 0 1 0 0 "
                 "Triangles 1 1 2 3 0 Quadrilaterals 1 1 2 3 4 0");
@@ -101,7 +101,7 @@ TEST_CASE("a .mesh file of a surface has the triangles that it says", "[medit]")
     CHECK(file.triangles == detail::Triangles{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}});
 }
 
-TEST_CASE("broken .mesh files are refused by line", "[medit]") {
+TEST_CASE("broken .mesh files are refused with the line", "[medit]") {
     CHECK(refusal_of("") == "file.mesh: is empty");
     CHECK(refusal_of("v 0 0 0\n") ==
           "file.mesh: is not a .mesh file, which begins with MeshVersionFormatted (line 1)");

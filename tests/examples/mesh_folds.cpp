@@ -87,7 +87,7 @@ double least_ratio(const ObjFile& mesh, const Points& moved) {
 
 } // namespace
 
-TEST_CASE("a bar goes as far as bisection finds before a tetrahedron folds", "[mesh_folds]") {
+TEST_CASE("the largest step before a fold is that of bisection", "[mesh_folds]") {
     int stopped = 0;
     for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
         CAPTURE(seed);
@@ -158,7 +158,7 @@ TEST_CASE("folds around vertices do not depend on batches", "[mesh_folds]") {
     }
 }
 
-TEST_CASE("a tetrahedron that is flat at rest is named", "[mesh_folds]") {
+TEST_CASE("a tetrahedron that is flat at rest is reported", "[mesh_folds]") {
     ObjFile mesh = bar();
     mesh.tetrahedra[4] = {0, 1, 2, 3};
     const MeshFolds folds = folds_of_cells(mesh, mesh.vertices, {});

@@ -38,7 +38,7 @@ bool is_plain(const std::string& text) {
 
 } // namespace
 
-TEST_CASE("what is plain is printed as it is", "[examples][guard]") {
+TEST_CASE("plain text is printed unchanged", "[examples][guard]") {
     for (const std::string text : {"", "cat.svg", "a \"b\" \\x1b",
                                    "K\xc3\xa4"
                                    "fig \xe2\x88\x91 \xf0\x9f\x90\x88",
@@ -49,7 +49,7 @@ TEST_CASE("what is plain is printed as it is", "[examples][guard]") {
     }
 }
 
-TEST_CASE("control characters and bytes that are no UTF-8 are printed as numbers", "[examples][guard]") {
+TEST_CASE("control characters and invalid UTF-8 are printed as numbers", "[examples][guard]") {
     CHECK(printable("\x1b[31mred") == "\\x1b[31mred");
     CHECK(printable("a\nb\r\x7f\x08") == "a\\x0ab\\x0d\\x7f\\x08");
     CHECK(printable(std::string("\0", 1)) == "\\x00");
@@ -63,7 +63,7 @@ TEST_CASE("control characters and bytes that are no UTF-8 are printed as numbers
     CHECK(printable("\xe2\x88") == "\\xe2\\x88");                   // cut off
 }
 
-TEST_CASE("whatever is printed is plain, and plain text is left alone", "[examples][guard][property]") {
+TEST_CASE("printed text is always plain, and plain text is unchanged", "[examples][guard][property]") {
     const unsigned seed = GENERATE(range(0U, 20U));
     CAPTURE(seed);
     std::mt19937 random(seed);

@@ -89,7 +89,7 @@ Point3 turned_about_y(const Point3& p, double angle) {
 
 } // namespace
 
-TEST_CASE("an OBJ file at rest is written to the byte", "[examples][obj]") {
+TEST_CASE("an OBJ file at rest is written byte for byte", "[examples][obj]") {
     for (const std::string& text : {cube, everything}) {
         const ObjFile file = parsed(text);
         CHECK(to_text(file, file.vertices) == text);
@@ -128,7 +128,7 @@ TEST_CASE("only the numbers that change are written anew", "[examples][obj]") {
     CHECK(text.substr(behind) == expected.substr(expected.find("\no thing")));
 }
 
-TEST_CASE("what is written is read back to the bit", "[examples][obj]") {
+TEST_CASE("an OBJ file written and read is unchanged to the bit", "[examples][obj]") {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));
@@ -141,7 +141,7 @@ TEST_CASE("what is written is read back to the bit", "[examples][obj]") {
     CHECK(again.normals == MovedNormals(file, {moved}).of_file());
 }
 
-TEST_CASE("normals turn with the mesh and keep their length", "[examples][obj]") {
+TEST_CASE("normals rotate with the mesh and keep their length", "[examples][obj]") {
     const ObjFile file = parsed(cube);
     const double angle = GENERATE(0.0, 0.3, 1.5707963267948966, 3.0, std::numbers::pi, -2.0);
     CAPTURE(angle);
@@ -176,7 +176,7 @@ TEST_CASE("a normal moves by the inverse transpose of the Jacobian", "[examples]
     CHECK_FALSE(moved_normal(jacobian, n));
 }
 
-TEST_CASE("vertices that are not finite are left out where no face has them", "[examples][obj]") {
+TEST_CASE("vertices that are not finite are left out if no face uses them", "[examples][obj]") {
     const std::string text = "v nan 0 0\nv 1 2 3\nv 2 2 3\nv 1 inf 3\nv 1 3 3\nf 2 3 5\n";
     CHECK(refusal(text) == "file.obj: the coordinates of a vertex are not finite (line 1)");
     const auto file = parse_obj(text, "file.obj", StrayVertices::leave_out);
@@ -199,7 +199,7 @@ TEST_CASE("the documented table of statements is that of the code", "[examples][
     CHECK(document->find("\n\n" + statement_table() + '\n') != std::string::npos);
 }
 
-TEST_CASE("numbers of materials that cannot be used are named, and the defaults are taken",
+TEST_CASE("unusable numbers of materials are reported and replaced by the defaults",
           "[examples][obj][property]") {
     const auto seed = GENERATE(range(0, 40));
     CAPTURE(seed);
@@ -262,7 +262,7 @@ TEST_CASE("numbers of materials that cannot be used are named, and the defaults 
     CHECK(is.roughness == should.roughness);
 }
 
-TEST_CASE("tangents go along u, and their side is that of v", "[examples][obj][gltf]") {
+TEST_CASE("tangents point along u, and their sign is that of v", "[examples][obj][gltf]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));
@@ -294,7 +294,7 @@ TEST_CASE("tangents go along u, and their side is that of v", "[examples][obj][g
     }
 }
 
-TEST_CASE("faces are turned over in the text alone", "[examples][obj]") {
+TEST_CASE("reversing faces changes only the order of their corners in the text", "[examples][obj]") {
     for (const std::string& text : {cube, everything}) {
         const ObjFile file = parsed(text), turned = with_faces_turned_over(file), read = parsed(turned.text);
         CHECK(with_faces_turned_over(turned).text == text);
@@ -335,7 +335,7 @@ TEST_CASE("a normal of several faces follows their mean, weighted by area", "[ex
     CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // no direction is left
 }
 
-TEST_CASE("faces are cut into triangles that look one way", "[examples][obj]") {
+TEST_CASE("faces are triangulated with one orientation", "[examples][obj]") {
     const int corners = GENERATE(4, 5, 6, 9);
     const double offset = GENERATE(0.0, 5.0, -3.0);
     const bool dented = GENERATE(false, true);
@@ -355,7 +355,7 @@ TEST_CASE("faces are cut into triangles that look one way", "[examples][obj]") {
     CHECK(both.sum == Approx(detail::area_vector(file.faces[0], file.vertices)[2]));
 }
 
-TEST_CASE("a face that crosses itself is reported as folded", "[examples][obj]") {
+TEST_CASE("a self-intersecting face is reported as folded", "[examples][obj]") {
     for (const char* last : {"v 0 4 0\n", "v 0 1 0\n"}) { // with no area in sum, and with some
         const ObjFile file =
             parsed("v 0 0 0\nv 4 4 0\nv 4 0 0\n" + (last + std::string("f 1 2 3\nf 1 2 3 4\n")));
@@ -363,7 +363,7 @@ TEST_CASE("a face that crosses itself is reported as folded", "[examples][obj]")
     }
 }
 
-TEST_CASE("a file of another format is told by its first bytes", "[examples][obj]") {
+TEST_CASE("a file of another format is recognized by its first bytes", "[examples][obj]") {
     std::string binary_stl(84, ' ');
     binary_stl[80] = 2;
     std::fill(binary_stl.begin() + 81, binary_stl.end(), '\0');
@@ -395,7 +395,7 @@ TEST_CASE("a file of another format is told by its first bytes", "[examples][obj
     CHECK(parse_obj("# solid\no MM\nv 0 0 0\n", "mesh.obj")); // begins like none of them
 }
 
-TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][obj]") {
+TEST_CASE("faults of an OBJ file are reported with their lines", "[examples][obj]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(refusal("") == "file.obj: is empty");
     CHECK(refusal("# nothing\n") == "file.obj: holds no vertices (lines \"v x y z\")");
@@ -428,7 +428,7 @@ TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][o
           "file.obj: a normal index is 0; indices count from 1 (line 5)");
 }
 
-TEST_CASE("OBJ files that cannot be read are named", "[examples][obj]") {
+TEST_CASE("unreadable OBJ files are reported by name", "[examples][obj]") {
     const auto missing = load_obj("no/such/file.obj");
     REQUIRE_FALSE(missing);
     CHECK(to_string(missing.error()) == "no/such/file.obj: no such file");
@@ -437,7 +437,8 @@ TEST_CASE("OBJ files that cannot be read are named", "[examples][obj]") {
     CHECK(to_string(folder.error()) == ".: is a folder");
 }
 
-TEST_CASE("copies of vertices that a file rounds apart are joined, others never", "[examples][obj]") {
+TEST_CASE("copies of a vertex that differ by rounding are joined, other vertices are not",
+          "[examples][obj]") {
     const auto seed = GENERATE(seeds(10));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));
@@ -471,7 +472,7 @@ TEST_CASE("copies of vertices that a file rounds apart are joined, others never"
     }
 }
 
-TEST_CASE("normals that several vertices share are exact at each of them", "[examples][obj]") {
+TEST_CASE("a normal shared by several vertices is exact at each of them", "[examples][obj]") {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));
@@ -514,7 +515,7 @@ TEST_CASE("normals that several vertices share are exact at each of them", "[exa
     }
 }
 
-TEST_CASE("no text, however broken, ends the OBJ reader", "[examples][obj][fuzz]") {
+TEST_CASE("no text crashes the OBJ reader", "[examples][obj][fuzz]") {
     const auto seed = GENERATE(seeds(300));
     CAPTURE(seed);
     std::mt19937_64 random(static_cast<unsigned>(seed));

@@ -11,7 +11,7 @@ namespace picture_tests {
 using namespace cageform_tests;
 using namespace cageform_support;
 
-TEST_CASE("a number on an axis, read back, is the value at its mark", "[examples][picture][property]") {
+TEST_CASE("the number at a tick of an axis is the value there", "[examples][picture][property]") {
     const auto seed = GENERATE(seeds(500));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 11);
@@ -51,7 +51,7 @@ TEST_CASE("numbers on axes are short", "[examples][picture]") {
     CHECK(words(3, 3, 5).empty());
 }
 
-TEST_CASE("the colour beside a number of a colour bar is that of the number",
+TEST_CASE("the colour next to a number of a colour bar is that of the number",
           "[examples][picture][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -79,7 +79,7 @@ TEST_CASE("the colour beside a number of a colour bar is that of the number",
     }
 }
 
-TEST_CASE("the heat fades through white at zero", "[examples][picture]") {
+TEST_CASE("the colour map is white at zero", "[examples][picture]") {
     double before = 0;
     for (int n = -1000; n < 1000; ++n) {
         const Colour a = heat(n * 1e-3), b = heat((n + 1) * 1e-3);
@@ -93,7 +93,7 @@ TEST_CASE("the heat fades through white at zero", "[examples][picture]") {
     CHECK(heat(0.03).b < heat(0.03).r);
 }
 
-TEST_CASE("a picture is placed where it fits", "[examples][picture]") {
+TEST_CASE("a picture is placed into another and cut off at its border", "[examples][picture]") {
     Picture board(5, 4, {0, 0, 0});
     board.place(Picture(3, 3, {1, 0.5f, 0}), 3, 2);
     for (std::size_t y = 0; y < 4; ++y) {

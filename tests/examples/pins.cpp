@@ -45,7 +45,7 @@ std::string text_of(const Vec<double, D>& p) {
 
 } // namespace
 
-TEST_CASE("a pin is a place, a target and a turn", "[pins]") {
+TEST_CASE("a pin has a place, a target and a turn", "[pins]") {
     const auto stays = pin_of<2>("915,165");
     CHECK(stays.place == Vec<double, 2>{915, 165});
     CHECK(stays.target == stays.place);
@@ -83,7 +83,7 @@ TEST_CASE("a pin in space may name a vertex, and turns about an axis", "[pins]")
     CHECK(refusal_of<3>("1e308,2,3:+1e308,0,0").ends_with("the target leaves the range of numbers"));
 }
 
-TEST_CASE("pins of a file are those that were written", "[pins]") {
+TEST_CASE("pins written and read are unchanged", "[pins]") {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> number(-1e3, 1e3);
     const auto place = [&](auto p) {
@@ -132,7 +132,7 @@ TEST_CASE("pins of a file are those that were written", "[pins]") {
     CHECK(parse_pins<2>(plane, "pins.csv")->at(1).name == "pins.csv:4");
 }
 
-TEST_CASE("lines that are no pins are refused with their number", "[pins]") {
+TEST_CASE("invalid lines of pins are refused with their number", "[pins]") {
     const auto refused = [](const std::string& text, auto dimension) {
         const auto pins = parse_pins<decltype(dimension)::value>(text, "p.csv");
         return pins ? std::string("taken") : pins.error().message;
@@ -156,7 +156,7 @@ TEST_CASE("lines that are no pins are refused with their number", "[pins]") {
     CHECK(refused("0,1,2,3", Space()) == "p.csv:1: there is no vertex 0: the figure has 0, counted from 0");
 }
 
-TEST_CASE("contradictions are pins at one place with two targets", "[pins]") {
+TEST_CASE("pins at one place with two targets contradict each other", "[pins]") {
     std::vector<Pin<2>> pins{pin_of<2>("1,2:3,4"), pin_of<2>("1,2:3,4"), pin_of<2>("1,3:5,6")};
     CHECK(contradiction(pins) == "");
     pins.push_back(pin_of<2>("1,3"));
@@ -165,7 +165,7 @@ TEST_CASE("contradictions are pins at one place with two targets", "[pins]") {
           "the same place: the figure goes between them");
 }
 
-TEST_CASE("tracks that are written are markers that are read", "[pins]") {
+TEST_CASE("markers written and read are unchanged", "[pins]") {
     std::mt19937 random(11);
     std::uniform_int_distribution<int> hundredths(-10000, 10000);
     const auto point = [&] { return Point2{hundredths(random) / 100.0, hundredths(random) / 100.0}; };
@@ -212,7 +212,7 @@ TEST_CASE("tracks that are written are markers that are read", "[pins]") {
     }
 }
 
-TEST_CASE("markers that are lost go on to where they are seen next", "[pins]") {
+TEST_CASE("a lost marker is interpolated to its next position", "[pins]") {
     const auto clip = parse_markers("3,1,1,9,9\n4,,,8,8\n5,3,1,,\n6,,,7,8\n", "m.csv");
     REQUIRE(clip);
     CHECK(clip->length == 3.5); // back to the first row

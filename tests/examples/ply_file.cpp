@@ -179,8 +179,7 @@ TEST_CASE("PLY files of any layout are read in blocks of any size", "[examples][
     }
 }
 
-TEST_CASE("PLY files that are cut off anywhere, or spoilt, end with an error or are read",
-          "[examples][ply]") {
+TEST_CASE("truncated or corrupted PLY files are read or refused", "[examples][ply]") {
     for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -206,7 +205,7 @@ TEST_CASE("PLY files that are cut off anywhere, or spoilt, end with an error or 
     }
 }
 
-TEST_CASE("what is wrong with a PLY file is said", "[examples][ply]") {
+TEST_CASE("faults of a PLY file are reported", "[examples][ply]") {
     const std::string ascii = "ply\nformat ascii 1.0\n", binary = "ply\nformat binary_little_endian 1.0\n";
     CHECK(fault_of(ascii + "element vertex 1\n" + xyz + "end_header\n1 2 3\n").empty());
     CHECK(fault_of(
@@ -254,7 +253,7 @@ TEST_CASE("what is wrong with a PLY file is said", "[examples][ply]") {
     CHECK(!none.may_retry());
 }
 
-TEST_CASE("points are the vertices of OBJ files and arrays of numpy", "[examples][ply][points]") {
+TEST_CASE("points are read from OBJ files and numpy arrays", "[examples][ply][points]") {
     const auto points_of = [](const std::string& text, const std::string& path) {
         const Written file(text, path);
         PointFile points(file.path);

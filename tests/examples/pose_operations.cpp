@@ -77,7 +77,7 @@ constexpr auto move = PoseOperation::move, turn = PoseOperation::turn, scale = P
 
 } // namespace
 
-TEST_CASE("selections are numbers, spans and places", "[examples][pose]") {
+TEST_CASE("selections are numbers, ranges and boxes", "[examples][pose]") {
     const Points<2> rest{{0, 0}, {10, 0}, {20, 5}, {10, 10}, {0, 10}};
     using List = std::vector<std::size_t>;
     CHECK(selected(rest, "3") == List{3});
@@ -130,7 +130,7 @@ TEMPLATE_TEST_CASE_SIG("an operation and its inverse return to rest", "[examples
     }
 }
 
-TEST_CASE("operations are done in their order", "[examples][pose]") {
+TEST_CASE("operations are applied in their order", "[examples][pose]") {
     const Points<2> rest{{1, 0}, {2, 0}};
     CHECK(posed(rest, {{move, "all:1,0"}, {turn, "all:90@0,0"}}) == Points<2>{{0, 2}, {0, 3}});
     CHECK(posed(rest, {{turn, "all:90@0,0"}, {move, "all:1,0"}}) == Points<2>{{1, 1}, {1, 2}});
@@ -142,8 +142,8 @@ TEST_CASE("operations are done in their order", "[examples][pose]") {
           Points<2>{{6, 0}, {13, 0}});
 }
 
-TEMPLATE_TEST_CASE_SIG("moves and turns keep lengths, and what is not selected", "[examples][pose]",
-                       ((std::size_t D), D), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("moves and turns keep lengths and the points that are not selected",
+                       "[examples][pose]", ((std::size_t D), D), 2, 3) {
     const unsigned seed = GENERATE(range(0u, 20u));
     CAPTURE(seed);
     const auto rest = random_points<D>(seed);
@@ -202,7 +202,7 @@ TEMPLATE_TEST_CASE_SIG("a bend keeps the lengths of its axis", "[examples][pose]
     CHECK(kept < 1e-12);
 }
 
-TEST_CASE("a bend has right angles to its axis, and no break", "[examples][pose]") {
+TEST_CASE("a bend is perpendicular to its axis and smooth", "[examples][pose]") {
     const unsigned seed = GENERATE(range(0u, 20u));
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -236,7 +236,7 @@ TEST_CASE("a twist keeps heights and distances from its axis", "[examples][pose]
     CHECK(worst < 1e-12);
 }
 
-TEST_CASE("what is no operation is named", "[examples][pose]") {
+TEST_CASE("text that is not an operation is reported", "[examples][pose]") {
     CHECK(refusal<2>(move, "3,1,2") ==
           "\"3,1,2\" has no colon between the vertices and the numbers, such as 5-9:30");
     CHECK(refusal<2>(move, "12:1,2") == "there is no vertex 12: the cage has 12, 0 to 11");
@@ -267,7 +267,7 @@ TEST_CASE("what is no operation is named", "[examples][pose]") {
     CHECK(refusal<2>(scale, "all:1e300@1e300,1e300") == "vertex 0 leaves the range of numbers");
 }
 
-TEST_CASE("cages are read back to the bit", "[examples][cage]") {
+TEST_CASE("cages written and read are unchanged to the bit", "[examples][cage]") {
     const unsigned seed = GENERATE(range(0u, 20u));
     CAPTURE(seed);
     std::vector<CageBlock> blocks;

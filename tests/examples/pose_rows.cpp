@@ -213,7 +213,7 @@ TEST_CASE("a table gives the rows of any part, to the bit", "[examples][rows]") 
     check_table<3>(random);
 }
 
-TEST_CASE("rows that are no poses are named by their lines", "[examples][rows]") {
+TEST_CASE("rows that are not poses are reported with their lines", "[examples][rows]") {
     CHECK(refusal<2>("", 1) == "file: is empty");
     CHECK(refusal<2>("# 1,2\n\n", 1) == "file: holds no poses");
     CHECK(refusal<2>("\n1,2\n3\n", 1) ==
@@ -272,7 +272,7 @@ TEST_CASE("rows of a clip are its poses at equal steps of time", "[examples][row
     CHECK((*pose)[1] == Vec<double, 2>{5, 5});
 }
 
-TEST_CASE("every format gives points and faces back, to the bit", "[examples][rows]") {
+TEST_CASE("points and faces written and read in every format are unchanged to the bit", "[examples][rows]") {
     const auto seed = GENERATE(range(0, cageform_tests::effort(20, 4)));
     CAPTURE(seed);
     std::mt19937 random(static_cast<unsigned>(seed));
@@ -282,7 +282,7 @@ TEST_CASE("every format gives points and faces back, to the bit", "[examples][ro
     check_formats<double, 3>(random);
 }
 
-TEST_CASE("a mesh at rest is its file again, in single precision too", "[examples][rows]") {
+TEST_CASE("a mesh at rest is written as its own file, also in single precision", "[examples][rows]") {
     const std::string text =
         "# a mesh\no box\nv 0.1 0.2 -0.30 1 0 0\nv 1.1 0 0\nv 0.7 1e-3 5\nv 3 3 0.3333333\n"
         "vn 0 0 1\nf 1//1 2//1 3//1 4//1\ns off\nf 3 2 1\n";
@@ -313,7 +313,7 @@ TEST_CASE("a mesh at rest is its file again, in single precision too", "[example
     CHECK(number_at<std::uint32_t>(body, 3604 + 4 * 299) == 299);
 }
 
-TEST_CASE("rows are two numbers, and a path has one place for them", "[examples][rows]") {
+TEST_CASE("a range of rows is two numbers, and a path has one place for a number", "[examples][rows]") {
     const auto rows = [](const char* text) {
         const auto range = RowRange::of(text);
         return range ? std::pair(range->first, range->end) : std::pair(std::size_t{9}, std::size_t{0});

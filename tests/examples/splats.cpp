@@ -144,7 +144,7 @@ TEST_CASE("every matrix is the product of its singular values and of orthogonal 
     if (seed % 4 == 1 || seed % 4 == 3) CHECK(determinant(values.left) > 0);
 }
 
-TEST_CASE("the polar decomposition gives the rotation back, reflections too", "[splats]") {
+TEST_CASE("the polar decomposition returns the rotation, also of reflections", "[splats]") {
     const int seed = GENERATE(range(0, 200));
     CAPTURE(seed);
     Random random(seed);
@@ -179,7 +179,7 @@ TEST_CASE("affine poses of splats are exact: covariance, place, opacity", "[spla
     }
 }
 
-TEST_CASE("a cage's affine poses are exact for splats in it", "[splats]") {
+TEST_CASE("affine poses of a cage are exact for the splats inside it", "[splats]") {
     const int seed = GENERATE(range(0, 5));
     CAPTURE(seed);
     Random random(seed);
@@ -208,7 +208,7 @@ TEST_CASE("a cage's affine poses are exact for splats in it", "[splats]") {
     }
 }
 
-TEST_CASE("turned harmonics are the function at turned directions, reflections too", "[splats]") {
+TEST_CASE("rotated harmonics are the function at rotated directions, also for reflections", "[splats]") {
     const int seed = GENERATE(range(0, 100));
     CAPTURE(seed);
     Random random(seed);
@@ -239,7 +239,7 @@ TEST_CASE("turned harmonics are the function at turned directions, reflections t
     }
 }
 
-TEST_CASE("the turned harmonics of a file are exact to its digits", "[splats]") {
+TEST_CASE("the rotated harmonics of a file are exact to its digits", "[splats]") {
     const int seed = GENERATE(range(0, 60));
     CAPTURE(seed);
     Random random(seed);
@@ -257,7 +257,8 @@ TEST_CASE("the turned harmonics of a file are exact to its digits", "[splats]") 
     }
 }
 
-TEST_CASE("the halves of a splat have its mass, mean and second moment, at rest and posed", "[splats]") {
+TEST_CASE("the halves of a split splat have its mass, mean and second moment, at rest and posed",
+          "[splats]") {
     const int seed = GENERATE(range(0, 100));
     CAPTURE(seed);
     Random random(seed);
@@ -293,7 +294,7 @@ TEST_CASE("the halves of a splat have its mass, mean and second moment, at rest 
           std::max(stretch_of(whole, posed), 1e-300) * (1 + 1e-12));
 }
 
-TEST_CASE("where nothing moves the bytes of splats stay", "[splats]") {
+TEST_CASE("splats that do not move keep their bytes", "[splats]") {
     const int seed = GENERATE(range(0, 20));
     CAPTURE(seed);
     Random random(seed);
@@ -306,7 +307,7 @@ TEST_CASE("where nothing moves the bytes of splats stay", "[splats]") {
     CHECK(bytes_of(*read) == before);
 }
 
-TEST_CASE("degenerate splats and poses leave finite numbers", "[splats]") {
+TEST_CASE("degenerate splats and poses give finite numbers", "[splats]") {
     const std::array<SplatShape, 5> shapes{SplatShape{{0, 0, 0, 0}, {-1, -2, -3}},
                                            {{1, 0, 0, 0}, {-1000, -1000, -1000}},
                                            {{0, 0, 3, 0}, {-1000, -1, -1}},
@@ -332,7 +333,7 @@ TEST_CASE("degenerate splats and poses leave finite numbers", "[splats]") {
     }
 }
 
-TEST_CASE("normals of splats turn as those of a surface", "[splats]") {
+TEST_CASE("normals of splats rotate as those of a surface", "[splats]") {
     const int seed = GENERATE(range(0, 20));
     CAPTURE(seed);
     Random random(seed);
@@ -373,7 +374,7 @@ TEST_CASE("other properties of a scene are kept, in their order", "[splats]") {
     }
 }
 
-TEST_CASE("a broken scene is named, with what is wrong and where", "[splats]") {
+TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") {
     Random random(5);
     SplatFile scene = random_scene(random, 1, 4);
     const std::string good = bytes_of(scene);
@@ -520,7 +521,7 @@ TEST_CASE("elements before and after the splats keep their bytes", "[splats]") {
     CHECK(read->header_text(3) == header);
 }
 
-TEST_CASE("headers that are cut or have bytes changed are read or refused", "[splats]") {
+TEST_CASE("truncated or changed headers are read or refused", "[splats]") {
     Random random(6);
     const std::string good = bytes_of(random_scene(random, 1, 2));
     std::size_t refused = 0;
@@ -560,7 +561,7 @@ TEST_CASE("splats made on a mesh lie on it, and are the same for the same seed",
     CHECK(splats_on(mesh, {300, 2, 10}).rows != scene.rows);
 }
 
-TEST_CASE("a scene turned by a quarter looks the same from a quarter farther", "[splats]") {
+TEST_CASE("a quarter turn of the scene is a quarter turn of the view", "[splats]") {
     const int seed = GENERATE(range(0, 3));
     CAPTURE(seed);
     Random random(seed);
@@ -584,7 +585,7 @@ TEST_CASE("a scene turned by a quarter looks the same from a quarter farther", "
     CHECK(most <= 0.5 / 255 + 1.0 / 255);
 }
 
-TEST_CASE("one opaque splat is a Gaussian on the picture", "[splats]") {
+TEST_CASE("one opaque splat is a Gaussian in the picture", "[splats]") {
     SplatFile scene = empty_scene(0);
     // Two transparent ones frame it.
     for (const double x : {-1.0, 1.0}) append(scene, {{x, 0, 0}, {{1, 0, 0, 0}, {-9, -9, -9}}, -30, {}, {}});

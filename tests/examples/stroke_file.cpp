@@ -61,7 +61,7 @@ TEST_CASE("colours are read as CSS writes them", "[examples][strokes]") {
         CHECK(std::lround(255 * to_displayed(to_linear(byte / 255.0))) == byte);
 }
 
-TEST_CASE("a drawing's strokes have values along them", "[examples][strokes]") {
+TEST_CASE("strokes of a drawing have values along their length", "[examples][strokes]") {
     const auto file =
         strokes_of("<g transform=\"translate(10 0)\"><path id=\"a\" stroke=\"red\" data-height=\"0 1\" "
                    "d=\"M0,10 H30 V40\"/></g><circle data-height=\"0.5\" cx=\"80\" cy=\"20\" r=\"8\"/>"
@@ -97,7 +97,7 @@ TEST_CASE("a drawing's strokes have values along them", "[examples][strokes]") {
           "stroke_file_test.svg: path \"far\" (line 1) extends beyond the picture (its viewBox)");
 }
 
-TEST_CASE("level lines lie where the field has the value, and end at the rim alone",
+TEST_CASE("level lines lie where the field has the value, and end only at the boundary",
           "[examples][strokes][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);

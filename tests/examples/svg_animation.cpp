@@ -145,7 +145,7 @@ double difference(const std::string& a, const std::string& b) {
 
 } // namespace
 
-TEST_CASE("a frame is what a still of its pose shows", "[examples][svg_document][animate][property]") {
+TEST_CASE("a frame is the picture deformed by its pose", "[examples][svg_document][animate][property]") {
     const unsigned seed = GENERATE(1u, 2u, 3u, 4u);
     CAPTURE(seed);
     const auto waves = random_waves(seed);
@@ -303,7 +303,7 @@ std::vector<pugi::xml_node> animations_of(pugi::xml_node node, const std::string
 
 } // namespace
 
-TEST_CASE("what is played shows every frame within the tolerance",
+TEST_CASE("an animation shows every frame within the tolerance",
           "[examples][svg_document][animate][property]") {
     const unsigned seed = GENERATE(1u, 2u, 3u, 4u, 5u, 6u);
     CAPTURE(seed);
@@ -359,7 +359,7 @@ TEST_CASE("what is played shows every frame within the tolerance",
     CHECK(by_id(moving.document, "a").child("animate"));
 }
 
-TEST_CASE("a pose there and back takes three key frames", "[examples][svg_document][animate]") {
+TEST_CASE("a pose and the way back need three key frames", "[examples][svg_document][animate]") {
     const FrameDeformer there_and_back = [](std::span<const Point2> in, std::span<const PointRole>,
                                             std::span<Point2> out) {
         for (std::size_t n = 0; n < out.size(); ++n) {
@@ -387,7 +387,7 @@ TEST_CASE("a pose there and back takes three key frames", "[examples][svg_docume
     }
 }
 
-TEST_CASE("what moves by one affine map is moved by a transform", "[examples][svg_document][animate]") {
+TEST_CASE("an affine motion is written as a transform", "[examples][svg_document][animate]") {
     const Affine2 turned{0.8, 0.6, -0.6, 0.8, 30, -10}, stretched{1.5, 0, 0, 0.7, 3, 4};
     struct Case {
         const char* content;
@@ -430,7 +430,7 @@ TEST_CASE("what moves by one affine map is moved by a transform", "[examples][sv
     CHECK(std::hypot(p.x - q.x, p.y - q.y) < 1e-6);
 }
 
-TEST_CASE("the picture holds all frames when asked", "[examples][svg_document][animate][fit]") {
+TEST_CASE("--fit makes room for all frames", "[examples][svg_document][animate][fit]") {
     const std::string square =
         R"(<svg viewBox="0 0 100 100"><rect x="40" y="40" width="20" height="20"/></svg>)";
     const std::vector<Wave> waves{{{1, 0, 0, 1, 0, 0}}, {{1, 0, 0, 1, 100, 0}}, {{1, 0, 0, 1, 0, -90}}};
@@ -444,7 +444,7 @@ TEST_CASE("the picture holds all frames when asked", "[examples][svg_document][a
     CHECK(view.y + view.height == Approx(100).epsilon(0).margin(0.5));
 }
 
-TEST_CASE("what moves in no frame stays as it was written", "[examples][svg_document][animate]") {
+TEST_CASE("an element that does not move stays as written", "[examples][svg_document][animate]") {
     const SvgDocument document = parsed(drawing);
     const auto rest = animate(
         document,
@@ -458,7 +458,7 @@ TEST_CASE("what moves in no frame stays as it was written", "[examples][svg_docu
     CHECK(rest->tracks.empty());
 }
 
-TEST_CASE("a layer is what its element holds", "[examples][svg_document][animate]") {
+TEST_CASE("a layer is the content of its element", "[examples][svg_document][animate]") {
     const std::string text =
         R"(<svg viewBox="0 0 9 9"><g id="late"><rect id="a" width="1" height="1"/></g><rect id="b" width="1" height="1"/></svg>)";
     const FrameDeformer by_layer = [](std::span<const Point2> in, std::span<const PointRole> roles,
@@ -494,7 +494,7 @@ detail::Box drawn_box(std::string_view text) {
 
 } // namespace
 
-TEST_CASE("letters on a path move with it, once", "[examples][svg_document][text]") {
+TEST_CASE("text on a path moves with it, and only once", "[examples][svg_document][text]") {
     const Wave right{{1, 0, 0, 1, 30, 5}};
     const auto deformed = [&](std::string_view text) {
         SvgDocument document = parsed(text);
@@ -540,7 +540,7 @@ TEST_CASE("letters on a path move with it, once", "[examples][svg_document][text
     }
 }
 
-TEST_CASE("letters on a path reach as far as they stand along it", "[examples][svg_document][text]") {
+TEST_CASE("text on a path extends as far as its letters", "[examples][svg_document][text]") {
     // Three letters of size 10 from 20 along a line: from 25 to 43, 8 to either side.
     const auto box = drawn_box(
         R"x(<svg viewBox="0 0 100 100"><defs><path id="p" d="M5 50 L95 50"/></defs>
@@ -555,7 +555,7 @@ TEST_CASE("letters on a path reach as far as they stand along it", "[examples][s
               .empty());
 }
 
-TEST_CASE("a cage is about what is seen on the page", "[examples][svg_document][cage]") {
+TEST_CASE("a cage surrounds what is visible on the page", "[examples][svg_document][cage]") {
     const auto width_of = [](std::string_view text) {
         const auto figure = drawn_figure(parsed(text));
         REQUIRE(figure);
@@ -576,7 +576,7 @@ TEST_CASE("a cage is about what is seen on the page", "[examples][svg_document][
     CHECK(width_of(R"(<svg width="9" height="9">)" + on + beside + "</svg>") == Approx(2));
 }
 
-TEST_CASE("what no renderer draws is nothing", "[examples][svg_document][text]") {
+TEST_CASE("elements that no renderer draws are ignored", "[examples][svg_document][text]") {
     CHECK(
         drawn_box(
             R"x(<svg viewBox="0 0 9 9"><switch><foreignObject requiredExtensions="&ns_ai;" width="1" height="1"/>

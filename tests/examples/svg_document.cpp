@@ -180,7 +180,7 @@ const std::string rich = R"xml(<?xml version="1.0" encoding="UTF-8"?>
 
 } // namespace
 
-TEST_CASE("loading: each kind of wrong file has its own message", "[examples][svg_document][load]") {
+TEST_CASE("each kind of wrong file has its own message", "[examples][svg_document][load]") {
     const Folder folder;
     const auto message = [&](const fs::path& path) {
         const auto document = load_svg(path);
@@ -213,7 +213,7 @@ TEST_CASE("loading: each kind of wrong file has its own message", "[examples][sv
     CHECK(document->name == "a.svg");
 }
 
-TEST_CASE("what is not deformed is written as it was read", "[examples][svg_document][save]") {
+TEST_CASE("an unchanged document is written as it was read", "[examples][svg_document][save]") {
     CHECK(to_text(parsed(rich)) == rich);
     const std::string once = deformed(rich, wave).text;
     CHECK(to_text(parsed(once)) == once);
@@ -242,7 +242,7 @@ TEST_CASE("other encodings are written as UTF-8", "[examples][svg_document][load
     CHECK(to_text(parsed("\xef\xbb\xbf<svg/>")) == "<svg/>");
 }
 
-TEST_CASE("every basic shape becomes the path of the recommendation", "[examples][svg_document][shapes]") {
+TEST_CASE("every basic shape becomes the path of the SVG specification", "[examples][svg_document][shapes]") {
     CHECK(drawn(R"(<rect x="1" y="2" width="3" height="4"/>)") == "M1 2 L4 2 L4 6 L1 6 Z");
     CHECK(drawn(R"(<rect width="10%" height="5mm"/>)") == "M0 0 L10 0 L10 18.8976 L0 18.8976 Z");
     CHECK(drawn(R"(<line x1="1" y1="2" x2="3"/>)") == "M1 2 L3 0");
@@ -306,7 +306,7 @@ TEST_CASE("transforms accumulate through groups, viewBoxes and nested documents"
     CHECK(view_box(parsed(R"(<svg viewBox="1 2 3" width="70" height="9"/>)")).width == 70);
 }
 
-TEST_CASE("only what is drawn is a shape", "[examples][svg_document][shapes]") {
+TEST_CASE("only drawn elements are shapes", "[examples][svg_document][shapes]") {
     const std::string_view hidden = R"(<defs><path d="M0 0L1 1"/></defs><symbol><path d="M0 0L1 1"/></symbol>
         <pattern><path d="M0 0L1 1"/></pattern><marker><path d="M0 0L1 1"/></marker>
         <clipPath><path d="M0 0L1 1"/></clipPath><mask><path d="M0 0L1 1"/></mask><x:path xmlns:x="y" d="M0 0L1 1"/>)";
@@ -343,7 +343,7 @@ TEST_CASE("an element becomes a path in its place and keeps its other attributes
     CHECK_FALSE(contains(deformed(svg(R"(<path sodipodi:type="star" d="M0 0L1 1"/>)"), shift).text, "star"));
 }
 
-TEST_CASE("what has not moved stays as it was written", "[examples][svg_document][deform]") {
+TEST_CASE("an element that has not moved stays as written", "[examples][svg_document][deform]") {
     const Result all = deformed(rich, identity);
     CHECK(all.text == rich);
     CHECK(all.report.shapes == shapes_of(rich).size() + 2); // the text's box, and what the clip path holds
@@ -378,7 +378,7 @@ TEST_CASE("the identity leaves every shape where it is", "[examples][svg_documen
     CHECK(deformed(result.text, hardly, {.decimals = 6}).report.shapes == result.report.shapes);
 }
 
-TEST_CASE("lines stay lines and closed paths closed", "[examples][svg_document][deform]") {
+TEST_CASE("lines stay lines, and closed paths stay closed", "[examples][svg_document][deform]") {
     const auto turn = [](std::span<const Point2> in, std::span<Point2> out) {
         for (std::size_t i = 0; i < in.size(); ++i) out[i] = {-in[i].y, in[i].x};
         return true;
@@ -393,7 +393,7 @@ TEST_CASE("lines stay lines and closed paths closed", "[examples][svg_document][
     CHECK_FALSE(all[0].path[0].segments.back().is_line()); // the last curve meets the start by itself
 }
 
-TEST_CASE("the path written follows the deformed curve within the tolerance",
+TEST_CASE("the written path is within the tolerance of the deformed curve",
           "[examples][svg_document][deform][property]") {
     // The wave keeps x, so a point is compared with the true curve at the same x.
     const auto tolerance = GENERATE(1e-1, 1e-2, 1e-3, 1e-5);
@@ -425,8 +425,7 @@ TEST_CASE("the path written follows the deformed curve within the tolerance",
     CHECK(highest == Approx(1).epsilon(0).margin(tolerance));
 }
 
-TEST_CASE("refinement asks for all points in few calls and stops somewhere",
-          "[examples][svg_document][deform]") {
+TEST_CASE("refinement needs few calls and has a limit", "[examples][svg_document][deform]") {
     std::string many;
     for (int i = 0; i < 300; ++i) many += "<circle cx='" + std::to_string(i % 90) + "' cy='50' r='8'/>";
     std::size_t calls = 0;
@@ -450,7 +449,7 @@ TEST_CASE("refinement asks for all points in few calls and stops somewhere",
     CHECK(broken.report.batches == 6);
 }
 
-TEST_CASE("an element that cannot be deformed stays, and the others move as without it",
+TEST_CASE("an element that cannot be deformed stays, and the others are not affected",
           "[examples][svg_document][deform][error][property]") {
     const unsigned seed = GENERATE(range(1u, 13u));
     CAPTURE(seed);
@@ -520,7 +519,7 @@ std::pair<std::vector<Point2>, std::size_t> seen_points(std::string_view text) {
 
 } // namespace
 
-TEST_CASE("points that nobody sees are told apart", "[examples][svg_document][deform][seen]") {
+TEST_CASE("invisible points are recognized", "[examples][svg_document][deform][seen]") {
     const std::string fades = "<linearGradient id='fades'><stop stop-color='#a1b2c300'/><stop offset='1' "
                               "stop-opacity='0'/></linearGradient><linearGradient id='takes' href='#fades'/>";
     const std::string shows =
@@ -596,7 +595,7 @@ TEST_CASE("points that nobody sees are told apart", "[examples][svg_document][de
     CHECK(seen_points("<svg xmlns='http://www.w3.org/2000/svg'><path d='M900 900h5v5z'/></svg>").second == 0);
 }
 
-TEST_CASE("of a shape that a box clips the points in the box are seen",
+TEST_CASE("the points of a clipped shape are visible inside the clipping box",
           "[examples][svg_document][deform][seen]"
           "[property]") {
     const unsigned seed = GENERATE(range(1u, 9u));
@@ -638,7 +637,7 @@ TEST_CASE("a stopped deformation changes nothing", "[examples][svg_document][def
     CHECK(to_text(document) == rich);
 }
 
-TEST_CASE("use becomes a group with its own copy", "[examples][svg_document][use]") {
+TEST_CASE("a use element becomes a group with its own copy", "[examples][svg_document][use]") {
     const std::string defs =
         R"(<defs><path id="p" class="c" d="M0 0L1 1"/><g id="g"><use href="#p" x="2"/></g></defs>)";
     CHECK(
@@ -670,7 +669,7 @@ TEST_CASE("use becomes a group with its own copy", "[examples][svg_document][use
     CHECK(std::abs(all[1].path[0].start.y - std::sin(30.0)) < 1e-3);
 }
 
-TEST_CASE("uses that cannot be expanded", "[examples][svg_document][use][error]") {
+TEST_CASE("use elements that cannot be expanded are reported", "[examples][svg_document][use][error]") {
     const std::string line = R"(<path d="M0 0 L1 1"/>)";
     for (const std::string& within :
          {R"(<g id="a">)" + line + R"(<use href="#a"/></g>)",
@@ -697,7 +696,7 @@ TEST_CASE("uses that cannot be expanded", "[examples][svg_document][use][error]"
     CHECK(contains(error_of(svg(laughs + "</defs><use href='#u39'/>")), "expand to too many elements"));
 }
 
-TEST_CASE("clip paths and masks follow what they clip", "[examples][svg_document][clip]") {
+TEST_CASE("clip paths and masks move with the clipped element", "[examples][svg_document][clip]") {
     const std::string clip = R"(<clipPath id="c"><rect width="9" height="9"/></clipPath>)";
     const std::string shifted = R"(<clipPath id="c"><path d="M100 0 L109 0 L109 9 L100 9 Z"/></clipPath>)";
     const std::string there = R"( d="M100 0 L101 1"/>)";
@@ -738,7 +737,7 @@ TEST_CASE("clip paths and masks follow what they clip", "[examples][svg_document
     CHECK(warnings_of(R"x(<g clip-path="url(#none)" mask="none"/><g clip-path="url(x.svg#a)"/>)x").empty());
 }
 
-TEST_CASE("what cannot be deformed is named", "[examples][svg_document][warnings]") {
+TEST_CASE("elements that cannot be deformed are reported", "[examples][svg_document][warnings]") {
     const auto all = warnings_of(R"x(<text id="t">x</text><image/><foreignObject/>
 <path id="flat" transform="scale(0)" d="M0 0L1 1"/><g style="transform: turn(2)"/>
 <style>
@@ -752,7 +751,7 @@ g:hover { fill: url(#a) } :hover { fill: red }</style>)x");
     CHECK(all[5] == "g (line 2): the property \"transform\" is not deformed: turn(2)");
 }
 
-TEST_CASE("what cannot be read is named with its place, and the rest is deformed",
+TEST_CASE("unreadable parts are reported with their place, and the rest is deformed",
           "[examples][svg_document][error]") {
     struct Case {
         std::string written, read; // as browsers read it
@@ -812,7 +811,8 @@ TEST_CASE("what cannot be read is named with its place, and the rest is deformed
     }
 }
 
-TEST_CASE("markers stand where the author's vertices go", "[examples][svg_document][markers][property]") {
+TEST_CASE("markers are at the moved vertices of the original path",
+          "[examples][svg_document][markers][property]") {
     const unsigned seed = GENERATE(range(1u, 9u));
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -904,8 +904,7 @@ TEST_CASE("a path that needs no more vertices keeps its markers", "[examples][sv
         svg(R"x(<path d="M100 0 L101 1 L102 0 Z" marker-end="url(#m)" marker-mid="url(#m)"/>)x"));
 }
 
-TEST_CASE("the pen of a stroke that a group skews turns with the shape",
-          "[examples][svg_document][property]") {
+TEST_CASE("a stroke skewed by a group rotates with the shape", "[examples][svg_document][property]") {
     const unsigned seed = GENERATE(range(1u, 9u));
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -1000,7 +999,7 @@ TEST_CASE("a figure's vertices are the ends of its segments", "[examples][svg_do
           expected);
 }
 
-TEST_CASE("saving replaces the whole file or nothing", "[examples][svg_document][save]") {
+TEST_CASE("saving replaces the whole file or changes nothing", "[examples][svg_document][save]") {
     const Folder folder;
     const SvgDocument document = parsed(rich);
     const fs::path file = folder.path() / "out.svg";
@@ -1050,7 +1049,7 @@ TEST_CASE("saving replaces the whole file or nothing", "[examples][svg_document]
     if (locked) CHECK(folder.count() == 2); // a superuser may write anyway
 }
 
-TEST_CASE("what is written is read again", "[examples][svg_document][save]") {
+TEST_CASE("a written document can be read", "[examples][svg_document][save]") {
     const Folder folder;
     REQUIRE_FALSE(write_file_atomically(folder.path() / "out.svg", rich));
     const auto again = load_svg(folder.path() / "out.svg");
@@ -1058,7 +1057,7 @@ TEST_CASE("what is written is read again", "[examples][svg_document][save]") {
     CHECK(to_text(*again) == rich);
 }
 
-TEST_CASE("a file that is read is not written over, by whatever path", "[examples][save]") {
+TEST_CASE("an input file is not overwritten, whatever its path", "[examples][save]") {
     const Folder folder;
     const fs::path input = folder.path() / "in.svg";
     fs::create_directory(folder.path() / "sub");
@@ -1098,7 +1097,7 @@ TEST_CASE("a file that is read is not written over, by whatever path", "[example
     CHECK_FALSE(write_file_atomically(folder.path() / "late", "new"));
 }
 
-TEST_CASE("outputs appear together or not at all", "[examples][save]") {
+TEST_CASE("several outputs are written together or not at all", "[examples][save]") {
     const Folder folder;
     const fs::path a = folder.path() / "a", b = folder.path() / "b";
     put(a, "old");
@@ -1143,7 +1142,7 @@ TEST_CASE("outputs appear together or not at all", "[examples][save]") {
     CHECK(folder.count() == 4);
 }
 
-TEST_CASE("a file that cannot take its place takes the others out of theirs", "[examples][save]") {
+TEST_CASE("if one output cannot be written the others are restored", "[examples][save]") {
     const Folder folder;
     const fs::path old = folder.path() / "old", fresh = folder.path() / "fresh", bad = folder.path() / "bad";
     for (const std::size_t last : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) { // which fails
@@ -1173,7 +1172,7 @@ TEST_CASE("a file that cannot take its place takes the others out of theirs", "[
     }
 }
 
-TEST_CASE("depth and size have limits, not consequences", "[examples][svg_document][robust]") {
+TEST_CASE("documents too deep or too large are refused", "[examples][svg_document][robust]") {
     const auto nested = [](std::size_t depth) {
         std::string text = "<svg>";
         for (std::size_t i = 0; i < depth; ++i) text += "<g transform='translate(1)'>";
@@ -1206,7 +1205,7 @@ TEST_CASE("depth and size have limits, not consequences", "[examples][svg_docume
     CHECK(far.report.points < 20'000);
 }
 
-TEST_CASE("mutated documents never break the program", "[examples][svg_document][fuzz]") {
+TEST_CASE("mutated documents do not crash the program", "[examples][svg_document][fuzz]") {
     const unsigned seed = 11;
     CAPTURE(seed);
     std::mt19937 random(seed);

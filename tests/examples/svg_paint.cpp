@@ -267,7 +267,7 @@ TEST_CASE("shapes that share a gradient share a copy where one map is right for 
     CHECK(by_id(odd.document, "a-2"));
 }
 
-TEST_CASE("the best affine map of a motion", "[examples][svg_document][paint][property]") {
+TEST_CASE("the best affine map of a motion is found", "[examples][svg_document][paint][property]") {
     const auto seed = GENERATE(range(0, 40));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
@@ -311,7 +311,7 @@ TEST_CASE("the best affine map of a motion", "[examples][svg_document][paint][pr
     CHECK(distance(apply(*best, beside), apply(*best, {40, -300})) < 60);
 }
 
-TEST_CASE("motions without an affine map", "[examples][svg_document][paint]") {
+TEST_CASE("motions without an affine map are recognized", "[examples][svg_document][paint]") {
     detail::Motion point, line, gone, still;
     point.add({3, 4}, {5, 6}, 1);
     REQUIRE(point.best_map());
@@ -328,7 +328,7 @@ TEST_CASE("motions without an affine map", "[examples][svg_document][paint]") {
     CHECK_FALSE(still.moved());
 }
 
-TEST_CASE("declarations and rules are read to their ends", "[examples][svg_document][style]") {
+TEST_CASE("declarations and rules end where CSS says", "[examples][svg_document][style]") {
     const auto fill = [](std::string_view css, std::string_view element) {
         SvgDocument document =
             parsed(svg("<style>" + std::string(css) + "</style><g><a>" + std::string(element) + "</a></g>"));
@@ -361,7 +361,8 @@ TEST_CASE("declarations and rules are read to their ends", "[examples][svg_docum
     }
 }
 
-TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_document][paint][property]") {
+TEST_CASE("regions of filters and masks contain the moved shape",
+          "[examples][svg_document][paint][property]") {
     const auto seed = GENERATE(range(0, 30));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
@@ -409,7 +410,7 @@ TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_do
     CHECK(cut.report.warnings.empty());
 }
 
-TEST_CASE("primitives and lights of a filter in user space follow",
+TEST_CASE("primitives and lights of a filter in user space move with the shape",
           "[examples][svg_document][paint][property]") {
     const auto seed = GENERATE(range(0, 30));
     CAPTURE(seed);
@@ -489,7 +490,7 @@ TEST_CASE("primitives and lights of a filter in user space follow",
     CHECK(distance(apply(noisy, {}), apply(shift, {})) < 1e-5);
 }
 
-TEST_CASE("a nested svg clips what it did, where it went", "[examples][svg_document][clip]") {
+TEST_CASE("a nested svg clips the same content after a deformation", "[examples][svg_document][clip]") {
     const std::string inside = R"(<rect width="6" height="6"/>)";
     const std::string across = R"(<rect width="60" height="6"/>)";
     const std::string open = R"(<svg x="10" y="10" width="20" height="20" viewBox="0 0 10 10">)";
@@ -518,7 +519,7 @@ TEST_CASE("a nested svg clips what it did, where it went", "[examples][svg_docum
               .text.find("clip") == std::string::npos);
 }
 
-TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_document][fit]") {
+TEST_CASE("--fit enlarges the picture to the moved shapes", "[examples][svg_document][fit]") {
     const std::string text =
         R"(<svg viewBox="0 0 100 50" width="200px" height="50mm"><rect width="10" height="10"/>
 <rect x="-50" y="20" width="60" height="5"/><rect x="-300" width="5" height="5"/><rect x="80" width="9" height="9" fill="none"/></svg>)";
@@ -564,7 +565,7 @@ TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_docu
     CHECK(view_box(bare.document).width == Approx(110).epsilon(0).margin(0.5));
 }
 
-TEST_CASE("images in copies are written once and move as the image would", "[examples][svg_document][use]") {
+TEST_CASE("images in copies are written once and move with the copy", "[examples][svg_document][use]") {
     const std::string bytes(3000, 'A');
     const std::string text = svg(
         R"x(<g id="g" transform="translate(1 2)"><image transform="scale(2)" x="1" y="1" width="8" height="4" href="data:image/png;base64,)x" +
@@ -595,7 +596,7 @@ TEST_CASE("images in copies are written once and move as the image would", "[exa
     }
 }
 
-TEST_CASE("what has no inside is not filled when it is bent", "[examples][svg_document][paint]") {
+TEST_CASE("a shape without interior is not filled after bending", "[examples][svg_document][paint]") {
     const std::string_view shape = GENERATE(
         R"(<line x1="10" y1="20" x2="90" y2="40" stroke="red"/>)", R"(<path d="M10 20L90 40" fill="tan"/>)",
         R"(<polyline points="10,20 50,30 90,40"/>)", R"(<path style="fill:tan" d="M10 20H90M10 30V90"/>)");
@@ -608,7 +609,8 @@ TEST_CASE("what has no inside is not filled when it is bent", "[examples][svg_do
     CHECK(area.text.find("fill=\"tan\"") != std::string::npos);
 }
 
-TEST_CASE("where a curve stops, the moved one has its direction", "[examples][svg_document][deform]") {
+TEST_CASE("the direction of a curve is kept where its derivative vanishes",
+          "[examples][svg_document][deform]") {
     // Editors write such curves for handles that were drawn back. A stroke's corner shows the direction.
     const std::string_view data = GENERATE("M10 10C10 10 40 12 40 40L41 60", "M10 10C12 40 40 40 40 40L41 60",
                                            "M10 10C10 10 40 40 40 40L41 60");

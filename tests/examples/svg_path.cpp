@@ -82,7 +82,7 @@ Affine2 affine(std::string_view text) {
 
 } // namespace
 
-TEST_CASE("path data: every command, absolute and relative", "[examples][svg_path]") {
+TEST_CASE("path data: every command is read, absolute and relative", "[examples][svg_path]") {
     CHECK(normal("M 10 20 L 30 40") == "M10 20 L30 40");
     CHECK(normal("m 10 20 l 30 40") == "M10 20 L40 60");
     CHECK(normal("M1 2H5V7") == "M1 2 L5 2 L5 7");
@@ -111,7 +111,7 @@ TEST_CASE("path data: smooth commands reflect only after their own kind", "[exam
           "M0 0 C2 2 4 2 6 0 C8 -2 10 -2 12 0 C14 2 16 2 18 0"); // reflects the reflected one
 }
 
-TEST_CASE("path data: repetition and compact numbers", "[examples][svg_path]") {
+TEST_CASE("path data: repeated commands and compact numbers are read", "[examples][svg_path]") {
     CHECK(normal("M1-2") == "M1 -2");
     CHECK(normal("M.5.5") == "M0.5 0.5");
     CHECK(normal("M1e-3,2E+1") == "M0.001 20");
@@ -125,7 +125,7 @@ TEST_CASE("path data: repetition and compact numbers", "[examples][svg_path]") {
     CHECK(normal("M1e-999 -0") == "M0 0");
 }
 
-TEST_CASE("path data: subpaths, and drawing on after Z", "[examples][svg_path]") {
+TEST_CASE("path data: subpaths, and drawing after Z", "[examples][svg_path]") {
     CHECK(normal("M1 1L2 1L2 2ZL5 5") == "M1 1 L2 1 L2 2 Z M1 1 L5 5");
     CHECK(normal("m1 1l1 0l0 1zm2 2l1 1") == "M1 1 L2 1 L2 2 Z M3 3 L4 4");
     CHECK(normal("M1 1h1v1zh3zz") == "M1 1 L2 1 L2 2 Z M1 1 L4 1 Z");
@@ -225,7 +225,7 @@ TEST_CASE("path data: arcs follow their ellipse", "[examples][svg_path][arc]") {
     }
 }
 
-TEST_CASE("path data: errors tell line, column and reason", "[examples][svg_path][error]") {
+TEST_CASE("path data: errors have line, column and reason", "[examples][svg_path][error]") {
     const auto check = [](std::string_view text, std::size_t line, std::size_t column,
                           std::string_view reason) {
         CAPTURE(text);
@@ -262,7 +262,7 @@ TEST_CASE("path data: errors tell line, column and reason", "[examples][svg_path
     CHECK(to_string(path_error("M0 0\nX")) == "expected a command letter (line 2, column 1)");
 }
 
-TEST_CASE("path data: what stands before a fault is read", "[examples][svg_path][error][property]") {
+TEST_CASE("path data: the part before a fault is read", "[examples][svg_path][error][property]") {
     const unsigned seed = GENERATE(range(1u, 9u));
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -333,7 +333,7 @@ TEST_CASE("written path data reads back as the same path", "[examples][svg_path]
     CHECK(write_path_data(again, 17) == write_path_data(path, 17));
 }
 
-TEST_CASE("short path data has every place within half of its last digit", "[examples][svg_path][property]") {
+TEST_CASE("shortened path data is accurate to half of its last digit", "[examples][svg_path][property]") {
     const unsigned seed = GENERATE(range(0u, 40u));
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -467,7 +467,7 @@ TEST_CASE("lengths and lists of numbers", "[examples][svg_path][length]") {
     CHECK_FALSE(parse_numbers("1 2 x"));
 }
 
-TEST_CASE("path data: mutated text never breaks the parser", "[examples][svg_path][fuzz]") {
+TEST_CASE("path data: mutated text does not crash the parser", "[examples][svg_path][fuzz]") {
     const std::vector<std::string> corpus = {
         "M10 20L30 40h5v6c1 2 3 4 5 6s7 8 9 10q1 2 3 4t5 6a1 2 30 0 1 7 8z",
         "m.5.5 1-2e-3 1e5,6a1 1 0 01.5.5ZL1 1", "translate(1,2)rotate(30 4 5) matrix(1 2 3 4 5 6)skewX(3)",

@@ -56,7 +56,7 @@ const Affine2 slanted{0.9, 0.4, -0.3, 1.2, 7, -5};
 
 } // namespace
 
-TEST_CASE("selectors find what CSS says, and rank as CSS says", "[examples][svg_style][selector]") {
+TEST_CASE("selectors match and rank as in CSS", "[examples][svg_style][selector]") {
     const SvgDocument document =
         parsed(svg(R"x(<g id="g" class="outer one"><rect id="r" class="a b" width="6"/>
         <circle id="c" data-kind="Big round" lang="de-CH"/>
@@ -150,7 +150,7 @@ TEST_CASE("selectors find what CSS says, and rank as CSS says", "[examples][svg_
               .warnings.empty());
 }
 
-TEST_CASE("rules that take too long to match are told and not read", "[examples][svg_style][selector]") {
+TEST_CASE("rules that take too long to match are reported and ignored", "[examples][svg_style][selector]") {
     const auto repeated = [](std::string_view part, std::size_t count) {
         std::string all;
         for (; count > 0; --count) all += part;
@@ -215,7 +215,7 @@ TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_
                                                     "style (line 1): \"@supports(knot:1)\" is not read"});
 }
 
-TEST_CASE("layers, rules, style attributes and attributes rank as CSS says",
+TEST_CASE("layers, rules, style attributes and attributes rank as in CSS",
           "[examples][svg_style][property]") {
     const auto seed = GENERATE(range(0, 100));
     CAPTURE(seed);
@@ -256,7 +256,7 @@ TEST_CASE("layers, rules, style attributes and attributes rank as CSS says",
     CHECK(detail::StyleSheets(document).value(by_name(document.xml, "rect"), "fill").text == wanted);
 }
 
-TEST_CASE("rules inside rules are those of the elements that they name", "[examples][svg_style][selector]") {
+TEST_CASE("nested rules apply to the elements that they name", "[examples][svg_style][selector]") {
     const std::string content =
         "<g class='a'><rect class='b'/><circle/><g id='g'><rect/><circle class='a'/></g></g>"
         "<rect class='a b'/>";
@@ -295,8 +295,7 @@ TEST_CASE("rules inside rules are those of the elements that they name", "[examp
     }
 }
 
-TEST_CASE("what becomes of elements changes nothing of what rules give them",
-          "[examples][svg_style][property]") {
+TEST_CASE("changes of elements keep the style that rules gave them", "[examples][svg_style][property]") {
     const auto seed = GENERATE(range(0, 60));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
@@ -375,7 +374,7 @@ TEST_CASE("what becomes of elements changes nothing of what rules give them",
     }
 }
 
-TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_style]") {
+TEST_CASE("rules apply to copies and new elements as before", "[examples][svg_style]") {
     // a copy has the rules of what it is a copy of, as if that stood alone
     const std::string defs =
         R"(<defs><g id="g" class="box"><path id="p" class="k" d="M0 0h9v9z"/></g></defs>)";
@@ -431,7 +430,7 @@ TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_
     }
 }
 
-TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][svg_style][geometry]") {
+TEST_CASE("geometry and transforms in CSS are those of attributes", "[examples][svg_style][geometry]") {
     struct Case {
         std::string css, by_css, by_attributes;
     };
@@ -517,7 +516,7 @@ TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][
     CHECK(kept.text.find("x:round(1px, 2px)") != std::string::npos);
 }
 
-TEST_CASE("an invalid declaration counts as none", "[examples][svg_style][property]") {
+TEST_CASE("an invalid declaration is ignored", "[examples][svg_style][property]") {
     const auto seed = GENERATE(range(0, 80));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
@@ -599,7 +598,7 @@ TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
     }
 }
 
-TEST_CASE("entities and prefixes mean what they stand for", "[examples][svg_style][entities]") {
+TEST_CASE("entities and namespace prefixes are resolved", "[examples][svg_style][entities]") {
     const std::string text = R"x(<!DOCTYPE svg [<!ENTITY n "http://www.w3.org/2000/svg"> <!ENTITY size '40'>
 <!ENTITY box "<rect width='&size;' height='5'/>"><!ENTITY two '&box;<g fill="red">&box;</g>'>
 <!ENTITY % own "9"><!ENTITY far SYSTEM "other.svg"><!ENTITY loop "&loop;">]>
@@ -664,7 +663,7 @@ TEST_CASE("entities and prefixes mean what they stand for", "[examples][svg_styl
     }
 }
 
-TEST_CASE("references find the ids that they mean", "[examples][svg_style][references]") {
+TEST_CASE("references are resolved to their ids", "[examples][svg_style][references]") {
     // an id with any letters; a reference may have them as they are, as bytes after "%", or as a number
     const auto seed = GENERATE(range(0, 30));
     CAPTURE(seed);
@@ -697,7 +696,7 @@ TEST_CASE("references find the ids that they mean", "[examples][svg_style][refer
     CHECK(write_path_data(*clipped, 3) + '\n' == drawn(svg("<path d='M1 1h5v5z'/>"), slanted));
 }
 
-TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
+TEST_CASE("properties that are not applied are reported", "[examples][svg_style][warnings]") {
     const Result moved = deformed(R"(<?xml-stylesheet href="a.css"?>)" + svg(R"x(<style>
 @import url(more.css);
 @keyframes spin { to { transform: none } }
@@ -732,7 +731,7 @@ TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
     }
 }
 
-TEST_CASE("no unknown property is silent", "[examples][svg_style][warnings][fuzz]") {
+TEST_CASE("every unknown property is reported", "[examples][svg_style][warnings][fuzz]") {
     const auto seed = GENERATE(range(0, 100));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
