@@ -75,7 +75,7 @@ TEST_CASE("the blocks of a cage file are loops, chains and points", "[examples][
     expect(3, CageBlock::Kind::loop, {{1, 1}, {2, 1}, {1, 1.5}});
     CHECK((*blocks)[2].radius == 0.5);
 
-    // A line that only resembles the head of a block is a comment.
+    // A line that only resembles the first line of a block is a comment.
     CHECK(parse("# chains\n# points 3\n# Chain\n" + square)->size() == 1);
 }
 
@@ -118,7 +118,7 @@ TEST_CASE("handles are the loops' vertices, then the new ones of chains and poin
     CHECK(edges == std::vector<std::array<std::size_t, 2>>{
                        {2, 4}, {4, 5}, {3, 0}, {0, 1}, {1, 2}, {2, 3}, {6, 6}, {5, 7}});
 
-    // Vertices of loops stay apart even where they coincide: the library reports them.
+    // Coincident vertices of loops are kept: the library reports them.
     CHECK(cage_of("0,0\n4,0\n4,0\n0,4\n").vertices.size() == 4);
     const auto facets = [](const auto& shape) { return cageform::interior_cells(shape).facets.size(); };
     CHECK(cage.visit<float>(facets) == 3);
@@ -182,7 +182,7 @@ TEST_CASE("batches of points do not depend on the sizes of the reads", "[example
         if (random() % 500 == 0) text += "# " + std::string(random() % 70000, '-') + '\n';
         text += row.str() + (random() % 2 == 0 ? "\n" : " \r\n\n");
     }
-    while (seed % 3 == 0 && text.back() < ' ') text.pop_back(); // no end of the last line
+    while (seed % 3 == 0 && text.back() < ' ') text.pop_back(); // no line break at the end
     const auto path = std::filesystem::temp_directory_path() /
                       ("cageform-points-" + std::to_string(std::random_device()()) + ".csv");
     std::ofstream(path, std::ios::binary) << text;
@@ -212,7 +212,7 @@ std::string row_of(std::size_t count, Random& random) {
     return row + '\n';
 }
 
-/// A kind of CSV file: its text, a header that fits it, and what its reader makes of a file, else an error.
+/// A kind of CSV file: an example, a matching header, and its reader, whose result is text.
 struct Kind {
     std::string header, text;
     Expected<std::string> (*read)(const std::string& path);
@@ -290,7 +290,7 @@ std::vector<Kind> kinds(Random& random) {
     };
 }
 
-/// The text as spreadsheets write it.
+/// The text in the format of spreadsheets.
 std::string decorated(const std::string& text, Random& random) {
     std::string result = random() % 2 == 0 ? "\xef\xbb\xbf" : "";
     const bool has_quotes = random() % 2 == 0, has_more = random() % 2 == 0;

@@ -1,5 +1,5 @@
-// A region of one picture in another: the membrane's laws, beside every weight written out and the Poisson
-// equation.
+// Cloning a region of one picture into another: properties of the membrane, compared with weights computed
+// directly and with a solution of the Poisson equation.
 #include "catch.hpp"
 #include "files/cage_file.hpp"
 #include "pictures/image_clone.hpp"
@@ -18,7 +18,7 @@ using namespace cageform_tests;
 using namespace cageform_support;
 using Values = Membrane::Values;
 
-/// Discs and holes at random places; with `noise`, single pixels change too.
+/// Random discs and holes; with `noise`, single pixels change too.
 PixelRegion random_region(Random& random, std::size_t size, bool noise) {
     std::vector<std::uint8_t> mask(size * size);
     const std::size_t discs = 3 + random.below(6);
@@ -31,14 +31,14 @@ PixelRegion random_region(Random& random, std::size_t size, bool noise) {
         }
     }
     for (std::size_t n = noise ? mask.size() / 50 : 0; n-- > 0;) mask[random.below(mask.size())] ^= 1;
-    mask[size + 1] = mask[size + 2] = mask[size] = mask[1] = mask[2 * size + 1] = 1; // one is inside
+    mask[size + 1] = mask[size + 2] = mask[size] = mask[1] = mask[2 * size + 1] = 1; // not empty
     return make_region(mask, size);
 }
 PixelRegion rectangle(std::size_t width, std::size_t height) {
     return make_region(std::vector<std::uint8_t>(width * height, 1), width);
 }
 
-/// Calls f(pixel, x, y) for the pixels of a kind, by their places in the box.
+/// Calls f(pixel, x, y) for all pixels of a kind, with their coordinates in the bounding box.
 template <class F>
 void for_each_pixel(const PixelRegion& region, PixelKind kind, const F& f) {
     for (std::size_t i = 0; i < region.kinds.size(); ++i) {
@@ -59,7 +59,7 @@ std::vector<Values> random_values(Random& random, std::size_t count) {
     }
     return values;
 }
-/// Values that vary over some tens of pixels, from −1 to 1.
+/// Values from −1 to 1 that change over some tens of pixels.
 std::vector<Values> smooth_values(Random& random, const PixelRegion& region) {
     const double a = random.uniform(0, 6), b = random.uniform(0, 6),
                  size = double(region.width + region.height);
@@ -171,10 +171,10 @@ TEST_CASE("a membrane reproduces linear functions", "[examples][clone_image][pro
     const auto all = all_of(membrane, region, on_outline(region, linear));
     const double size = double(region.width + region.height) + std::fabs(c);
     for_each_pixel(region, PixelKind::inside, [&](std::size_t i, double x, double y) {
-        // The outline passes a pixel's centre at 0.02 pixels; where the region is concave, weights exceed 1
-        // in size and enlarge that.
+        // The outline is 0.02 pixels from a pixel's centre; where the region is concave some weights exceed 1 in
+        // absolute value and amplify that.
         CHECK(distance(all[i], linear(x, y)) < 0.2 + 1e-5 * size);
-        CHECK(std::fabs(double(all[i][1]) - c) < 1e-4 * size); // a constant needs no places
+        CHECK(std::fabs(double(all[i][1]) - c) < 1e-4 * size); // a constant does not depend on positions
     });
 }
 
@@ -285,7 +285,7 @@ TEST_CASE("a clone changes only the region, and a constant difference shifts its
     Pixels source = random_picture(random, size, size);
     for (std::size_t i = 3; i < source.bytes.size(); i += 4) source.bytes[i] = random.below(2) != 0 ? 255 : 0;
     Membrane membrane = membrane_of(region);
-    for (int move = 0; move < 3; ++move) { // one membrane serves all
+    for (int move = 0; move < 3; ++move) { // all targets use one membrane
         const Pixels target = random_picture(random, size + random.below(20), size + random.below(20));
         const PixelPlace at{std::int64_t(random.below(target.width - region.width + 1)),
                             std::int64_t(random.below(target.height - region.height + 1))};
@@ -323,7 +323,7 @@ TEST_CASE("a clone changes only the region, and a constant difference shifts its
                 }
             }
         }
-        // A difference of nothing leaves the source as it is.
+        // With a difference of 0 the source is unchanged.
         paste(source, region, at, std::vector<Values>(region.kinds.size()), pasted);
         CHECK(colour_difference(pasted, pasted, region, at).largest == 0);
         CHECK(colour_difference(bound, pasted, region, at).mean <= 255);
@@ -340,7 +340,7 @@ TEST_CASE("cloning a picture into itself changes nothing", "[examples][clone_ima
     paste(picture, region, at, outline_differences(picture, region, picture, at), membrane, cloned);
     for_each_pixel(region, PixelKind::inside, [&](std::size_t i, double, double) {
         const std::size_t x = region.left + i % region.width, y = region.top + i / region.width;
-        for (std::size_t k = 0; k < 3; ++k) // translucent pixels are blended: to a rounding
+        for (std::size_t k = 0; k < 3; ++k) // translucent pixels are blended, with a rounding error
             CHECK(std::abs(int(cloned.at(x, y)[k]) - int(picture.at(x, y)[k])) <= 1);
     });
 }
@@ -378,7 +378,7 @@ TEST_CASE("pictures are read back from PNG files", "[examples][clone_image]") {
                          std::to_string(std::hash<std::string>{}(std::filesystem::current_path().string())));
     std::filesystem::create_directories(folder);
     Random random(107);
-    for (int n = 0; n < 5; ++n) { // what has been read is not written again
+    for (int n = 0; n < 5; ++n) { // an existing file is not overwritten
         const std::string path = (folder / (std::to_string(n) + ".png")).string();
         const Pixels picture = random_picture(random, 1 + random.below(20), 1 + random.below(20));
         {
@@ -390,7 +390,7 @@ TEST_CASE("pictures are read back from PNG files", "[examples][clone_image]") {
         REQUIRE(read);
         CHECK(read->width == picture.width);
         CHECK(read->bytes == picture.bytes);
-        // Cut short and spoilt files are refused or read, and nothing crashes.
+        // Truncated and corrupted files are refused or read, and nothing crashes.
         std::string bytes = picture.png();
         for (int spoilt = 0; spoilt < effort(60, 20); ++spoilt) {
             std::string other = bytes.substr(0, 8 + random.below(bytes.size() - 8));

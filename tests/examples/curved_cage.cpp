@@ -62,7 +62,7 @@ std::string pose_refusal(const std::string& cage, const std::string& pose) {
     return to_string(made.error());
 }
 
-/// Path data of a closed loop, with commands of random degrees.
+/// Path data of a closed loop of segments of random degrees.
 std::string random_loop(std::mt19937& random, std::size_t edges) {
     std::uniform_real_distribution<double> place(-100, 100);
     std::uniform_int_distribution<int> degree(1, 3);
@@ -78,7 +78,7 @@ std::string random_loop(std::mt19937& random, std::size_t edges) {
     return text + 'Z';
 }
 
-/// The place of a Bézier curve of any degree, by de Casteljau.
+/// A point of a Bézier curve of any degree, by de Casteljau's algorithm.
 Point2 place_of(std::vector<cageform::Vec<double, 2>> points, double t) {
     for (; points.size() > 1; points.pop_back()) {
         for (std::size_t k = 0; k + 1 < points.size(); ++k)
@@ -101,10 +101,10 @@ TEST_CASE("an outline keeps the degrees of its commands", "[examples][curved_cag
     REQUIRE(degrees.size() > 8);
     CHECK(std::vector<unsigned>(degrees.begin(), degrees.begin() + 7) ==
           std::vector<unsigned>{1, 1, 1, 3, 3, 2, 2});
-    CHECK(degrees.back() == 1); // of Z
+    CHECK(degrees.back() == 1); // Z
     CHECK(std::all_of(degrees.begin() + 7, degrees.end() - 1, [](unsigned n) { return n == 3; }));
 
-    // Each subpath is a loop, with its direction.
+    // Each subpath is a loop and keeps its orientation.
     const auto ring = outline_of(R"(<path d="M0 0H9V9Z M3 1Q4 1 4 2T3 1M7 7"/>)");
     REQUIRE(ring.size() == 2);
     CHECK(degrees_of(ring[0]) == std::vector<unsigned>{1, 1, 1});
@@ -112,7 +112,7 @@ TEST_CASE("an outline keeps the degrees of its commands", "[examples][curved_cag
     CHECK(ring[1].start == Point2{3, 1});
     CHECK(ring[1].segments[0].p3 == Point2{4, 2});
 
-    // A cubic whose control points lie on its ends is no line: a pose can be one.
+    // A cubic whose control points coincide with its ends stays a cubic: a pose may move them.
     CHECK(degrees_of(outline_of(R"(<path d="M0 0C0 0 9 0 9 0L9 9Z"/>)")[0]) ==
           std::vector<unsigned>{3, 1, 1});
     CHECK(degrees_of(outline_of(R"(<polygon points="0,0 4,0 4,4"/>)")[0]) == std::vector<unsigned>{1, 1, 1});
@@ -152,7 +152,7 @@ TEST_CASE("an outline that is not closed is refused", "[examples][curved_cage]")
     CHECK(one_loop("M0 0H4V4L0 0").segments.size() == 3);
     CHECK(one_loop("M0 0H4V4L0 0Z").segments.size() == 3);
     CHECK(one_loop("M0 0H4V4L0 1e-9Z").segments.size() == 4);
-    // 8 roundings of the diagonal: rounding that Z does not take for a line.
+    // 8 units of rounding of the diagonal: Z adds no line for that.
     for (const char* end : {"1e-15Z", "1e-15"}) {
         const Subpath snapped = one_loop(std::string("M0 0H4V4C3 4 1 3 0 ") + end);
         CHECK(snapped.segments.size() == 3);
@@ -168,7 +168,7 @@ TEST_CASE("an outline that is not closed is refused", "[examples][curved_cage]")
     CHECK(refusal(R"(<path d="M0 0H4V4L0 1e-9"/>)").find(fault) != std::string::npos);
     CHECK(refusal("") == "test.svg: no closed outline: there is no shape");
     CHECK(refusal(R"(<path d="M0 0"/>)") == "test.svg: no closed outline: there is no shape");
-    // Open lines before it are no outline; an open subpath beside a closed one is a mistake.
+    // Open lines before the outline are ignored; an open subpath next to a closed one is an error.
     CHECK(outline_of(R"(<path d="M0 0L1 1"/><path d="M5 5H6V6Z"/>)")[0].start == Point2{5, 5});
     CHECK(refusal(R"(<path id="q" d="M0 0L1 1M0 0H1V1Z"/><path d="M5 5H6V6Z"/>)").find("path \"q\"") !=
           std::string::npos);
@@ -218,7 +218,7 @@ TEST_CASE("a cage of cubic curves has three control points per edge", "[examples
                 from = s.p3;
             }
         }
-        // Written and read, it is the same to the bit.
+        // Written and read, it is unchanged to the bit.
         const auto text = to_svg(cage, {0, 0, 1, 1});
         REQUIRE(text);
         const auto document = parse_svg(*text, "written.svg");
@@ -226,7 +226,7 @@ TEST_CASE("a cage of cubic curves has three control points per edge", "[examples
         const auto again = first_outline(*document);
         REQUIRE(again);
         CHECK(make_curved_cage("again.svg", *again).vertices == cage.vertices);
-        // Moved, it is cubics at the places given.
+        // A moved cage is written as cubics with the given control points.
         auto places = cage.places();
         for (auto& p : places) p = 2.0 * p;
         const CageFile moved = moved_cage(cage, places);
@@ -238,7 +238,7 @@ TEST_CASE("a cage of cubic curves has three control points per edge", "[examples
 }
 
 TEST_CASE("vertices of a cage of curves are the handles of its coordinates", "[examples][curved_cage]") {
-    // Also where loops turn the wrong way: a pose goes the way of its cage.
+    // Also for loops of the wrong orientation: a pose has the orientation of its cage.
     for (const char* data :
          {"M0 0L6 0Q8 3 6 6C4 7 2 7 0 6Z", "M0 0L0 6C2 7 4 7 6 6Q8 3 6 0Z",
           "M0 0L6 0Q8 3 6 6C4 7 2 7 0 6ZM1 1H2Q2 2 1 2Z", "M0 0L6 0L6 6L0 6ZM1 1V2H2V1Z"}) {
@@ -250,7 +250,7 @@ TEST_CASE("vertices of a cage of curves are the handles of its coordinates", "[e
         REQUIRE(handles.size() == 2 * cage.vertices.size());
         for (std::size_t i = 0; i < cage.vertices.size(); ++i)
             CHECK(distance({handles[i][0], handles[i][1]}, cage.vertices[i]) <= 4e-15);
-        // A pose from a file moves the figure as its control points do.
+        // A pose from a file deforms the figure in the same way as its control points.
         const std::vector<cageform::Vec<double, 2>> points{{3, 5}, {5, 3}, {0.5, 2.5}};
         const auto [binding, report] = cageform::bind(coordinates, points);
         REQUIRE(report.status == cageform::Status::ok);
@@ -276,7 +276,7 @@ TEST_CASE("a polygon becomes a cage of curves", "[examples][curved_cage]") {
     CHECK(distance(made->vertices[1], {2, 0}) <= 1e-15);
     CHECK(made->curves->degrees == std::vector<std::vector<unsigned>>{{1, 1, 1}, {1, 1, 1, 1}});
     CHECK(with_curves(*made)->vertices == made->vertices);
-    // Two vertices in one place, in a pose, stay two.
+    // Two coincident vertices of a pose stay two vertices.
     CHECK(with_curves(make_cage("p.csv", {{CageBlock::Kind::loop, 0, {{0, 0}, {6, 0}, {0, 0}}}}))
               ->vertices.size() == 9);
     const auto refused = with_curves(make_cage("c.csv", {{CageBlock::Kind::loop, 0, {{0, 0}, {6, 0}, {6, 6}}},
@@ -293,7 +293,7 @@ TEST_CASE("a pose has the commands of its cage, or ones of higher degree", "[exa
     REQUIRE(bent);
     CHECK(bent->vertices.size() == 12);
     CHECK(bent->vertices[1] == Point2{2, 1});
-    // The direction is the pose's own, also where it turns over.
+    // A pose keeps its own orientation, also if it is mirrored.
     const auto mirrored = make_pose(cage_of("M0 0L-6 0Q-8 3 -6 6C-4 7 -2 7 0 6Z", "pose.svg"), cage_of(cage));
     REQUIRE(mirrored);
     CHECK(mirrored->vertices[3] == Point2{-6, 0});
@@ -345,7 +345,7 @@ TEST_CASE("cages of lines and of curves are read from one file", "[examples][cur
     REQUIRE_FALSE(open);
     CHECK(to_string(open.error()).find("curved") == std::string::npos);
 
-    // A CSV polygon can be posed by curves, and an outline of lines by a CSV.
+    // A CSV polygon can have a pose of curves, and an outline of lines a CSV pose.
     const auto csv = load_cage(file("loop.csv", "0,0\n9,0\n9,9\n"), CageEdges::curves);
     REQUIRE(csv);
     const auto bent = load_pose(svg("bent.svg", "M0 0C3 -2 6 -2 9 0L9 9Z"), *csv);
@@ -383,7 +383,7 @@ TEST_CASE("moving the end of an edge moves its control points", "[examples][curv
                 n % 3 == 0 && i < count && (i == (n + 1) % count || i == (n + count - 1) % count);
             CHECK(pose[i] == (i == n || is_beside ? rest[i] + Vec2{3, 4} : rest[i]));
         }
-        // Turned about itself, an end stays and its control points turn.
+        // An end that is turned about itself stays, and its control points turn.
         if (n % 3 != 0) continue;
         pose = rest;
         REQUIRE(apply_operation<2>(PoseOperation::turn, std::to_string(n) + ":90", std::span(rest),

@@ -1,4 +1,4 @@
-// Electrons as waves: laws of the product formula, and what the scenes show.
+// Electrons as waves: properties of the product formula, and results of the scenes.
 #include "waves/wave_tables.hpp"
 
 #include "catch.hpp"
@@ -11,7 +11,7 @@ using cageform_tests::Random;
 
 namespace {
 
-/// A random wave in a random potential, with random bonds where there are rows.
+/// A random wave in a random potential, with random bonds if there are several rows.
 LatticeWave<double> random_wave(Random& random, std::size_t columns, std::size_t rows) {
     const WaveLattice lattice{columns, rows, random.uniform(0.05, 0.3)};
     WaveTerms terms;
@@ -36,7 +36,7 @@ double largest_energy(const LatticeWave<double>& wave) {
            (wave.lattice().rows > 1 ? 2 : 1) * 4 / (3 * std::numbers::pi * std::numbers::pi * mesh * mesh);
 }
 
-/// A scene on a small coarse lattice, to its end. Its walls reflect: norm and energy stay.
+/// Runs a scene on a small coarse lattice. Its walls reflect, so norm and energy are conserved.
 LatticeWave<double> played(const WaveScene& scene, std::size_t run, double step) {
     LatticeWave<double> wave(scene.lattice, scene.runs[run].terms);
     wave.start(scene.runs[run].start);
@@ -180,7 +180,7 @@ TEST_CASE("a free packet moves and spreads as in theory", "[examples][waves]") {
         CHECK(std::fabs(wave.energy() - energy) < 1e-6);
     }
     CAPTURE(errors[0], errors[1]);
-    CHECK(errors[0] / errors[1] > 14); // fourth order in the mesh
+    CHECK(errors[0] / errors[1] > 14); // of fourth order in the mesh width
     CHECK(errors[0] < 0.06);
 }
 
@@ -189,9 +189,9 @@ TEST_CASE("the transmission of a barrier is that of plane waves", "[examples][wa
     const double known = transmitted_of_plane_waves(line);
     CHECK(known == Approx(0.58720).margin(5e-6));
     auto wave = wave_on_line(line);
-    wave.advance(2125); // to t = 85
+    wave.advance(2125); // until t = 85
     const double through = wave.sum_of([&](std::size_t n) { return wave.lattice().x(n) > 29.1 ? 1.0 : 0.0; });
-    CHECK(through == Approx(0.6156).margin(5e-4)); // V jumps: of second order in the mesh
+    CHECK(through == Approx(0.6156).margin(5e-4)); // V jumps: of second order in the mesh width
 }
 
 TEST_CASE("walls of a scene reflect or absorb", "[examples][waves]") {
@@ -259,7 +259,7 @@ TEST_CASE("two slits give bright beams at multiples of the wavelength by their d
     REQUIRE(beams.size() >= 5);
     const std::size_t middle = beams.size() / 2;
     for (int k = -2; k <= 2; ++k) {
-        const double degrees = std::asin(k / 4.0) * 180 / std::numbers::pi; // slits are 4 wavelengths apart
+        const double degrees = std::asin(k / 4.0) * 180 / std::numbers::pi; // slits 4 wavelengths apart
         CHECK(beams[std::size_t(std::ptrdiff_t(middle) + k)] - 90 == Approx(degrees).margin(1.5));
     }
 }

@@ -1,4 +1,4 @@
-// Puzzles in fractions: the means are exact, and the answers those of the reference file.
+// Exact solutions of puzzles: cells are means of their neighbours, and answers those of the reference.
 #include "puzzles/exact_puzzle.hpp"
 
 #include "catch.hpp"
@@ -25,7 +25,7 @@ TEST_CASE("puzzles of the reference file are solved to the fraction", "[examples
             const auto given = rows_of("given"), wanted = rows_of("solution");
             Puzzle puzzle{"", given.size(), given[0].size(), {}, {}, entry["stencil"] == "all" ? 8 : 4};
             std::vector<mpq_class> answers;
-            bool has_outside = false; // cells that are no part of the problem
+            bool has_outside = false; // cells outside the problem
             for (std::size_t cell = 0; cell < puzzle.rows * puzzle.columns; ++cell) {
                 const auto& number = given[cell / puzzle.columns][cell % puzzle.columns];
                 const auto& answer = wanted[cell / puzzle.columns][cell % puzzle.columns];
@@ -50,10 +50,10 @@ TEST_CASE("each cell is the mean of its neighbours, to the fraction", "[examples
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 77);
     Puzzle puzzle{"", 1 + random.below(9), 1 + random.below(9), {}, {}, random.below(2) == 0 ? 4 : 8};
-    const std::size_t share = 2 + random.below(8); // one in so many cells is given
+    const std::size_t share = 2 + random.below(8); // on average one in this many cells is given
     for (std::size_t cell = 0; cell < puzzle.rows * puzzle.columns; ++cell) {
         puzzle.given.push_back(
-            cell == 0 || random.below(share) == 0 ? 1 : 0); // all parts meet: nothing is outside
+            cell == 0 || random.below(share) == 0 ? 1 : 0); // all regions meet: there is no outside
         puzzle.values.emplace_back(long(random.below(2000)) - 1000, long(1 + random.below(60)));
         puzzle.values.back().canonicalize();
     }

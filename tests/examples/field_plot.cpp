@@ -1,5 +1,4 @@
-// Surfaces over a domain in the plane: what is drawn is the domain, no more and no less, from the side
-// asked for.
+// Surfaces over a domain in the plane: exactly the domain is drawn, in the requested view.
 #include "pictures/field_plot.hpp"
 
 #include "catch.hpp"
@@ -17,7 +16,7 @@ double cross2(const Point2& a, const Point2& b, const Point2& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// A star around the origin, between radii 0.4 and 1, some of its vertices on the lattice's lines.
+/// A star around the origin with radii from 0.4 to 1; some of its vertices are on lines of the lattice.
 std::vector<Point2> random_star(Random& random, double scale) {
     std::vector<Point2> loop;
     const std::size_t count = 5 + random.below(12);
@@ -63,9 +62,8 @@ TEST_CASE("a domain cut along a lattice keeps its area and its boundary",
     const double wanted = area(loops[0]) - (loops.size() == 2 ? area(loops[1]) : 0);
     CHECK(covered == Approx(wanted).epsilon(0).margin(1e-12));
 
-    // Every edge of one triangle alone lies on a loop: neighbours share whole edges, so nothing gapes
-    // between them.
-    // At rounding the ends of an edge may differ where a column meets a loop.
+    // Every edge of only one triangle is on a loop: neighbouring triangles share whole edges, without gaps.
+    // The ends of an edge may differ by rounding where a column meets a loop.
     const std::vector<double> values(mesh.places.size(), 0.0);
     double rim = 0;
     for (const PlaneLine& line : rim_of(mesh, values)) {
@@ -139,7 +137,7 @@ TEST_CASE("projected points are those of the reference", "[examples][field_plot]
     CHECK(count == 10);
 }
 
-/// A surface over a star whose values are linear.
+/// A surface over a star, with linear values.
 FieldSurface plane_over_star(std::size_t cells, double slope) {
     Random random(7);
     const std::vector<std::vector<Point2>> loops{random_star(random, 1)};
@@ -167,7 +165,7 @@ TEST_CASE("the picture of a plane does not depend on its subdivision", "[example
     for (std::size_t y = 0; y < fine.height(); ++y) {
         for (std::size_t x = 0; x < fine.width(); ++x) {
             coloured += is_like(fine.at(x, y), {1, 1, 1}, 0.01f) ? 0 : 1;
-            // The colour of a value is not linear in it, so coarse triangles mix it otherwise.
+            // Colour is not a linear function of the value, so coarse triangles interpolate it differently.
             unlike += is_like(coarse.at(x, y), fine.at(x, y), 0.12f) ? 0 : 1;
         }
     }
@@ -209,7 +207,7 @@ TEST_CASE("lines are visible in front of a surface and hidden behind it", "[exam
         return count;
     };
     CHECK(green_pixels(0.5) == 0);
-    CHECK(green_pixels(0) >= 100); // on it
+    CHECK(green_pixels(0) >= 100); // on the wall
     CHECK(green_pixels(-0.5) >= 100);
 }
 

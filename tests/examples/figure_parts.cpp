@@ -32,7 +32,7 @@ Coordinates in_box(std::size_t divisions) {
 const std::vector<Point> points{
     {0.3f, 0.5f, 0.5f}, {1, 0.2f, 0.6f}, {2, 0.5f, 0.5f}, {3, 0.8f, 0.4f}, {3.7f, 0.5f, 0.5f}};
 
-/// A figure with a packed binding, normals, and the parts.
+/// A figure with a packed binding, normals and parts.
 cageform::PackedFigure<float, 3> figure_with(const Coordinates& coordinates, const std::vector<Part>& parts) {
     const std::vector<Point> normals(points.size(), {0, 1, 0});
     const auto bound = cageform::bind(coordinates, cageform::FigurePoints{points, normals});
@@ -125,7 +125,7 @@ TEST_CASE("samples for pins that do not fit are refused", "[figure_parts]") {
         REQUIRE(opened);
         return read_parts(opened.value).fault;
     };
-    CHECK(fault_of({}).empty()); // none were asked for
+    CHECK(fault_of({}).empty()); // no samples were requested
     CHECK(fault_of(samples_of(in_box(5)).bytes()) == "samples for pins: they belong to another cage");
     const auto packed = samples_of(coordinates);
     std::vector<std::byte> bytes(packed.bytes().begin(), packed.bytes().end());

@@ -1,5 +1,5 @@
-// Figures that are written piece by piece: they open as those of `pack` do and clone as their pieces do; only
-// whole ones have a record.
+// Figures written piece by piece: they open like those of `pack` and deform like their pieces; only complete
+// figures have a record.
 #include "../catch.hpp"
 #include "../support/aligned.hpp"
 #include "../support/cages.hpp"
@@ -27,7 +27,7 @@ using cageform::WeightFormat;
 
 namespace {
 
-/// Tests run beside each other: each has a folder of its own.
+/// A folder per test, because tests run in parallel.
 const std::filesystem::path folder =
     std::filesystem::temp_directory_path() / ("cageform-stream-" + std::to_string(std::random_device()()));
 const std::string path = (folder / "a.figure").string();
@@ -40,10 +40,10 @@ std::string bytes_of_file() {
 struct Streamed {
     std::string text;
     TileRecord record;
-    Points3<float> cloned; // by the pieces
+    Points3<float> cloned; // from the pieces
 };
 
-/// Binds points in pieces, packs each, and appends it to a figure.
+/// Binds points in pieces, and packs and appends each to a figure.
 Streamed stream(const cageform::TriangleMesh<float>& cage, const Points3<float>& points, std::size_t piece,
                 const PackOptions& options, const Points3<float>& pose) {
     const cageform::MeanValueCoordinates<float, 3> coordinates(cage);
@@ -115,7 +115,7 @@ TEST_CASE("a figure bound in pieces deforms as its pieces do", "[examples][tiles
         CHECK(record->parameters_hash == 8);
         CHECK(record->weights_per_point == streamed.record.weights_per_point);
         CHECK(stream(cage, points, piece, options, pose).text == streamed.text);
-        if (count <= piece && count > 0) { // one piece is what `pack` makes
+        if (count <= piece && count > 0) { // a single piece is the result of `pack`
             const cageform::MeanValueCoordinates<float, 3> coordinates(cage);
             const auto packed = cageform::pack(cageform::bind(coordinates, points).value, options);
             const auto blob = figure.part("PNTS");
@@ -150,7 +150,7 @@ TEST_CASE("only a complete figure has a record, and a broken one leaves no file"
     CHECK(!spoil(streamed.text + std::string(64, '\0')));
     CHECK(spoil(streamed.text));
     {
-        FigureStream unfinished(path); // the old figure stays
+        FigureStream unfinished(path); // the old figure is kept
         const cageform::MeanValueCoordinates<float, 3> coordinates(cage);
         const auto packed = cageform::pack(cageform::bind(coordinates, points).value);
         REQUIRE(unfinished.append(packed.value.bytes(), points));

@@ -50,18 +50,18 @@ TEST_CASE("the volume changes its sign from that of a sphere", "[films]") {
     const auto volume = [](double time) {
         return volume_of(eversion_mesh(eversion().stage(time), 100, 200));
     };
-    const double net = 2e-3; // a net of 100 rows is inscribed
+    const double net = 2e-3; // a mesh of 100 rows is inscribed
     CHECK(std::fabs(volume(0) - sphere) <= net * sphere);
     CHECK(std::fabs(volume(1) + sphere) <= net * sphere);
     CHECK(std::fabs(volume(0.5)) <= 1e-3);
-    // The source's stages: after the first, second and third leg.
+    // The stages of the source after its first, second and third part.
     const double volumes[] = {0.931, 0.373, 0.130};
     for (int leg = 1; leg <= 3; ++leg)
         CHECK(std::fabs(volume_of(eversion_mesh(stage_on_legs(leg), 200, 400)) - volumes[leg - 1]) <= 1e-3);
 }
 
 TEST_CASE("the eversion is an immersion at every stage", "[films]") {
-    const int n = GENERATE(range(0, 29)); // over half of the time: the other half is its mirror image
+    const int n = GENERATE(range(0, 29)); // for the first half: the other one is its mirror image
     CAPTURE(n);
     const EversionStage stage = eversion().stage(n / 56.0);
     const double size = size_of(eversion_mesh(stage, 40, 80));
@@ -76,7 +76,7 @@ TEST_CASE("the second half of the eversion is the first one backwards, mirrored 
     const double theta = std::uniform_real_distribution<double>(-pi / 2, pi / 2)(random);
     const double phi = std::uniform_real_distribution<double>(-pi, pi)(random);
     const Point3 p = eversion_point(eversion().stage(time), theta, phi);
-    // A quarter turn about the axis; the sides are swapped by θ → −θ.
+    // A quarter turn about the axis; θ → −θ swaps the sides.
     const Point3 q = eversion_point(eversion().stage(1 - time), -theta, phi + pi / 2);
     CHECK(distance(q, {p[1], -p[0], p[2]}) <= 1e-12);
 }
@@ -116,7 +116,7 @@ TEST_CASE("no step between 240 frames exceeds a twentieth of the size", "[films]
 }
 
 TEST_CASE("double curves lie on both sheets", "[films]") {
-    // Two planes cross in a line; a corner in common is no crossing.
+    // Two planes intersect in a line; a shared corner is not an intersection.
     const std::vector<Point3> vertices{{0, 0, 0},      {2, 0, 0},      {0, 2, 0},
                                        {0.3, 0.4, -1}, {0.4, 0.3, -1}, {0.5, 0.5, 1}};
     const std::vector<std::array<std::uint32_t, 3>> two{{0, 1, 2}, {3, 4, 5}}, touching{{0, 1, 2}, {0, 4, 5}};
@@ -131,7 +131,7 @@ TEST_CASE("double curves lie on both sheets", "[films]") {
     const auto halfway = eversion_mesh(eversion().stage(0.5), 24, 48);
     const auto curve = double_curve(halfway.vertices, halfway.triangles);
     CHECK(curve.size() > 100);
-    // The pairs that a search of all pairs finds, on a coarser net.
+    // All pairs are compared, on a coarser mesh.
     const auto coarse = eversion_mesh(eversion().stage(0.45), 10, 20);
     std::size_t found = 0;
     for (std::size_t f = 0; f < coarse.triangles.size(); ++f) {
@@ -203,7 +203,7 @@ TEST_CASE("curves of turning number 0 that cancel each other get other starting 
     CHECK(std::fabs(homotopy.turns(0.5)) <= 1e-9);
 }
 
-TEST_CASE("a homotopy of curves with different turning numbers has stages whose velocity vanishes somewhere", "[films]") {
+TEST_CASE("between curves with different turning numbers the velocity vanishes somewhere", "[films]") {
     const auto seed = GENERATE(range(0u, 20u));
     CAPTURE(seed);
     const int from_turns = int(seed % 4) - 1, to_turns = from_turns + (seed % 3 == 0 ? 2 : 1);
@@ -264,7 +264,7 @@ TEST_CASE("lengths, areas and dimensions of self-similar curves are those of the
     CHECK(std::fabs(sierpinski.dimension() - 2) <= 1e-15);
 }
 
-/// A frame's pixels: which of them the curve passes.
+/// The pixels of a frame that the curve passes.
 std::vector<bool> pixels_of(const SelfSimilarCurve& curve, int level, double time) {
     constexpr std::size_t size = 160;
     Picture picture(size, size);

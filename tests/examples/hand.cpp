@@ -15,15 +15,15 @@ namespace hand_test {
 
 using namespace cageform_sources;
 
-constexpr double rounding = 16 * cageform::epsilon<double>; // of places no farther than 2 from the origin
+constexpr double rounding = 16 * cageform::epsilon<double>; // of points up to 2 from the origin
 
-/// Coarse: what the joints move does not depend on how fine the skin is.
+/// Coarse: the motion of joints does not depend on the resolution of the skin.
 const Hand& hand() {
     static const Hand made = make_hand(1.0 / 40);
     return made;
 }
 
-/// Makes the hand thicker, and longer to the fingertips: a build, made by an affine map of all its parts.
+/// A hand with other proportions: an affine map of all its parts makes it thicker and longer.
 const Hand& built_hand() {
     static const Hand made = [] {
         Hand other = hand();
@@ -63,14 +63,14 @@ Point3 along(const HandJoint& joint) {
 Point3 turned(const RigidMotion3& motion, const Point3& v) {
     return {dot(motion.rows[0], v), dot(motion.rows[1], v), dot(motion.rows[2], v)};
 }
-/// By Rodrigues' formula, about an axis through a place.
+/// A rotation about an axis through a point, by Rodrigues' formula.
 Point3 rotated(const Point3& p, const Point3& place, const Point3& axis, double degrees) {
     const double angle = degrees * std::numbers::pi / 180;
     const Point3 d = p - place;
     return place + std::cos(angle) * d + std::sin(angle) * cross(axis, d) +
            (1 - std::cos(angle)) * dot(axis, d) * axis;
 }
-/// Applies a share of a joint's angles to a point, before the turns of its parents.
+/// Applies a fraction of a joint's angles to a point, before the rotations of its parents.
 Point3 by_joint(const HandJoint& joint, const HandPose& angles, double part, Point3 p) {
     if (joint.bend != HandJoint::none)
         p = rotated(p, joint.place, joint.bend_axis, part * angles[joint.bend]);
@@ -78,7 +78,7 @@ Point3 by_joint(const HandJoint& joint, const HandPose& angles, double part, Poi
         p = rotated(p, joint.place, joint.spread_axis, part * angles[joint.spread]);
     return p;
 }
-/// Forward kinematics in its plainest form: from the joint inwards to the wrist.
+/// Forward kinematics, directly: from the joint inwards to the wrist.
 Point3 by_chain(const Hand& of, std::size_t joint, const HandPose& angles, double part, Point3 p) {
     p = by_joint(of.joints[joint], angles, part, p);
     for (joint = of.joints[joint].parent; joint != HandJoint::none; joint = of.joints[joint].parent)
@@ -101,7 +101,7 @@ TEST_CASE("a hand has five rays of joints, each beginning where the one before e
         }
     }
     CHECK(joints == hand().joints.size());
-    CHECK(angles.size() == hand_angle_count); // each angle turns one joint
+    CHECK(angles.size() == hand_angle_count); // each angle belongs to one joint
     CHECK(*angles.rbegin() + 1 == hand_angle_count);
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("an angle turns exactly the bones beyond its joint, by that angle", "[
     const double degrees = hand_angle_ranges[angle].most;
     const auto motions = hand().bones(one_angle(angle, degrees));
     for (std::size_t j = 0; j < motions.size(); ++j) {
-        std::size_t turns = j; // the joint of the angle, where it is on the way to the wrist
+        std::size_t turns = j; // the joint of the angle, if it is between the bone and the wrist
         while (turns != HandJoint::none && hand().joints[turns].bend != angle &&
                hand().joints[turns].spread != angle)
             turns = hand().joints[turns].parent;
@@ -160,7 +160,7 @@ TEST_CASE("fingers bend to the inner side and spread apart", "[examples][hand]")
         }
         const double x = hand().bones(one_angle(4 * ray, 10))[hand().rays[ray].back()](tip.end)[0];
         CHECK((ray < 2 ? tip.end[0] - x : x - tip.end[0]) >
-              0.05); // index and middle to the thumb, the others away
+              0.05); // index and middle finger towards the thumb, the others away from it
     }
 }
 
@@ -197,7 +197,7 @@ TEST_CASE("a point shared by two joints follows both", "[examples][hand]") {
         if (point.other == HandJoint::none) continue;
         ++shared;
         CHECK(point.joint != point.other);
-        for (const std::size_t bent : {point.joint, point.other}) { // it goes with either
+        for (const std::size_t bent : {point.joint, point.other}) { // it moves with both
             const std::size_t angle = hand().joints[bent].bend;
             if (angle == HandJoint::none) continue;
             const auto path = [&](double degrees) {
@@ -238,7 +238,7 @@ TEST_CASE("lines stay where they are to the planes between both bones", "[exampl
             }
         }
     }
-    CHECK(rings == 10); // two a finger, two of the thumb
+    CHECK(rings == 10); // two per finger, two for the thumb
 }
 
 TEST_CASE("constraint points are vertices of the skin, and no two control points are one",
@@ -251,7 +251,7 @@ TEST_CASE("constraint points are vertices of the skin, and no two control points
             REQUIRE(points[i].vertex < hand().skin.vertices.size());
             CHECK(points[i].place == hand().skin.vertices[points[i].vertex]);
             CHECK(vertices.insert(points[i].vertex).second);
-            // A line may be drawn into its plane: by no more than its groove is wide.
+            // A crease may be moved into its plane by at most the width of its groove.
             CHECK(std::fabs(skin_function(hand(), points[i].place)) < 0.01);
         }
         for (std::size_t k = 0; k < i; ++k)

@@ -32,7 +32,7 @@ LatticeBox<2> lattice_of(const std::string& word) {
     return *lattice;
 }
 
-/// The rows, then the columns.
+/// The points of the rows, then those of the columns.
 std::vector<std::vector<Point2>> lines_of(const CageFile& cage) {
     std::vector<std::vector<Point2>> lines;
     for (const CageBlock& block : cage.blocks) lines.push_back(block.points);
@@ -69,7 +69,7 @@ TEST_CASE("lattices are read from text", "[examples][lattice]") {
     CHECK(three->points == std::vector<std::size_t>{4, 5, 6});
     CHECK(three->falloff == 0.1);
 
-    // A turned box holds the figure, and is the smaller one for a figure that is turned alike.
+    // A turned box contains the figure, and is smaller for a figure that is turned in the same way.
     const auto turned = lattice_of("4x4@53.13010235415598"); // along the diagonal, of length 50
     CHECK(std::fabs(turned.frame.columns[0][0] - 36) <= 1e-9);
     CHECK(std::fabs(turned.frame.columns[0][1] - 48) <= 1e-9);
@@ -126,7 +126,7 @@ TEST_CASE("a lattice written and read is unchanged to the bit", "[examples][latt
     REQUIRE(read);
     CHECK(same(*read, lattice));
     CHECK_FALSE(parse_lattice<2>(text, "l.lattice.json"));
-    for (std::size_t n = 0; n + 2 < text.size(); n += 1 + random() % 20) { // cut off anywhere
+    for (std::size_t n = 0; n + 2 < text.size(); n += 1 + random() % 20) { // truncated anywhere
         CAPTURE(n);
         CHECK_FALSE(parse_lattice<3>(text.substr(0, n), "l"));
     }
@@ -169,7 +169,7 @@ TEST_CASE("a file that is not a lattice is refused with a reason", "[examples][l
                               R"("frame_columns": [[1, 0], [0, 1]], "origin": [0, 0, 0])"})
         CHECK(says(axes + ", " + wrong) == no_box);
     CHECK(says(axes + ", " + box + R"(, "falloff": "1")") == R"(l: "falloff" is no number)");
-    // The library alone refuses these:
+    // Only the library refuses these:
     CHECK(says(axes + ", " + box + R"(, "falloff": -1)").find("falloff of a lattice") != std::string::npos);
     CHECK(says(axes + R"(, "frame_columns": [[1, 0], [2, 0]], "origin": [0, 0])").find("do not span") !=
           std::string::npos);
@@ -185,7 +185,7 @@ TEST_CASE("a lattice in the plane is its rows and columns", "[examples][lattice]
     CHECK(cage.handles[3] == std::vector<std::size_t>{9, 10, 11});
     CHECK(cage.handles[4] == std::vector<std::size_t>{0, 3, 6, 9});
     CHECK(cage.handles[6] == std::vector<std::size_t>{2, 5, 8, 11});
-    CHECK(cage.vertices.size() == 12 + 3); // and the still handles
+    CHECK(cage.vertices.size() == 12 + 3); // and the fixed handles
     CHECK(cage.vertices[12] == cage.vertices[0]);
     CHECK(cage.vertices[13] == cage.vertices[2]);
     CHECK(cage.vertices[14] == cage.vertices[9]);
@@ -247,7 +247,7 @@ TEST_CASE("a lattice in space is a closed mesh of its outer points", "[examples]
     REQUIRE(mesh.lattice);
     CHECK(mesh.vertices.size() == 60 + 4);
     CHECK(mesh.faces.size() == 2 * (2 * 3 + 3 * 4 + 2 * 4));
-    double volume = 0; // positive: faces are seen from outside
+    double volume = 0; // positive: the faces point outwards
     for (const auto& [a, b, c] : mesh.triangles)
         volume += dot(mesh.vertices[a], cross(mesh.vertices[b], mesh.vertices[c])) / 6;
     const auto& frame = lattice->frame;

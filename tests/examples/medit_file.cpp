@@ -11,7 +11,7 @@ using namespace cageform_support;
 
 namespace {
 
-/// A cube of six tetrahedra about a diagonal, half of them turned over, with everything else that files have.
+/// A cube of six tetrahedra around a diagonal, three of them inverted, with all other content of files.
 const std::string cube = "# by hand\nMeshVersionFormatted 2\r\nDimension\n3\n"
                          "Vertices 8 # corners\n"
                          "0 0 0 1\n1 0 0 1\n0 1.50e0 0 1\n1 1.5 0 1\n"
@@ -41,7 +41,7 @@ std::string with(std::string text, const std::string& from, const std::string& t
     return text.replace(at, from.size(), to);
 }
 
-/// A sixth of it is the volume inside of triangles that look outwards.
+/// Six times the volume enclosed by triangles that point outwards.
 double volume_inside(const ObjFile& file) {
     double sum = 0;
     for (const auto& [a, b, c] : file.triangles)
@@ -73,7 +73,7 @@ TEST_CASE("a mesh of tetrahedra is read with its surface", "[medit]") {
     CHECK(file.vertices[7] == Point3{1, 1.5, 1});
     REQUIRE(file.tetrahedra.size() == 6);
     CHECK(file.tetrahedra[4] == std::array<std::uint32_t, 4>{7, 4, 5, 0});
-    CHECK(file.triangles.size() == 12); // two for each side of the cube, whichever way its cells are turned
+    CHECK(file.triangles.size() == 12); // two per side of the cube, whatever the orientation of its cells
     CHECK(volume_inside(file) == 9);
     CHECK(file.faces.empty());
 }
@@ -86,7 +86,7 @@ TEST_CASE("writing a mesh of tetrahedra changes only its vertices", "[medit]") {
     moved[7][0] = 3;
     CHECK(to_text(file, moved) ==
           with(with(cube, "0 1.50e0 0 1", "0.1 1.50e0 -0.25 1"), "2 1 1.5 1 2", "2 3 1.5 1 2"));
-    // Our own files are read back to the bit.
+    // Files written by the program are read without change, to the bit.
     moved[5] = {1.0 / 3, -1e-300, 5e22};
     const ObjFile again = mesh_of(medit_text(moved, file.tetrahedra));
     CHECK(again.vertices == moved);

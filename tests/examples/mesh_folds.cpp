@@ -20,7 +20,7 @@ namespace {
 
 using Points = std::vector<Point3>;
 
-/// A bar of 8 x 2 x 2 cubes, each of six tetrahedra about a diagonal.
+/// A bar of 8 x 2 x 2 cubes, each of six tetrahedra around a diagonal.
 ObjFile bar() {
     ObjFile mesh;
     mesh.name = "bar.mesh";
@@ -39,7 +39,7 @@ ObjFile bar() {
     return mesh;
 }
 
-/// The bar by a pose of a cage, a box whose one end is turned about its length and pushed.
+/// The bar deformed by a box-shaped cage, one end of which is turned about the bar's axis and pushed.
 struct Bent {
     ObjFile mesh = bar();
     cageform::PolyhedralMesh<double> cage =
@@ -71,7 +71,7 @@ struct Bent {
     }
 };
 
-/// The least V'/V of all cells, in long double.
+/// The smallest V'/V of all cells, in long double.
 double least_ratio(const ObjFile& mesh, const Points& moved) {
     const auto volume = [](const Points& at, const std::array<std::uint32_t, 4>& cell) {
         const auto edge = [&](std::size_t k) {
@@ -104,7 +104,7 @@ TEST_CASE("the largest step before a fold is that of bisection", "[mesh_folds]")
             continue;
         }
         ++stopped;
-        // The way of every vertex is straight, whether the vertices or the cage take the step.
+        // Every vertex moves along a line, whether the step is taken by the vertices or by the cage.
         const auto ratio_at = [&](double t) { return least_ratio(bent.mesh, bent.moved(t)); };
         double above = 0, below = 1;
         for (int n = 0; n < 200; ++n) {

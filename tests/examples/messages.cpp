@@ -12,7 +12,7 @@ using namespace cageform_support;
 
 namespace {
 
-/// Whether a text is UTF-8 without control characters but for a tab, and for a line break before two spaces.
+/// Whether a text is UTF-8 without control characters, except tabs and line breaks followed by two spaces.
 bool is_plain(const std::string& text) {
     for (std::size_t at = 0; at < text.size();) {
         const auto byte = [&](std::size_t k) {
@@ -67,7 +67,7 @@ TEST_CASE("printed text is always plain, and plain text is unchanged", "[example
     const unsigned seed = GENERATE(range(0U, 20U));
     CAPTURE(seed);
     std::mt19937 random(seed);
-    // Bytes near the borders of UTF-8 come often.
+    // Bytes near the limits of UTF-8 are chosen often.
     const std::string borders = "\x1b\n  \t\x7f\x80\x8f\x90\x9f\xa0\xbf\xc0\xc2\xe0\xed\xef\xf0\xf4\xf8";
     for (int n = 0; n < 2000; ++n) {
         std::string text(random() % 8, ' ');

@@ -44,7 +44,7 @@ double distance(const Point3& a, const Point3& b) {
     return std::hypot(d[0], d[1], d[2]);
 }
 
-/// Twice the area of a face's triangles together, and of each counted as positive.
+/// Twice the sum of the signed areas of a face's triangles, and twice the sum of the absolute areas.
 struct Areas {
     double sum = 0, apart = 0;
 };
@@ -59,7 +59,7 @@ Areas areas(const ObjFile& file, const Point3& normal) {
     return both;
 }
 
-/// A cube whose corners are shared, with a normal for every face.
+/// A cube with shared corners and one normal per face.
 const std::string cube =
     "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
     "vn 0 0 -1\nvn 0 0 2\nvn 0 -1 0\nvn 1 0 0\nvn 0 1 0\nvn -1 0 0\n"
@@ -106,7 +106,7 @@ TEST_CASE("an OBJ file is read", "[examples][obj]") {
     CHECK(file.faces[1].line == 17);
     CHECK(file.faces[2].corners ==
           std::vector<ObjCorner>{{0, ObjCorner::none}, {1, ObjCorner::none}, {2, ObjCorner::none}});
-    CHECK(file.faces[3].corners[2].vertex == 4); // an index may point forwards
+    CHECK(file.faces[3].corners[2].vertex == 4); // an index may refer to a later line
     CHECK(file.triangles.size() == 5);
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("only the numbers that change are written anew", "[examples][obj]") {
     replace("2.50", "0.1");
     replace("v 1 \\\r\n  2 \\\n 3\n", "v -1 \\\r\n  2 \\\n 1e-07\n");
     const std::string text = to_text(file, moved);
-    // The normals turn too; that is the next test's business.
+    // The normals change too; the next test checks them.
     const auto normals = text.find("vn"), behind = text.find("\no thing");
     CHECK(text.substr(0, normals) == expected.substr(0, normals));
     CHECK(text.substr(behind) == expected.substr(expected.find("\no thing")));
@@ -167,10 +167,10 @@ TEST_CASE("a normal moves by the inverse transpose of the Jacobian", "[examples]
     REQUIRE(moved);
     const double length = std::sqrt(dot(n, n)), stretch = 1e-12 * length * length * length;
     CHECK(std::fabs(std::sqrt(dot(*moved, *moved)) - length) < 1e-14 * length);
-    for (const Point3& tangent : {across, other}) // tangents keep their right angle with the normal
+    for (const Point3& tangent : {across, other}) // tangents stay perpendicular to the normal
         CHECK(std::fabs(dot(*moved, image(tangent))) <
               100 * stretch * std::sqrt(dot(image(tangent), image(tangent))));
-    CHECK(dot(*moved, image(n)) > 0); // and its side
+    CHECK(dot(*moved, image(n)) > 0); // and keep their sign
     CHECK(moved_normal({Point3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, n) == n);
     jacobian[2] = 2.0 * jacobian[0] - 0.5 * jacobian[1];
     CHECK_FALSE(moved_normal(jacobian, n));
@@ -269,7 +269,7 @@ TEST_CASE("tangents point along u, and their sign is that of v", "[examples][obj
     std::normal_distribution<double> normal;
     const auto draw = [&] { return Point3{normal(random), normal(random), normal(random)}; };
     const Point3 origin = draw(), u = draw(),
-                 v = draw(); // the place of a picture's point: origin + u U + v V
+                 v = draw(); // the position of a texture point: origin + u U + v V
     std::string text = "usemtl a\n";
     for (int n = 0; n < 4; ++n) {
         const double at_u = normal(random), at_v = normal(random);
@@ -326,13 +326,13 @@ TEST_CASE("a normal of several faces follows their mean, weighted by area", "[ex
     moved[5] = {0, 1, -1};
     const auto normals = MovedNormals(file, {moved}).of_file();
     CHECK(distance(normals[0], {std::sqrt(0.5), 0, std::sqrt(0.5)}) < 1e-15);
-    CHECK(normals[1] == file.normals[1]); // no face has it
+    CHECK(normals[1] == file.normals[1]); // no face uses it
 
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = 1.7 * file.vertices[i] + Point3{0.1, 0.2, 0.3};
-    CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // moved and larger, but not turned
+    CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // moved and scaled, but not turned
 
     for (Point3& p : moved) p = {0, 0, 0};
-    CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // no direction is left
+    CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // no direction remains
 }
 
 TEST_CASE("faces are triangulated with one orientation", "[examples][obj]") {
@@ -445,7 +445,7 @@ TEST_CASE("copies of a vertex that differ by rounding are joined, other vertices
     std::normal_distribution<double> normal;
     const double size = std::exp(5 * normal(random));
     const ObjFile single = parsed(cube);
-    ObjFile split = single; // each triangle has vertices of its own
+    ObjFile split = single; // each triangle has its own vertices
     split.vertices.clear();
     split.triangles.clear();
     std::vector<std::uint32_t> source;
@@ -458,7 +458,7 @@ TEST_CASE("copies of a vertex that differ by rounding are joined, other vertices
             for (double& x : p.v) x += 1e-7 * size * std::tanh(normal(random));
         }
     }
-    if (seed % 2 == 0) { // a sky
+    if (seed % 2 == 0) { // a separate sky
         const auto first = std::uint32_t(source.size());
         split.triangles.push_back({first, first + 1, first + 2});
         for (std::uint32_t k = 0; k < 3; ++k) {
@@ -521,15 +521,15 @@ TEST_CASE("no text crashes the OBJ reader", "[examples][obj][fuzz]") {
     std::mt19937_64 random(static_cast<unsigned>(seed));
     const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
     std::string text;
-    if (seed % 3 == 0) { // any bytes
+    if (seed % 3 == 0) { // random bytes
         for (std::size_t n = below(400); n > 0; --n) text += static_cast<char>(below(256));
-    } else if (seed % 3 == 1) { // pieces of the format
+    } else if (seed % 3 == 1) { // random pieces of the format
         static const std::vector<std::string> pieces{
             "v ", "vn ",    "f ",      "1 ",   "2 ", "-1 ",          "0 ",        "1/1",
             "//", "1e308 ", "-1e308 ", "\\\n", "\n", "\r\n",         "v 1 2 3\n", "#",
             "\t", " ",      "1e-308 ", "nan ", "s ", "99999999999 ", "\\",        std::string(1, '\0')};
         for (std::size_t n = below(200); n > 0; --n) text += pieces[below(pieces.size())];
-    } else { // a sound file with a few bytes changed
+    } else { // a valid file with a few bytes changed
         text = seed % 2 == 0 ? cube : everything;
         for (std::size_t n = 1 + below(4); n > 0; --n)
             text[below(text.size())] = static_cast<char>(below(256));

@@ -1,4 +1,4 @@
-// Means over rays and over Brownian paths are the coordinates that they are said to be.
+// Means over rays and over Brownian paths are the coordinates that the documentation states.
 #include "tables/paths.hpp"
 
 #include "catch.hpp"
@@ -40,7 +40,7 @@ TEST_CASE("means over rays are mean value coordinates", "[examples][paths][oracl
         }
         CHECK(compared >= 5);
     }
-    // The error of 200,000 rays that the reference values state: 3e-11 and more below it.
+    // The error of 200,000 rays stated by the reference values: at least 3e-11.
     const auto reference = read_json("fields");
     const auto& in_l = reference["rays_in_the_l"];
     std::vector<Point2> loop;
@@ -56,8 +56,7 @@ TEST_CASE("means over rays are mean value coordinates", "[examples][paths][oracl
 TEST_CASE("the error of rays falls with the square of their number", "[examples][paths]") {
     const Oracle oracle = read_oracle("meanvalue2d_l_shape");
     const PathBoundary boundary(loops_of(oracle));
-    const auto error = [&](std::size_t
-                               rays) { // the largest of all interior points: it varies from one to the next
+    const auto error = [&](std::size_t rays) { // the largest of all points: it varies
         double largest = 0;
         for (std::size_t i = 0; i < oracle.points.size(); ++i) {
             if (oracle.tags[i] != "inside") continue;
@@ -84,8 +83,7 @@ TEST_CASE("means over Brownian paths are harmonic coordinates", "[examples][path
                                                        20'000, 3e-4, random);
         double sum = 0;
         for (std::size_t k = 0; k < weights.mean.size(); ++k) {
-            // A hat function changes by no more than its slope, 1 over the unit edge, on the last 3e-4 of a
-            // path.
+            // On the last 3e-4 of a path a hat function changes at most by its slope, 1 over the edge length.
             CHECK(std::fabs(weights.mean[k] - oracle.coordinates[i][k]) < 5 * weights.error[k] + 3e-4);
             CHECK(weights.error[k] < 0.5 / std::sqrt(20'000.0));
             sum += weights.mean[k];

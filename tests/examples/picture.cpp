@@ -1,4 +1,4 @@
-// Numbers on pictures say what is drawn beside them: axes of plots, colour bars.
+// Numbers on pictures agree with the drawing: axes of plots, colour bars.
 #include "pictures/picture.hpp"
 #include "catch.hpp"
 #include "support/cages.hpp"
@@ -27,7 +27,7 @@ TEST_CASE("the number at a tick of an axis is the value there", "[examples][pict
     double before = -std::numeric_limits<double>::infinity();
     for (const auto& [value, number] : marks) {
         CAPTURE(value, number);
-        CHECK(std::fabs(axis.at(std::stod(number)) - axis.at(value)) < 1e-3); // of a pixel
+        CHECK(std::fabs(axis.at(std::stod(number)) - axis.at(value)) < 1e-3); // in pixels
         CHECK((axis.at(value) >= axis.begin - 1e-3 && axis.at(value) <= axis.end + 1e-3));
         CHECK(value > before);
         CHECK(numbers.insert(number).second);
@@ -47,7 +47,7 @@ TEST_CASE("numbers on axes are short", "[examples][picture]") {
     CHECK(words(-2e-16, 2e-16, 6) == Words{"-2e-16", "-1e-16", "0", "1e-16", "2e-16"});
     CHECK(words(0, 3e7, 3) == Words{"0", "1e7", "2e7", "3e7"});
     CHECK(words(5, 9, 10, 1) == Words{"5", "6", "7", "8", "9"});
-    CHECK(words(1e9, 1e9 + 1e-6, 5).empty()); // no doubles between
+    CHECK(words(1e9, 1e9 + 1e-6, 5).empty()); // no doubles in between
     CHECK(words(3, 3, 5).empty());
 }
 
@@ -67,9 +67,9 @@ TEST_CASE("the colour next to a number of a colour bar is that of the number",
     for (const auto& [value, number] : marks) {
         CAPTURE(value, number);
         const auto row = std::size_t(std::min(axis.at(value), axis.begin - 1));
-        const bool at_end = row < 33 || row > 566; // where the bar's outline is
+        const bool at_end = row < 33 || row > 566; // in the column of the bar's outline
         if (!at_end) CHECK(unlike(picture.at(25, row), heat(std::stod(number))) < 0.02f);
-        // Its mark is in this row, and something is written beside it.
+        // The tick is in this row, with a number next to it.
         CHECK(picture.at(44, row).r < 0.8f);
         bool written = false;
         for (std::size_t y = row > 7 ? row - 7 : 0; y < std::min<std::size_t>(row + 7, 600); ++y) {
@@ -89,7 +89,7 @@ TEST_CASE("the colour map is white at zero", "[examples][picture]") {
         before = cageform_tests::larger(before, step);
     }
     CHECK(before > 0);
-    CHECK(heat(-0.03).b > heat(-0.03).r); // blue below zero, warm above
+    CHECK(heat(-0.03).b > heat(-0.03).r); // blue below zero, red above
     CHECK(heat(0.03).b < heat(0.03).r);
 }
 

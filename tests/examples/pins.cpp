@@ -100,13 +100,13 @@ TEST_CASE("pins written and read are unchanged", "[pins]") {
         plane += text_of(flat.place) + ',' + text_of(flat.target);
         space += (n % 2 == 1 ? std::to_string(n % 3) : text_of(deep.place)) + ',' + text_of(deep.target);
         const Vec<double, 3> degrees = place(Vec<double, 3>{});
-        if (n % 3 == 1) { // turns alone
+        if (n % 3 == 1) { // turns without targets
             flat.turn = degree * Vec<double, 1>{degrees[0]};
             deep.turn = degree * degrees;
             plane += ',' + detail::digits_of(degrees[0]);
             space += ',' + text_of(degrees);
         }
-        if (n % 3 == 2) { // weights alone
+        if (n % 3 == 2) { // weights only
             flat.weight = deep.weight = std::fabs(number(random));
             plane += ",," + detail::digits_of(flat.weight);
             space += ",,,," + detail::digits_of(deep.weight);
@@ -200,7 +200,7 @@ TEST_CASE("markers written and read are unchanged", "[pins]") {
             CHECK(marker.rows[k].move[1] == tracks.places[k][n].y - tracks.rest[n].y);
         }
     }
-    // Pins as a clip read back to the bit.
+    // Pins written as a clip are unchanged to the bit.
     const auto again = parse_clip(clip_text(*clip, "a heading"), "c.csv", 0);
     REQUIRE(again);
     REQUIRE(again->has_pins());

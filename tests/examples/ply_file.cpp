@@ -1,5 +1,4 @@
-// PLY files and other files of points: what is written is read, in any encoding and blocks of any size; broken
-// files are named.
+// PLY files and other files of points, written and read in any encoding and block size; broken files are reported.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -20,7 +19,7 @@ using cageform_tests::Random;
 
 namespace {
 
-/// A file that is gone with this object. Tests run beside each other: its name begins with a random number.
+/// A temporary file, removed by the destructor. Its name has a random number because tests run in parallel.
 struct Written {
     explicit Written(const std::string& text, const std::string& name = "test.ply")
         : path((std::filesystem::temp_directory_path() /
@@ -64,7 +63,7 @@ void append(std::string& text, PlyType type, double number, PlyEncoding encoding
     }
 }
 
-/// A number that a type holds, its limits too.
+/// A random number of a type, including its limits.
 double number_of(Random& random, PlyType type) {
     const std::size_t bits = 8 * bytes_of(type);
     if (type == PlyType::float32) return double(float(random.uniform(-1e6, 1e6)));
@@ -76,7 +75,7 @@ double number_of(Random& random, PlyType type) {
     return choice == 0 ? least : choice == 1 ? most : std::floor(random.uniform(least, most));
 }
 
-/// A file with elements of random properties, and what reading them should give.
+/// A file with elements of random properties, and the expected result of reading them.
 struct RandomFile {
     std::string text;
     std::vector<PlyElement> elements;
@@ -130,7 +129,7 @@ struct RandomFile {
     }
 };
 
-/// Why a text is no PLY file with points, less the file's name; empty if it is one.
+/// Why a text is not a PLY file with points, without the file's name; empty if it is one.
 std::string fault_of(const std::string& text, const std::string& name = "test.ply") {
     const Written file(text, name);
     PointFile points(file.path);
@@ -200,7 +199,7 @@ TEST_CASE("truncated or corrupted PLY files are read or refused", "[examples][pl
             while (const std::size_t more = reader.read(5, numbers)) records += more;
         }
         if (!reader.error().empty()) CHECK(reader.error().starts_with(file.path + ": "));
-        // Spaces and a line's end may be missing at the end of an ASCII file.
+        // Spaces and the last line break may be missing at the end of an ASCII file.
         if (cuts) CHECK((!reader.error().empty() || records == expected));
     }
 }

@@ -134,7 +134,7 @@ TEST_CASE("operations are applied in their order", "[examples][pose]") {
     const Points<2> rest{{1, 0}, {2, 0}};
     CHECK(posed(rest, {{move, "all:1,0"}, {turn, "all:90@0,0"}}) == Points<2>{{0, 2}, {0, 3}});
     CHECK(posed(rest, {{turn, "all:90@0,0"}, {move, "all:1,0"}}) == Points<2>{{1, 1}, {1, 2}});
-    // Means are those of the pose so far; places are those at rest.
+    // Means are those of the current pose; selections use the positions at rest.
     CHECK(posed(rest, {{move, "1:3,4"}, {turn, "0:180@v1"}, {turn, "0:90@vall"}}) ==
           Points<2>{{5, 8}, {5, 4}});
     CHECK(posed(rest, {{move, "all:10,0"}, {scale, "all:2"}}) == Points<2>{{10.5, 0}, {12.5, 0}});
@@ -185,7 +185,7 @@ TEMPLATE_TEST_CASE_SIG("a bend keeps the lengths of its axis", "[examples][pose]
         posed(axis, {{bend, std::string("all:xy,") + (backwards ? "2,1," : "1,2,") + degrees + place}});
     const double step = 3.0 / (count - 1), angle = std::stod(degrees) * 3.14159265358979323846 / 180;
     double worst = 0, kept = 0;
-    for (std::size_t i = 0; i + 1 < count; ++i) // a chord is short of its arc by a 24th of its angle's square
+    for (std::size_t i = 0; i + 1 < count; ++i) // chord and arc differ by angle² / 24
         worst = larger(worst, std::fabs(distance(pose[i], pose[i + 1]) - step));
     CHECK(worst < step * (angle * step * angle * step / 20 + 1e-10));
     for (std::size_t i = 0; i < count; ++i) {
@@ -193,7 +193,7 @@ TEMPLATE_TEST_CASE_SIG("a bend keeps the lengths of its axis", "[examples][pose]
         if (is_before) CHECK(pose[i] == axis[i]);
         if (D == 3) CHECK(pose[i][D - 1] == 0);
     }
-    // The part beyond is turned by the whole angle, about one point: it is straight and keeps lengths.
+    // The part beyond the bend turns by the whole angle about one point: it stays straight and keeps its length.
     const std::size_t end = backwards ? 0 : count - 1, near = backwards ? count / 3 - 1 : 2 * count / 3 + 1;
     const auto beyond = pose[end] - pose[near];
     const double length = std::fabs(axis[end][0] - axis[near][0]), sign = to > from ? 1 : -1;

@@ -32,7 +32,7 @@ using cageform::Vec;
 
 namespace {
 
-/// A file that is there as long as this object.
+/// A temporary file, removed by the destructor.
 class TextFile {
 public:
     explicit TextFile(std::string_view text)
@@ -84,7 +84,7 @@ std::string refusal(const std::string& text, std::size_t vertices) {
     return at == why.npos ? why : why.replace(at, file.path().size(), "file");
 }
 
-/// A table of random poses, with what may stand between rows.
+/// A table of random poses, with everything allowed between rows.
 template <std::size_t D>
 void check_table(std::mt19937& random) {
     const std::size_t vertices = 1 + random() % 40, count = 1 + random() % 60;
@@ -129,7 +129,7 @@ X number_at(std::string_view bytes, std::size_t offset) {
     return value;
 }
 
-/// Returns the part that follows a text.
+/// Returns the text after `label`.
 std::string_view after(std::string_view text, std::string_view what) {
     const std::size_t at = text.find(what);
     INFO(what);
@@ -137,7 +137,7 @@ std::string_view after(std::string_view text, std::string_view what) {
     return text.substr(at + what.size());
 }
 
-/// The next number of a text, to the bit.
+/// Returns the next number of a text, exact to the bit.
 template <class T>
 T take_number(std::string_view& text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\n' || text.front() == 'v'))

@@ -48,9 +48,9 @@ public:
         return (1 / length_of(p)) * p;
     }
     Matrix3 matrix() { return {point(), point(), point()}; }
-    /// A rotation by a quaternion evenly on the sphere.
+    /// A uniformly distributed rotation, from a quaternion.
     Matrix3 rotation() { return factor_of({{normal(), normal(), normal(), normal()}, {}}); }
-    /// A splat whose axes differ up to a thousand times.
+    /// A splat whose axes differ by a factor of up to 1000.
     SplatShape shape() {
         return {{normal(), normal(), normal(), normal()}, {between(-7, 0), between(-7, 0), between(-7, 0)}};
     }
@@ -95,7 +95,7 @@ std::string bytes_of(const SplatFile& scene) {
     return scene.header_text(scene.size()) + scene.rows;
 }
 
-/// The part of a colour that changes with the view.
+/// The part of a colour that depends on the direction of view.
 double seen(const SplatFile& scene, std::size_t splat, std::size_t channel, const Point3& direction) {
     std::array<double, most_harmonics> values{};
     harmonics_at(direction, values);
@@ -116,7 +116,7 @@ std::string fault_of(const std::string& bytes) {
     return scene ? std::string() : to_string(scene.error());
 }
 
-/// A text with the first `from` in it replaced.
+/// A text with the first `from` replaced.
 std::string with(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     REQUIRE(at != text.npos);
@@ -130,8 +130,8 @@ TEST_CASE("every matrix is the product of its singular values and of orthogonal 
     CAPTURE(seed);
     Random random(seed);
     Matrix3 a = random.matrix();
-    if (seed % 4 == 1) a[1] = 2.0 * a[0];                                        // of rank two
-    if (seed % 4 == 2) a = scaled(a, {1, 1e-6, 1e-9});                           // graded
+    if (seed % 4 == 1) a[1] = 2.0 * a[0];              // of rank two
+    if (seed % 4 == 2) a = scaled(a, {1, 1e-6, 1e-9}); // singular values of different sizes
     if (seed % 4 == 3) a = {random.normal() * a[0], random.normal() * a[0], {}}; // of rank one
     const SingularValues values = singular_values(a);
     const double rounding = 1e-14;
@@ -164,7 +164,7 @@ TEST_CASE("affine poses of splats are exact: covariance, place, opacity", "[spla
     Random random(seed);
     SplatFile scene = random_scene(random, std::size_t(seed % 4), 3);
     const SplatFile rest = scene;
-    const Matrix3 map = random.matrix(); // turns half of the scenes over
+    const Matrix3 map = random.matrix(); // mirrors half of the scenes
     const Point3 shift = random.point();
     for (std::size_t i = 0; i < scene.size(); ++i) {
         pose(scene, i, map, shift);
@@ -287,7 +287,7 @@ TEST_CASE("the halves of a split splat have its mass, mean and second moment, at
         CHECK(length_of(mean) <= 1e-13 * (1 + length_of(whole.place)));
         CHECK(distance(moment, wanted) <= 1e-11 * largest(wanted));
     }
-    // across the longest axis of the pose
+    // along the pose's longest axis
     const Point3 off = product(map, halves[1].place - whole.place);
     CHECK(length_of(off) == Approx(posed.sizes[posed.largest()] / std::sqrt(2.0)).epsilon(1e-9));
     CHECK(stretch_of(halves[0], posed_shape(halves[0], map)) <=
@@ -348,7 +348,7 @@ TEST_CASE("normals of splats rotate as those of a surface", "[splats]") {
     CHECK(length_of(turned) == Approx(size).epsilon(1e-5));
     for (const Point3& t : {product(map, along), product(map, across)})
         CHECK(std::fabs(dot(turned, t)) <= 1e-5 * size * length_of(t));
-    CHECK(dot(turned, product(map, normal)) > 0); // outside stays outside
+    CHECK(dot(turned, product(map, normal)) > 0); // the outside stays outside
 }
 
 TEST_CASE("other properties of a scene are kept, in their order", "[splats]") {
@@ -423,7 +423,7 @@ TEST_CASE("splats that are not finite are left out and counted, all others keep 
     SplatFile scene = random_scene(random, std::size_t(seed % 4), 9);
     const SplatFile good = scene;
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinite = HUGE_VAL;
-    // Two properties may be infinite: an opacity of either sign, and a scale of -inf.
+    // Two properties may be infinite: an opacity of either sign, and a scale of −inf.
     scene.set(1, scene.layout.opacity, seed % 2 == 0 ? infinite : -infinite);
     scene.set(2, scene.layout.scales[std::size_t(seed % 3)], -infinite);
     std::string kept, first;
@@ -581,18 +581,18 @@ TEST_CASE("a quarter turn of the scene is a quarter turn of the view", "[splats]
         }
     }
     CHECK(painted > 100);
-    // Shares below 1/255 are left out, so rounding may decide on one; nearly all that is left is rounding.
+    // Contributions below 1/255 are omitted, and rounding decides at the limit; the rest are rounding errors.
     CHECK(most <= 0.5 / 255 + 1.0 / 255);
 }
 
 TEST_CASE("one opaque splat is a Gaussian in the picture", "[splats]") {
     SplatFile scene = empty_scene(0);
-    // Two transparent ones frame it.
+    // Two transparent splats enlarge the bounding box.
     for (const double x : {-1.0, 1.0}) append(scene, {{x, 0, 0}, {{1, 0, 0, 0}, {-9, -9, -9}}, -30, {}, {}});
     append(scene,
            {{0, 0, 0}, {{1, 0, 0, 0}, {std::log(0.2), std::log(0.1), -9}}, 0, {-9, -9, -9}, {}}); // black
     const Picture picture = draw_splats(scene, nullptr, 100, 50, {.turn = 0, .rise = 0});
-    const double pixels = 45; // a unit: nine tenths of the width are two units
+    const double pixels = 45; // pixels per unit: the box, two units wide, fills nine tenths of the picture
     for (const std::size_t x : std::array<std::size_t, 4>{20, 40, 50, 60}) {
         for (const std::size_t y : std::array<std::size_t, 3>{20, 25, 28}) {
             const double dx = double(x) + 0.5 - 50, dy = double(y) + 0.5 - 25;

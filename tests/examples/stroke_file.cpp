@@ -1,4 +1,4 @@
-// Drawings whose strokes have values, colours as CSS writes them, level lines.
+// Drawings whose strokes have values, colours in CSS notation, level lines.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -68,7 +68,7 @@ TEST_CASE("strokes of a drawing have values along their length", "[examples][str
                    "<rect width=\"5\" height=\"5\"/><path data-height=\"1\" d=\"M3,3 L3,3\"/>");
     REQUIRE(file);
     CHECK(file->canvas.width == 100);
-    REQUIRE(file->lines.size() == 2); // neither what has no stroke, nor what has no length
+    REQUIRE(file->lines.size() == 2); // elements without a stroke or of length 0 are ignored
     const auto& path = file->lines[0];
     CHECK(path.label == "path \"a\" (line 1)");
     CHECK(path.stroke == "red");
@@ -105,7 +105,7 @@ TEST_CASE("level lines lie where the field has the value, and end only at the bo
     const std::size_t width = 3 + random.below(30), height = 3 + random.below(30);
     std::vector<double> values(width * height);
     for (double& value : values) value = random.uniform(-1, 1);
-    std::size_t crossings = 0, points = 0; // of sides of squares
+    std::size_t crossings = 0, points = 0; // of the sides of squares
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (i % width + 1 < width) crossings += (values[i] > 0.1) != (values[i + 1] > 0.1) ? 1 : 0;
         if (i + width < values.size()) crossings += (values[i] > 0.1) != (values[i + width] > 0.1) ? 1 : 0;

@@ -1,4 +1,4 @@
-// Drawings in several frames: every frame is the still of its pose. Letters on paths go where their paths go.
+// Drawings in several frames: every frame is the picture deformed by its pose. Text on a path moves with it.
 
 #include "svg/document.hpp"
 #include "svg/drawn_figure.hpp"
@@ -45,7 +45,7 @@ const std::string drawing = R"x(<svg xmlns="http://www.w3.org/2000/svg" viewBox=
 <image id="g" x="70" y="5" width="9" height="20" href="data:,"/>
 </svg>)x";
 
-/// A map of the plane that is not affine, with its inverse nowhere needed.
+/// A map of the plane that is not affine; its inverse is not needed.
 struct Wave {
     Affine2 map;
     double height = 0, pace = 0;
@@ -100,7 +100,7 @@ std::string letters_of(std::string_view data) {
     return letters;
 }
 
-/// The farthest that places at equal parameters of a path's segments lie from another path.
+/// The largest distance of points of a path, at equal parameters of its segments, from another path.
 double distance_between(const Path& path, const Path& other) {
     double farthest = 0;
     const auto places = [](const Path& p, std::size_t steps) {
@@ -115,7 +115,7 @@ double distance_between(const Path& path, const Path& other) {
         }
         return all;
     };
-    const auto fine = places(other, 400); // a line between two is less than 0.001 from the curve
+    const auto fine = places(other, 400); // a line between two points is less than 0.001 from the curve
     for (const Point2& p : places(path, 7)) {
         double least = 1e9;
         for (std::size_t i = 0; i + 1 < fine.size(); ++i) {
@@ -130,7 +130,7 @@ double distance_between(const Path& path, const Path& other) {
     return farthest;
 }
 
-/// How far apart two transforms take the corners of a unit square.
+/// The largest distance between the images of a unit square's corners under two transforms.
 double difference(const std::string& a, const std::string& b) {
     const auto one = parse_transform(a), other = parse_transform(b);
     REQUIRE(one);
@@ -163,13 +163,13 @@ TEST_CASE("a frame is the picture deformed by its pose", "[examples][svg_documen
             const auto path = parse_path_data(data), other = parse_path_data(alone.attribute("d").value());
             REQUIRE(path);
             REQUIRE(other);
-            CHECK(distance_between(*path, *other) < 0.007); // two tolerances and that thousandth
+            CHECK(distance_between(*path, *other) < 0.007); // two tolerances, and the 0.001 above
             CHECK(distance_between(*other, *path) < 0.007);
             if (f == 0) {
                 first_letters.push_back(letters_of(data));
             } else {
                 const std::size_t n = std::size_t(id[0] - 'a');
-                CHECK(letters_of(data) == first_letters[n]); // or browsers do not go from one to the other
+                CHECK(letters_of(data) == first_letters[n]); // otherwise browsers do not interpolate them
             }
             for (const char* property : {"fill", "stroke"}) {
                 const auto server_of = [&](pugi::xml_node node, const SvgDocument& document) {
@@ -219,7 +219,7 @@ std::vector<std::string> parts_of(const std::string& text) {
     return parts;
 }
 
-/// The height of a CSS easing curve, found by bisection.
+/// The height of a CSS easing curve, by bisection.
 double eased(const std::vector<double>& controls, double time) {
     const auto at = [&](double t, std::size_t axis) {
         const double u = 1 - t;
@@ -230,7 +230,7 @@ double eased(const std::vector<double>& controls, double time) {
     return at(low, 1);
 }
 
-/// The numbers of an animation at a share of its time, as SMIL has them.
+/// The interpolated numbers of an animation at a fraction of its duration, by the rules of SMIL.
 std::vector<double> played(pugi::xml_node animation, double time) {
     const auto values = parts_of(animation.attribute("values").value());
     std::vector<double> times;
@@ -265,7 +265,7 @@ std::vector<double> played(pugi::xml_node animation, double time) {
     return from;
 }
 
-/// One wave that goes through others smoothly and comes back.
+/// A smooth motion from one wave through others and back to it.
 std::vector<Wave> smooth_waves(unsigned seed, std::size_t frames) {
     const auto ends = random_waves(seed);
     std::vector<Wave> waves;
@@ -288,7 +288,7 @@ std::vector<Wave> smooth_waves(unsigned seed, std::size_t frames) {
     return waves;
 }
 
-/// The animations of an element: in it, or beside it where it takes its content from another one.
+/// The animations of an element: inside it, or next to it if it takes its content from another one.
 std::vector<pugi::xml_node> animations_of(pugi::xml_node node, const std::string& attribute) {
     std::vector<pugi::xml_node> found;
     const std::string id = std::string("#") + node.attribute("id").value();
@@ -310,7 +310,7 @@ TEST_CASE("an animation shows every frame within the tolerance",
     constexpr std::size_t frames = 48;
     const double tolerance = GENERATE(0.02, 0.3);
     AnimatedSvg moving = animated(drawing, smooth_waves(seed, frames), {.tolerance = 0.02});
-    moving.play(1, 7); // which the next call undoes
+    moving.play(1, 7); // undone by the next call
     const std::size_t keys = moving.play(2.5, tolerance);
     std::size_t animations = 0;
     for (const auto& track : moving.tracks) {
@@ -322,14 +322,14 @@ TEST_CASE("an animation shows every frame within the tolerance",
         double farthest = 0;
         for (std::size_t f = 0; f <= frames; ++f) {
             const double time = double(f) / frames;
-            const std::size_t n = f % frames; // ends as it begins
+            const std::size_t n = f % frames; // ends as it began
             const auto far = [&](double x, double y) {
                 farthest = std::max(farthest, track.scale * std::hypot(x, y));
             };
             if (!track.numbers.empty()) far(played(all.front(), time)[0] - track.numbers[n], 0);
             if (!track.paths.empty()) {
                 const auto shown = played(all.front(), time), exact = flat(track.paths[n]);
-                REQUIRE(shown.size() <= exact.size()); // a closing line is left out
+                REQUIRE(shown.size() <= exact.size()); // a closing line is omitted
                 std::size_t i = 0;
                 for (const Subpath& subpath : track.paths[n]) {
                     for (std::size_t k = 0; k < 6 * subpath.segments.size() + 2 && i < shown.size();
@@ -475,11 +475,11 @@ TEST_CASE("a layer is the content of its element", "[examples][svg_document][ani
     CHECK(to_string(none.error()) == "test.svg: the figure has no shape in \"later\"");
 }
 
-// ---- letters on paths ----
+// ---- text on paths ----
 
 namespace {
 
-/// The box of all that is drawn, letters on paths included.
+/// The bounding box of all drawn elements, including text on paths.
 detail::Box drawn_box(std::string_view text) {
     SvgDocument document = parsed(text);
     detail::StyleSheets styles(document);

@@ -47,7 +47,7 @@ bool identity(std::span<const Point2> in, std::span<Point2> out) {
     return true;
 }
 
-/// Moves all points by less than is written, lest unmoved shapes stay as they are.
+/// Moves all points by less than the output's precision, so that unmoved shapes are written too.
 bool hardly(std::span<const Point2> in, std::span<Point2> out) {
     std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
         return Point2{p.x + 1e-9, p.y};
@@ -87,7 +87,7 @@ std::vector<SvgShape> shapes_of(std::string_view text) {
     return *all;
 }
 
-/// The first shape as it is drawn, in root user space, to four decimals.
+/// The first shape as drawn, in the user space of the root, to four decimals.
 std::string drawn(std::string_view content) {
     const auto all = shapes_of(svg(content));
     REQUIRE_FALSE(all.empty());
@@ -120,7 +120,7 @@ std::vector<Point2> samples(const Path& path, int steps) {
     return points;
 }
 
-/// A folder of its own that goes with the test.
+/// A temporary folder for one test.
 class Folder {
 public:
     Folder()
@@ -152,7 +152,7 @@ void put(const fs::path& path, std::string_view text) {
     std::ofstream(path, std::ios::binary) << text;
 }
 
-/// A document with one of almost everything, used where all of it has to survive.
+/// A document with almost every feature, for tests that all of them are preserved.
 const std::string rich = R"xml(<?xml version="1.0" encoding="UTF-8"?>
 <?xml-stylesheet href="none.css"?>
 <!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "svg11.dtd" [ <!ENTITY grey "fill:#888"> ]>
@@ -227,7 +227,7 @@ TEST_CASE("an unchanged document is written as it was read", "[examples][svg_doc
         CAPTURE(kept);
         CHECK(contains(once, kept));
     }
-    // single quotes may hold what double quotes may not
+    // single quotes may contain double quotes
     CHECK(to_text(parsed("<svg a='say \"x\"' b='y'/>")) == "<svg a=\"say &quot;x&quot;\" b=\"y\"/>");
 }
 
@@ -332,7 +332,7 @@ TEST_CASE("an element becomes a path in its place and keeps its other attributes
           svg(R"x(<path pathLength="3" d="M100 0 L101 1" marker-end="url(#m)"/>)x"));
     CHECK(deformed(svg(R"(<line/>)"), shift).text == svg(R"(<path d="M100 0 L100 0"/>)"));
     CHECK(deformed(svg(R"(<line x1="1" d="junk"/>)"), shift).text == svg(R"(<path d="M101 0 L100 0"/>)"));
-    // the transform stays, so its inverse is in the data
+    // the transform is kept, so its inverse is applied to the data
     CHECK(
         deformed(svg(R"x(<g transform="scale(2)"><line transform="rotate(90)" x2="10" y1="5"/></g>)x"), shift)
             .text ==
@@ -346,7 +346,7 @@ TEST_CASE("an element becomes a path in its place and keeps its other attributes
 TEST_CASE("an element that has not moved stays as written", "[examples][svg_document][deform]") {
     const Result all = deformed(rich, identity);
     CHECK(all.text == rich);
-    CHECK(all.report.shapes == shapes_of(rich).size() + 2); // the text's box, and what the clip path holds
+    CHECK(all.report.shapes == shapes_of(rich).size() + 2); // the text's box and the clip path's content
     const auto right_half = [](std::span<const Point2> in, std::span<Point2> out) {
         std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
             return Point2{p.x, p.x > 50 ? p.y + 1 : p.y};
@@ -390,12 +390,12 @@ TEST_CASE("lines stay lines, and closed paths stay closed", "[examples][svg_docu
     const auto all = shapes_of(deformed(svg(R"(<circle cx="50" cy="50" r="40"/>)"), wave).text);
     REQUIRE(all[0].path.size() == 1);
     CHECK(all[0].path[0].closed);
-    CHECK_FALSE(all[0].path[0].segments.back().is_line()); // the last curve meets the start by itself
+    CHECK_FALSE(all[0].path[0].segments.back().is_line()); // the last curve ends at the start
 }
 
 TEST_CASE("the written path is within the tolerance of the deformed curve",
           "[examples][svg_document][deform][property]") {
-    // The wave keeps x, so a point is compared with the true curve at the same x.
+    // The wave keeps x, so a point is compared with the exact curve at the same x.
     const auto tolerance = GENERATE(1e-1, 1e-2, 1e-3, 1e-5);
     CAPTURE(tolerance);
     const DeformOptions options{.tolerance = tolerance, .max_halvings = 12, .decimals = 12};
@@ -412,11 +412,11 @@ TEST_CASE("the written path is within the tolerance of the deformed curve",
         const double y = a.y + (b.y - a.y) * (p.x - a.x) / (b.x - a.x);
         worst = cageform_tests::larger(worst, std::abs(p.y - waved({p.x, y}).y));
     }
-    CHECK(worst <= 1.5 * tolerance); // vertical distance, and between the samples
+    CHECK(worst <= 1.5 * tolerance); // vertical distance, also between the samples
     CHECK(result.report.coarse == 0);
     CHECK(result.report.segments == all[0].path[0].segments.size());
 
-    // whole periods on every sample: the wave is zero there, and must not be taken for a straight line
+    // A period per sample: the wave is zero at all samples, and must not be mistaken for a straight line.
     const double length = 6 * 2 * std::numbers::pi;
     const Result aliased = deformed(svg("<line x2=\"" + format_number(length, 15) + "\"/>"), wave, options);
     double highest = 0;
@@ -483,7 +483,7 @@ TEST_CASE("an element that cannot be deformed stays, and the others are not affe
     };
     const Result alone = shown("");
     REQUIRE(alone.report.warnings.empty());
-    std::swap(elements[seed % 5], elements[5]); // the order counts for nothing
+    std::swap(elements[seed % 5], elements[5]); // the order does not matter
     const Result beside = shown(spoilt);
     REQUIRE(beside.report.warnings.size() == 1);
     CHECK(contains(beside.report.warnings[0], "\"bad\" (line 1)"));
@@ -500,7 +500,7 @@ TEST_CASE("an element that cannot be deformed stays, and the others are not affe
 
 namespace {
 
-/// The points that a deformer gets which are seen, and the number of others. Nothing moves.
+/// The visible points that a deformer receives, and the number of the others. Nothing moves.
 std::pair<std::vector<Point2>, std::size_t> seen_points(std::string_view text) {
     std::pair<std::vector<Point2>, std::size_t> found;
     const FrameDeformer look = [&](std::span<const Point2> in, std::span<const PointRole> roles,
@@ -663,7 +663,7 @@ TEST_CASE("a use element becomes a group with its own copy", "[examples][svg_doc
     CHECK(drawn("<defs>" + inner + R"(</defs><use href="#n" x="1" width="20" height="20"/>)") ==
           "M1 0 L21 20");
 
-    // a shape used twice is deformed twice, where it is drawn
+    // a shape used twice is deformed twice, each time where it is drawn
     const auto all = shapes_of(deformed(svg(defs + R"(<use href="#p"/><use href="#p" x="30"/>)"), wave).text);
     REQUIRE(all.size() == 2);
     CHECK(std::abs(all[1].path[0].start.y - std::sin(30.0)) < 1e-3);
@@ -706,7 +706,7 @@ TEST_CASE("clip paths and masks move with the clipped element", "[examples][svg_
               .text == svg(shifted + R"x(<path style="fill:red; clip-path: url('#c')")x" + there));
     CHECK(deformed(svg(clip + R"(<path d="M0 0L1 1"/>)"), shift).text == svg(clip + "<path" + there));
 
-    // the same transform shares it, another one gets a copy with an id of its own
+    // a use with the same transform shares the copy, with another transform it gets a copy with its own id
     const std::string used = R"x(<g clip-path="url(#c)"/><g clip-path="url(#c)"/>)x";
     CHECK(deformed(svg(clip + used), shift).text == svg(shifted + used));
     CHECK(
@@ -718,7 +718,7 @@ TEST_CASE("clip paths and masks move with the clipped element", "[examples][svg_
         svg(shifted + R"(<clipPath id="c-3"><path d="M50 0 L59 0 L59 9 L50 9 Z"/></clipPath>)" +
             R"x(<g id="c-2" clip-path="url(#c)"/><g transform="scale(2)" style="clip-path:url(#c-3)"/>)x"));
 
-    // a use in a clip path may not become a group
+    // a use in a clip path must not become a group
     CHECK(contains(
         deformed(svg(R"x(<rect id="r" transform="scale(2)" width="5" height="5"/>
               <clipPath id="c"><use href="#r" x="1" clip-rule="evenodd"/></clipPath><g clip-path="url(#c)"/>)x"),
@@ -754,7 +754,7 @@ g:hover { fill: url(#a) } :hover { fill: red }</style>)x");
 TEST_CASE("unreadable parts are reported with their place, and the rest is deformed",
           "[examples][svg_document][error]") {
     struct Case {
-        std::string written, read; // as browsers read it
+        std::string written, read; // in the same way as browsers
         std::string fault;
     };
     const std::vector<Case> cases = {
@@ -794,7 +794,7 @@ TEST_CASE("unreadable parts are reported with their place, and the rest is defor
         CHECK(result.report.warnings ==
               std::vector{"test.svg: " + fault + "; the faulty part is ignored, as in browsers"});
         CHECK(drawn_by(result) == drawn_by(deformed(document(read), wave)));
-        const auto strict = shapes(parsed(document(written))); // of a cage or a pose every corner counts
+        const auto strict = shapes(parsed(document(written))); // of a cage or a pose every corner is needed
         REQUIRE_FALSE(strict);
         CHECK(to_string(strict.error()) == "test.svg: " + fault);
     }
@@ -858,7 +858,7 @@ TEST_CASE("markers are at the moved vertices of the original path",
     CHECK(value(marked, "fill-opacity") == "0");
 
     struct Vertex {
-        Point2 at, leaves, arrives; // with the directions of the path, if it has them
+        Point2 at, leaves, arrives; // with the directions of the path, if the markers have them
     };
     const auto direction = [](const Point2& from, const Point2& to) {
         const double length = std::hypot(to.x - from.x, to.y - from.y);
@@ -930,7 +930,7 @@ TEST_CASE("a stroke skewed by a group rotates with the shape", "[examples][svg_d
     const auto moved = shape_of(document);
     CHECK(write_path_data(moved.path, 3) == write_path_data(transformed(rest.path, pose), 3));
     const Affine2 wanted = compose(pose, rest.to_root);
-    for (const double t : {0.0, 0.5, 1.0, 2.5}) { // the pen reaches as far across every direction
+    for (const double t : {0.0, 0.5, 1.0, 2.5}) { // the pen is as wide in every direction
         const auto reach = [t](const Affine2& m) {
             return std::hypot(m.a * std::cos(t) + m.b * std::sin(t), m.c * std::cos(t) + m.d * std::sin(t));
         };
@@ -951,7 +951,7 @@ TEST_CASE("a cage is the first closed polygon", "[examples][svg_document][cage]"
     CHECK(loops_of(R"(<polygon points="0,0 4,0 4,4"/>)") == std::vector<Loop>{triangle});
     CHECK(loops_of(R"(<path d="M0 0H4V4Z"/>)") == std::vector<Loop>{triangle});
     CHECK(loops_of(R"(<path d="M0 0H4V4L0 0Z"/>)") == std::vector<Loop>{triangle});
-    // Corners that coincide stay: they may be two vertices of a pose.
+    // Coincident corners are kept: they may be two vertices of a pose.
     CHECK(loops_of(R"(<path d="M0 0H4H4V4Z"/>)") == std::vector<Loop>{{{0, 0}, {4, 0}, {4, 0}, {4, 4}}});
     CHECK(loops_of(R"(<polyline points="0,0 4,0 4,4 0,0"/>)") == std::vector<Loop>{triangle});
     CHECK(loops_of(R"x(<g transform="scale(4)"><polygon points="0,0 1,0 1,1"/></g>)x") ==
@@ -1046,7 +1046,7 @@ TEST_CASE("saving replaces the whole file or changes nothing", "[examples][svg_d
     fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
     const auto locked = write_file_atomically(folder.path() / "new.svg", "text");
     fs::permissions(folder.path(), fs::perms::owner_all);
-    if (locked) CHECK(folder.count() == 2); // a superuser may write anyway
+    if (locked) CHECK(folder.count() == 2); // a superuser may write nevertheless
 }
 
 TEST_CASE("a written document can be read", "[examples][svg_document][save]") {
@@ -1089,7 +1089,7 @@ TEST_CASE("an input file is not overwritten, whatever its path", "[examples][sav
     }
     CHECK(content_of(input) == rich);
     CHECK(folder.count() == count);
-    // Other files are written, also one that the file system has given the number of one that is gone.
+    // Other files are overwritten, even if the file system has reused the number of a deleted input.
     CHECK_FALSE(write_file_atomically(folder.path() / "copy", rich));
     fs::remove(input);
     fs::remove(folder.path() / "hard");
@@ -1122,7 +1122,7 @@ TEST_CASE("several outputs are written together or not at all", "[examples][save
         CHECK(folder.count() == (name == "link" ? 3 : 2));
     }
     {
-        OutputFiles outputs; // the same file, which is not there yet
+        OutputFiles outputs; // the same file, not yet created
         outputs.add(b).write("one");
         outputs.add(folder.path() / "taken" / ".." / "b").write("two");
         CHECK(outputs.commit());
@@ -1145,7 +1145,7 @@ TEST_CASE("several outputs are written together or not at all", "[examples][save
 TEST_CASE("if one output cannot be written the others are restored", "[examples][save]") {
     const Folder folder;
     const fs::path old = folder.path() / "old", fresh = folder.path() / "fresh", bad = folder.path() / "bad";
-    for (const std::size_t last : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) { // which fails
+    for (const std::size_t last : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) { // the one that fails
         CAPTURE(last);
         put(old, "old");
         fs::permissions(old, fs::perms::owner_read);
@@ -1156,7 +1156,7 @@ TEST_CASE("if one output cannot be written the others are restored", "[examples]
             OutputFiles outputs;
             for (const fs::path& path : paths) outputs.add(path).write("new");
             REQUIRE_FALSE(outputs.error());
-            fs::create_directory(bad); // after it was looked at
+            fs::create_directory(bad); // after it was checked
             const auto why = outputs.commit();
             REQUIRE(why);
             CHECK(contains(*why, "cannot write " + bad.string()));
@@ -1166,7 +1166,7 @@ TEST_CASE("if one output cannot be written the others are restored", "[examples]
         CHECK(content_of(old) == "old");
         CHECK(fs::last_write_time(old) == time);
         CHECK(fs::status(old).permissions() == fs::perms::owner_read);
-        CHECK(folder.count() == 2); // old and bad
+        CHECK(folder.count() == 2); // outdated and wrong
         fs::remove(bad);
         fs::remove(old);
     }
@@ -1187,7 +1187,7 @@ TEST_CASE("documents too deep or too large are refused", "[examples][svg_documen
         REQUIRE_FALSE(document);
         CHECK(contains(to_string(document.error()), "nested too deeply"));
     }
-    // each on its own is not deep, but what they expand to is
+    // each document is not deep, but its expansion is
     std::string chain = "<svg><defs><path id='u0' d='M0 0L1 1'/>";
     for (int i = 1; i < 600; ++i) {
         chain += "<g id='u" + std::to_string(i) + "'><use href='#u" + std::to_string(i - 1) + "'/></g>";
@@ -1199,7 +1199,7 @@ TEST_CASE("documents too deep or too large are refused", "[examples][svg_documen
     const Result result = deformed(svg("<path d='" + long_path + "'/>"), shift);
     CHECK(result.report.segments == 40'000);
 
-    // Where rounding is more than the tolerance halving is of no use.
+    // Where rounding errors exceed the tolerance more subdivision does not help.
     const Result far = deformed(svg("<path d='M1 2A1 2 3 0 1 9 1e9z'/>"), wave, {.tolerance = 1e-9});
     CHECK(far.report.coarse > 0);
     CHECK(far.report.points < 20'000);
@@ -1257,10 +1257,10 @@ TEST_CASE("mutated documents do not crash the program", "[examples][svg_document
         auto again = parse_svg(written, "again.svg");
         REQUIRE(again);
         REQUIRE(to_text(*again) == written);
-        std::vector<std::string> ignored; // what could not be read, and did not move
+        std::vector<std::string> ignored; // the unreadable part, which did not move
         REQUIRE(detail::drawn_shapes(*again, ignored));
     }
-    CHECK(loaded > 300); // else only the XML parser is tested
+    CHECK(loaded > 300); // otherwise only the XML parser is tested
     CHECK(succeeded > 150);
 }
 

@@ -1,4 +1,4 @@
-// Tests that gradients, patterns and regions follow their shapes, and that visible parts stay visible.
+// Gradients, patterns and regions of filters follow their shapes, and visible parts stay visible.
 
 #include "svg/motion.hpp"
 #include "svg/style.hpp"
@@ -43,7 +43,7 @@ std::string number(double v) {
     return format_number(v, 9);
 }
 
-/// The attribute of a gradient or pattern, or of those it refers to.
+/// The attribute of a gradient or pattern, or of those that it refers to.
 std::string chain_text(const SvgDocument& document, pugi::xml_node node, const char* name) {
     for (int i = 0; node && i < 9; ++i) {
         if (node.attribute(name)) return node.attribute(name).value();
@@ -53,8 +53,7 @@ std::string chain_text(const SvgDocument& document, pugi::xml_node node, const c
     return {};
 }
 
-/// The map from a paint server's own space to the root, for the only shape of a document, as a renderer has
-/// it.
+/// The map from a paint server's coordinates to the root, as in a renderer, for the only shape of a document.
 Affine2 server_to_root(const SvgDocument& document, std::string_view property, const char* transform,
                        const char* units) {
     SvgDocument copy = detail::copy_of(document);
@@ -81,7 +80,7 @@ double distance(const Point2& a, const Point2& b) {
     return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-/// A shape painted by url(#paint), which is given in one of the ways that there are.
+/// A shape painted by url(#paint), written in one of the possible ways.
 std::string painted_shape(Random& random, const std::string& property) {
     const std::string value = random.below(2) == 0 ? "url(#paint)" : "url('#paint') red";
     const std::string transform =
@@ -129,7 +128,7 @@ TEST_CASE("gradients follow affine maps of their shapes exactly",
     const std::string units = random.below(3) == 0 ? "" : " gradientUnits=\"userSpaceOnUse\"";
     const std::string own =
         random.below(2) == 0 ? "" : " gradientTransform=\"" + detail::write_transform(random.map(3)) + '"';
-    const bool refers = random.below(2) == 0; // stops, and what the gradient says itself, from another one
+    const bool refers = random.below(2) == 0; // stops and attributes are inherited
     const bool is_linear = kind == "linearGradient";
     const std::string place = random.below(2) == 0 ? ""
                               : is_linear          ? " x1=\".3\" y2=\"7\""
@@ -153,7 +152,7 @@ TEST_CASE("gradients follow affine maps of their shapes exactly",
     for (const pugi::xml_node copy : detail::root_element(result.document.xml).children(kind.c_str())) {
         const std::string_view id = copy.attribute("id").value();
         if (id == "base" || id == "paint" || id.ends_with("-stops-2")) continue;
-        // It has its place itself, and takes nothing but stops.
+        // It has its own coordinates, and inherits only stops.
         const auto given = [&](const char* name, std::string_view otherwise) {
             const std::string value = chain_text(document, by_id(document, "paint"), name);
             CHECK(std::string_view(copy.attribute(name).value()) == (value.empty() ? otherwise : value));
@@ -168,7 +167,7 @@ TEST_CASE("gradients follow affine maps of their shapes exactly",
         CHECK(stops.child("stop"));
         for (const auto attribute : stops.attributes()) CHECK(std::string_view(attribute.name()) == "id");
     }
-    // and again: a gradient that was copied can be copied
+    // again: the copy of a gradient can be copied
     const Result again = deformed(result.text, by(pose));
     const Affine2 twice = server_to_root(again.document, property, "gradientTransform", "gradientUnits");
     CHECK(distance(apply(twice, {}), apply(pose, apply(pose, apply(before, {})))) < 0.06);
@@ -191,7 +190,7 @@ TEST_CASE("patterns follow affine maps of their shapes exactly",
     const Affine2 pose = random.map(30);
     const Result result = deformed(text, by(pose));
     CAPTURE(result.text);
-    // From the tile's own space (its corner and units as a renderer has them) to the root.
+    // From the coordinates of the tile (corner and units as in a renderer) to the root.
     const auto tile_to_root = [](const SvgDocument& document) {
         SvgDocument copy = detail::copy_of(document);
         const pugi::xml_node root = detail::root_element(copy.xml);
@@ -246,7 +245,7 @@ TEST_CASE("shapes that share a gradient share a copy where one map is right for 
           std::string::npos);
     CHECK(bent.text.find("<stop") == bent.text.rfind("<stop", bent.text.rfind("<stop") - 1)); // two in all
     CHECK(bent.document.xml.document_element().attribute("xmlns:xlink"));
-    // moved alike, up to the tolerance, they share one; not moved, they keep the one there is
+    // shapes with the same motion, up to the tolerance, share a copy; unmoved shapes keep the original
     const Deformer nearly = [](std::span<const Point2> in, std::span<Point2> out) {
         std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
             return Point2{p.x + 5, p.y + 1e-6 * std::sin(p.x)};
@@ -259,7 +258,7 @@ TEST_CASE("shapes that share a gradient share a copy where one map is right for 
     const std::string box = R"x(<linearGradient id="b"/><rect width="9" height="9" fill="url(#b)"/>)x";
     CHECK_FALSE(by_id(deformed(svg(box), by({2, 0, 0, 3, 5, 0})).document, "b-2")); // goes with the box
     CHECK(by_id(deformed(svg(box), by({1, 1, 0, 1, 0, 0})).document, "b-2"));
-    // cycles end, and what is no paint is left alone
+    // cycles end, and other elements are not changed
     const Result odd =
         deformed(svg(R"x(<linearGradient id="a" href="#b"/><linearGradient id="b" href="#a"/><mask id="m"/>
                 <rect width="9" height="9" fill="url(#a)" stroke="url(#m)"/>)x"),
@@ -272,7 +271,7 @@ TEST_CASE("the best affine map of a motion is found", "[examples][svg_document][
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
     std::vector<Point2> points;
-    const double thin = std::pow(10.0, random.in(-5, 0)); // across a line of length 50 at any angle
+    const double thin = std::pow(10.0, random.in(-5, 0)); // perpendicular to a line of length 50 at any angle
     const double c = std::cos(seed), s = std::sin(seed);
     for (int i = 0; i < 30; ++i) {
         const double u = random.in(-25, 25), v = thin * random.in(-25, 25);
@@ -284,13 +283,13 @@ TEST_CASE("the best affine map of a motion is found", "[examples][svg_document][
         halves[0].add(halves[1]);
         return halves[0];
     };
-    // affine motions are met
+    // affine motions are found exactly
     const Affine2 pose = random.map(50);
     const auto exact = motion_of([&](const Point2& p) { return apply(pose, p); }).best_map();
     REQUIRE(exact);
     for (const Point2& p : points) CHECK(distance(apply(*exact, p), apply(pose, p)) < 1e-6);
 
-    // others as a sum of squares allows: no other map near it is better by more than the ridge costs
+    // for others the sum of squares is minimal: no nearby map is better by more than the ridge term
     const auto bent = [](const Point2& p) { return Point2{p.x, p.y + 0.004 * (p.x - 40) * (p.x - 40)}; };
     const auto best = motion_of(bent).best_map();
     REQUIRE(best);
@@ -306,7 +305,7 @@ TEST_CASE("the best affine map of a motion is found", "[examples][svg_document][
         other.e += p.x - q.x, other.f += p.y - q.y;
         CHECK(missed(*best) <= 1.05 * missed(other));
     }
-    // and never does it throw a point near the shape far away, however thin the shape
+    // points near the shape never move far away, however thin the shape is
     const Point2 beside{40 - 10 * s, -300 + 10 * c};
     CHECK(distance(apply(*best, beside), apply(*best, {40, -300})) < 60);
 }
@@ -317,7 +316,7 @@ TEST_CASE("motions without an affine map are recognized", "[examples][svg_docume
     REQUIRE(point.best_map());
     CHECK(apply(*point.best_map(), {0, 0}) == Point2{2, 2});
     for (int i = 0; i <= 10; ++i) {
-        line.add({double(i), 1}, {1, 2.0 * i}, 1); // turned by a quarter and twice as long
+        line.add({double(i), 1}, {1, 2.0 * i}, 1); // a quarter turn and a scale of two
         gone.add({double(i), double(i * i)}, {7, 7}, 1);
         still.add({double(i), 1}, {double(i), 1}, 1);
     }
@@ -348,7 +347,7 @@ TEST_CASE("declarations and rules end where CSS says", "[examples][svg_document]
     CHECK(fill("path{fill:red}@media all{@media /**/{path{fill:tan}}@media tv{path{fill:blue}}}",
                "<path/>") == "tan");
     CHECK(fill("@media{@media{path{fill:red", "<path/>") == "red");
-    std::string deep; // as deep as a hostile file likes
+    std::string deep; // as deeply nested as an attacker likes
     for (int i = 0; i < 100'000; ++i) deep += "@media{";
     CHECK(fill(deep + "path{fill:red}", "<path/>").empty());
     CHECK(fill("@import 'x;{';/*}*/path{fill:red", "<path/>") == "red"); // the end closes what is open
@@ -369,7 +368,7 @@ TEST_CASE("regions of filters and masks contain the moved shape",
     const bool mask = random.below(2) == 0;
     const bool user = random.below(2) == 0;
     const std::string kind = mask ? "mask" : "filter";
-    // 4 units beyond the shape on every side
+    // 4 units around the shape
     const std::string region =
         user ? "x=\"26\" y=\"36\" width=\"28\" height=\"18\" " + kind + "Units=\"userSpaceOnUse\""
              : std::string("x=\"-.2\" y=\"-.4\" width=\"1.4\" height=\"1.8\"");
@@ -429,7 +428,7 @@ TEST_CASE("primitives and lights of a filter in user space move with the shape",
         const auto value = [&](const char* name) { return node.attribute(name).as_double(); };
         return Box{value("x"), value("y"), value("x") + value("width"), value("y") + value("height")};
     };
-    // 3 units beyond the shape on every side
+    // 3 units around the shape
     const Result whole =
         deformed(svg(filter(R"(<feFlood x="27" y="37" width="26" height="16"/>)") + rect), by(map));
     const auto all = shapes(whole.document);
@@ -442,7 +441,7 @@ TEST_CASE("primitives and lights of a filter in user space move with the shape",
               .contains(detail::bounds(all->front().path, *inverse(turn)).grown(2.9)));
     CHECK(whole.report.warnings.empty());
 
-    // the left half, from the filter's own region on: the missing attributes are the region's
+    // the left half of the filter's own region, which the missing attributes default to
     const Result half = deformed(svg(filter(R"(<feFlood width="12"/>)") + rect), by(map));
     Box cut;
     for (const Point2& p : Box{28, 39, 40, 51}.corners()) cut.add(apply(left, p));
@@ -474,7 +473,7 @@ TEST_CASE("primitives and lights of a filter in user space move with the shape",
         R"(<filter id="r" primitiveUnits="objectBoundingBox"><feFlood x=".1" width=".5"/></filter>)";
     CHECK(find(deformed(svg(in_boxes + rect), by(map)), "feFlood").attribute("x").as_double() == 0.1);
 
-    // without a stroke the element itself moves, and its filter stays as it is
+    // without a stroke the element itself moves, and its filter is unchanged
     const std::string plain = R"x(<rect filter="url(#r)" x="30" y="40" width="20" height="10"/>)x";
     const Result carried = deformed(svg(lit + plain + plain), by(map));
     CHECK(carried.text.find(lit) != std::string::npos);
@@ -483,7 +482,7 @@ TEST_CASE("primitives and lights of a filter in user space move with the shape",
         CHECK(distance(apply(own, p), apply(map, p)) < 1e-5);
     CHECK(find(carried, "path").attribute("d").value() == std::string("M30 40 L50 40 L50 50 L30 50 Z"));
     CHECK(carried.report.warnings.empty());
-    // noise has a place in user space: a move without a turn carries it too
+    // noise is positioned in user space: a translation moves it too
     const Affine2 shift{1, 0, 0, 1, map.e, map.f};
     const Affine2 noisy =
         transform_of(find(deformed(svg(filter("<feTurbulence/>") + plain), by(shift)), "path"));
@@ -494,11 +493,11 @@ TEST_CASE("a nested svg clips the same content after a deformation", "[examples]
     const std::string inside = R"(<rect width="6" height="6"/>)";
     const std::string across = R"(<rect width="60" height="6"/>)";
     const std::string open = R"(<svg x="10" y="10" width="20" height="20" viewBox="0 0 10 10">)";
-    // what cuts nothing no longer cuts
+    // a clip without effect is removed
     const Result whole = deformed(svg(open + inside + "</svg>"), by({1, 0, 0, 1, 50, 0}));
     CHECK(whole.text.find("overflow=\"visible\"") != std::string::npos);
     CHECK(whole.text.find("clipPath") == std::string::npos);
-    // what does becomes a group with a clip path that moves
+    // a clip with an effect becomes a group with a clip path that moves
     for (const bool symbol : {false, true}) {
         CAPTURE(symbol);
         const std::string text = symbol
@@ -524,7 +523,7 @@ TEST_CASE("--fit enlarges the picture to the moved shapes", "[examples][svg_docu
         R"(<svg viewBox="0 0 100 50" width="200px" height="50mm"><rect width="10" height="10"/>
 <rect x="-50" y="20" width="60" height="5"/><rect x="-300" width="5" height="5"/><rect x="80" width="9" height="9" fill="none"/></svg>)";
     const Affine2 right{1, 0, 0, 1, 100, 0};
-    CHECK(deformed(text, by({1, 0, 0, 1, 80, 0})).report.cut_off == 0); // the second one now comes into view
+    CHECK(deformed(text, by({1, 0, 0, 1, 80, 0})).report.cut_off == 0); // the second shape becomes visible
     const Result cut = deformed(text, by(right));
     CHECK(cut.report.cut_off == 2);
     CHECK(cut.text.find("viewBox=\"0 0 100 50\"") != std::string::npos);
@@ -532,19 +531,19 @@ TEST_CASE("--fit enlarges the picture to the moved shapes", "[examples][svg_docu
     CHECK(fitted.report.cut_off == 0);
     const auto view = view_box(fitted.document);
     CHECK(view.x == Approx(0).epsilon(0).margin(0.5));
-    CHECK(view.width == Approx(110).epsilon(0).margin(0.5)); // nothing of what was never seen
+    CHECK(view.width == Approx(110).epsilon(0).margin(0.5)); // not enlarged for invisible shapes
     CHECK(view.height == Approx(50).epsilon(0).margin(0.5));
     const pugi::xml_node root = fitted.document.xml.document_element();
     CHECK(root.attribute("width").as_double() == Approx(2 * view.width));
     CHECK(std::string_view(root.attribute("height").value()).ends_with("mm"));
     CHECK(deformed(text, by({1, 0, 0, 1, 0, 1}), {.fit = true}).text.find("viewBox=\"0 0 100 50\"") !=
           std::string::npos);
-    // a unit that is none stays what it is
+    // an invalid unit is kept
     const Result odd =
         deformed(R"(<svg viewBox="0 0 9 9" width="9&quot;"><rect width="1" height="1"/></svg>)",
                  by({1, 0, 0, 1, 100, 0}), {.fit = true});
     CHECK(parse_svg(odd.text, "odd.svg"));
-    // percentages stay those of the size at rest
+    // percentages still refer to the size at rest
     for (const char* content :
          {R"(<path d="M90 0h9" stroke="red" stroke-width="9%"/>)",
           R"(<style>path{stroke-dasharray:5%}</style><path d="M90 0h9" stroke="red"/>)",
@@ -559,7 +558,7 @@ TEST_CASE("--fit enlarges the picture to the moved shapes", "[examples][svg_docu
         CHECK(view_box(grown.document).width > 130);
         CHECK(write_path_data(shapes(grown.document)->back().path, 6) == "M20 30 L28 30 L28 39 L20 39 Z");
     }
-    // without a viewBox the size is it
+    // without a viewBox the size replaces it
     const Result bare = deformed(R"(<svg width="100" height="50"><rect width="10" height="10"/></svg>)",
                                  by(right), {.fit = true});
     CHECK(view_box(bare.document).width == Approx(110).epsilon(0).margin(0.5));
@@ -576,7 +575,7 @@ TEST_CASE("images in copies are written once and move with the copy", "[examples
     for (std::size_t at = result.text.find(bytes); at != std::string::npos;
          at = result.text.find(bytes, at + bytes.size()))
         ++repeats;
-    CHECK(repeats == 2); // the image that stands for itself, and the definition
+    CHECK(repeats == 2); // the displayed image, and the definition
     std::vector<pugi::xml_node> uses;
     const pugi::xml_node root = result.document.xml.document_element();
     for (pugi::xml_node node = root; node; node = detail::next_node(node, root)) {
@@ -611,7 +610,7 @@ TEST_CASE("a shape without interior is not filled after bending", "[examples][sv
 
 TEST_CASE("the direction of a curve is kept where its derivative vanishes",
           "[examples][svg_document][deform]") {
-    // Editors write such curves for handles that were drawn back. A stroke's corner shows the direction.
+    // Editors write such curves for retracted handles. A stroke's corner shows the direction.
     const std::string_view data = GENERATE("M10 10C10 10 40 12 40 40L41 60", "M10 10C12 40 40 40 40 40L41 60",
                                            "M10 10C10 10 40 40 40 40L41 60");
     CAPTURE(data);
@@ -621,7 +620,7 @@ TEST_CASE("the direction of a curve is kept where its derivative vanishes",
     const auto before = parse_path_data(data);
     const Subpath& rest = before->front();
     const Subpath& moved = all->front().path.front();
-    const auto leaves = [](const Point2& p, const Segment& s) { // the first control point that is elsewhere
+    const auto leaves = [](const Point2& p, const Segment& s) { // the first control point that differs
         const Point2 q = distance(p, s.p1) > 1e-9 ? s.p1 : distance(p, s.p2) > 1e-9 ? s.p2 : s.p3;
         return std::atan2(q.y - p.y, q.x - p.x);
     };
@@ -629,7 +628,7 @@ TEST_CASE("the direction of a curve is kept where its derivative vanishes",
         const Point2 q = distance(s.p3, s.p2) > 1e-9 ? s.p2 : distance(s.p3, s.p1) > 1e-9 ? s.p1 : p;
         return std::atan2(s.p3.y - q.y, s.p3.x - q.x);
     };
-    const auto slope = [](double angle, double x) { // after the bend
+    const auto slope = [](double angle, double x) { // after the deformation
         return std::atan2(std::sin(angle) + 0.02 * (x - 50) * std::cos(angle), std::cos(angle));
     };
     CHECK(leaves(moved.start, moved.segments.front()) ==

@@ -30,7 +30,7 @@ Point2 lerp(const Point2& a, const Point2& b, double t) {
     return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
 }
 
-/// The point of a cubic by repeated halving of its polygon: not how the library's code does it.
+/// A point of a cubic by repeated bisection of its polygon, which is not the library's method.
 Point2 on_cubic(const Point2& p0, const Segment& s, double t) {
     const Point2 a = lerp(p0, s.p1, t);
     const Point2 b = lerp(s.p1, s.p2, t);
@@ -57,7 +57,7 @@ FileError path_error(std::string_view text) {
     return path.error();
 }
 
-/// Largest relative distance of the samples of a path to the unit circle after `to_unit`.
+/// The largest relative distance of a path's samples from the unit circle after `to_unit`.
 double deviation_from_circle(const Path& path, const Affine2& to_unit) {
     double worst = 0;
     for (const Subpath& subpath : path) {
@@ -135,7 +135,7 @@ TEST_CASE("path data: subpaths, and drawing after Z", "[examples][svg_path]") {
     const Path square = parsed("M0 0H2V2H0Z");
     REQUIRE(square.size() == 1);
     CHECK(square[0].closed);
-    REQUIRE(square[0].segments.size() == 4); // the closing line is one of them
+    REQUIRE(square[0].segments.size() == 4); // including the closing line
     CHECK(square[0].segments.back().p3 == square[0].start);
     CHECK(square[0].segments.back().is_line());
     const Path returned = parsed("M0 0H2V2H0V0Z");
@@ -146,7 +146,7 @@ TEST_CASE("path data: subpaths, and drawing after Z", "[examples][svg_path]") {
     const Path almost = parsed("m.1.2.2 0-.1.1-.1-.1z"); // back up to rounding
     CHECK(almost[0].segments.size() == 3);
     CHECK(almost[0].segments.back().p3 == almost[0].start);
-    // small steps far from the origin are not taken for rounding
+    // small steps far from the origin are not mistaken for rounding errors
     CHECK(parsed("M10555555555555552 40h64v8h-32z")[0].segments.size() == 4);
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("path data: arcs follow their ellipse", "[examples][svg_path][arc]") {
             builder.arc_to(rx, ry, degrees, std::abs(turn) > std::numbers::pi, turn > 0, end);
             const Path path = builder.take();
             CHECK(deviation_from_circle(path, *inverse(frame)) < 3e-4);
-            double nearest = 1e9; // it goes through the middle of the turn, so it is the right one
+            double nearest = 1e9; // it passes the middle of the angle, so it is the right one
             Point2 at = begin;
             for (const Segment& s : path[0].segments) {
                 for (int k = 0; k <= 64; ++k)
@@ -362,7 +362,7 @@ TEST_CASE("shortened path data is accurate to half of its last digit", "[example
     for (std::size_t k = 0; k < path.size(); ++k) {
         check(path[k].start, again[k].start);
         CHECK(path[k].closed == again[k].closed);
-        // A closing line that rounding makes a point is none.
+        // A closing line that rounds to a point is omitted.
         REQUIRE(again[k].segments.size() + (path[k].closed ? 1 : 0) >= path[k].segments.size());
         for (std::size_t i = 0; i < again[k].segments.size(); ++i) {
             const Segment &s = path[k].segments[i], &t = again[k].segments[i];
@@ -512,7 +512,7 @@ TEST_CASE("path data: mutated text does not crash the parser", "[examples][svg_p
         (void)static_cast<bool>(parse_length(text, 100));
         (void)static_cast<bool>(parse_numbers(text));
     }
-    CHECK(valid > 500); // else the mutations test nothing but refusal
+    CHECK(valid > 500); // otherwise only refusals are tested
 }
 
 } // namespace svg_path_tests

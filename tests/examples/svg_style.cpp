@@ -1,4 +1,4 @@
-// CSS in drawings: which rules apply, geometry and transforms that rules give, and what is not applied.
+// CSS in drawings: which rules apply, geometry and transforms in rules, and what is not applied.
 #include "svg/document.hpp"
 #include "svg/style.hpp"
 #include "svg/walk.hpp"
@@ -41,7 +41,7 @@ Result deformed(std::string_view text, const Affine2& pose) {
     return {std::move(result.document), std::move(result.text), std::move(result.report.warnings)};
 }
 
-/// The shapes of a drawing in root user space, after a map.
+/// The shapes of a drawing in the user space of the root, after a map.
 std::string drawn(std::string_view text, const Affine2& map = {}) {
     const auto all = shapes(parsed(text));
     INFO(text);
@@ -80,7 +80,7 @@ TEST_CASE("selectors match and rank as in CSS", "[examples][svg_style][selector]
     };
     struct Case {
         std::string_view text, found;
-        std::size_t rank; // ids, classes, types in decimals
+        std::size_t rank; // numbers of ids, classes and types as decimal digits
     };
     for (const Case& c : std::vector<Case>{{"path", "pq", 1},
                                            {"*", "grcpqe", 0},
@@ -140,7 +140,7 @@ TEST_CASE("selectors match and rank as in CSS", "[examples][svg_style][selector]
     bool complete = false;
     const auto states = detail::parse_selectors("path:hover, path:not(:focus)", complete);
     CHECK((states[0].has_state && !states[1].has_state && complete));
-    // as many ways to match as a hostile file likes, and no match
+    // as many ways to match as an attacker likes, and no match
     std::string deep = "<g>", selector = "x";
     for (int i = 0; i < 300; ++i) deep += "<g>";
     for (int i = 0; i < 60; ++i) selector += i % 2 == 0 ? " g" : " > g";
@@ -156,7 +156,7 @@ TEST_CASE("rules that take too long to match are reported and ignored", "[exampl
         for (; count > 0; --count) all += part;
         return all;
     };
-    constexpr std::size_t most = 30'000; // a thousandth of what a drawing may take
+    constexpr std::size_t most = 30'000; // a thousandth of the limit for a drawing
     const std::string path = "<path class='k' d='M0 0h1v1z'/>", many = repeated(path, 400);
     const std::string deep = repeated("<g>", 60) + path + repeated("</g>", 60);
     const auto told = [&](const std::string& rule, const std::string& content) {
@@ -178,7 +178,7 @@ TEST_CASE("rules that take too long to match are reported and ignored", "[exampl
     CHECK(told("z ~ *", many));
     CHECK(told(repeated("z ~ .k,", 5) + "z ~ .k", repeated("<g/><!---->", 90) + many));
     for (const std::string nth : {"*:nth-child(2n)", "*:nth-last-of-type(7)", ".k:first-child"})
-        CHECK_FALSE(told(nth, repeated(path, 3'000))); // the places of siblings are counted once
+        CHECK_FALSE(told(nth, repeated(path, 3'000))); // the positions of siblings are counted once
 }
 
 TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_style]") {
@@ -375,7 +375,7 @@ TEST_CASE("changes of elements keep the style that rules gave them", "[examples]
 }
 
 TEST_CASE("rules apply to copies and new elements as before", "[examples][svg_style]") {
-    // a copy has the rules of what it is a copy of, as if that stood alone
+    // a copy has the rules that would apply to the original element on its own
     const std::string defs =
         R"(<defs><g id="g" class="box"><path id="p" class="k" d="M0 0h9v9z"/></g></defs>)";
     const auto copy_of = [&](const std::string& css, const std::string& id) {
@@ -391,7 +391,7 @@ TEST_CASE("rules apply to copies and new elements as before", "[examples][svg_st
     CHECK(copy_of("#p{fill:red} .k:first-child{opacity:.5}", "p") == "|fill:red|");
     CHECK(copy_of("g{opacity:.5} .box > .k{fill:red} defs .k{stroke:tan}", "g") == "opacity:1||");
     CHECK(copy_of("g g path{fill:red} #g > #p:nth-child(1){stroke:tan}", "g") == "||fill:inherit;stroke:tan");
-    // a rule under a condition that loses an element is named; one that does not is left alone
+    // a rule under a condition that no longer matches an element is reported; others are not
     const std::string shapes = "<rect width='9' height='9'/><path class='k' d='M1 1h2v2z'/>";
     const Result lost =
         deformed(svg("<style>rect:hover{fill:red}\n.k:hover{fill:red}\n@media print{rect{fill:tan}}"
@@ -412,12 +412,12 @@ TEST_CASE("rules apply to copies and new elements as before", "[examples][svg_st
     CHECK(words.warnings.size() == 1);
     CHECK(words.text.find("<p xmlns=\"h\" style=\"height:9px;width:5px\"/>") != std::string::npos);
     CHECK(words.text.find("style=\"fill:tan\"") != std::string::npos);
-    // an attribute has no need of the unit that a style attribute needs, and may be invalid
+    // an attribute needs no unit, unlike a style attribute, and may be invalid
     const Result sized = deformed(svg("<style>path{font-size:20px;fill:red}</style><rect font-size='7' "
                                       "fill='odd' width='9' height='9'/>"),
                                   slanted);
     CHECK(sized.text.find("style=\"fill:inherit;font-size:7px\"") != std::string::npos);
-    // what has not moved is as it was
+    // unmoved elements are unchanged
     const std::string still = svg(R"(<style>rect{fill:red;x:5px}</style><rect width="9" height="9"/>)");
     CHECK(deformed(still, {}).text == still);
     for (const std::string_view odd :
@@ -491,18 +491,18 @@ TEST_CASE("geometry and transforms in CSS are those of attributes", "[examples][
         const std::string text = svg("<style>" + c.css + "</style>" + c.by_css);
         CAPTURE(text);
         CHECK(drawn(text) == drawn(svg(c.by_attributes)));
-        const Result moved = deformed(text, slanted); // and no rule draws it back
+        const Result moved = deformed(text, slanted); // and no rule moves it back
         CAPTURE(moved.text);
         CHECK(drawn(moved.text) == drawn(svg(c.by_attributes), slanted));
         CHECK(moved.warnings.empty());
     }
-    // what a sheet says of geometry is gone from it, all else is not
+    // geometry is removed from a style sheet, everything else is kept
     const Result moved =
         deformed(svg("<style>/* x:1 */ rect { fill:red; x: 5px ; stroke:tan;width:9px }</style>"
                      "<rect height='4'/>"),
                  slanted);
     CHECK(moved.text.find("<style>/* x:1 */ rect { fill:red;  stroke:tan;}</style>") != std::string::npos);
-    // it stays where it cannot be read, and is named
+    // unreadable geometry is kept and reported
     const Result kept =
         deformed(svg("<style>rect{x:round(1px, 2px)}</style><rect width='9' height='9'/>\n"
                      "<g style='transform:rotate3d(1,1,1,9deg)'/><g style='offset-path:none'/>"
@@ -627,7 +627,7 @@ TEST_CASE("entities and namespace prefixes are resolved", "[examples][svg_style]
         CHECK(refused.error().message.find("entity") != std::string::npos);
     }
 
-    // attributes that the document type declares; the first declaration of one counts
+    // attributes declared in the document type; the first declaration of an attribute counts
     const std::string defaults = R"x(<!DOCTYPE svg [<!-- <!ATTLIST rect y CDATA "7"> --><!ENTITY w '31'>
 <!ATTLIST rect width CDATA "&w;" kind (a|b) #REQUIRED note NOTATION (n) #IMPLIED height CDATA #FIXED '12'>
 <!ATTLIST rect width CDATA "99" x NMTOKEN '5'>
@@ -641,7 +641,7 @@ TEST_CASE("entities and namespace prefixes are resolved", "[examples][svg_style]
     const std::string kept = "<svg a=\"&lt;&amp;&quot;\">a &lt; &gt; &apos; ";
     CHECK(to_text(parsed(own + kept + "&x;</svg>")) == own + kept + "y</svg>");
     CHECK(to_text(parsed(own + "<svg a=\"&x\">&x</svg>")).ends_with("<svg a=\"&x\">&x</svg>"));
-    const std::string unknown = std::string(300'000, '&') + ';'; // each was looked up to the end
+    const std::string unknown = std::string(300'000, '&') + ';'; // each lookup was complete
     CHECK(to_text(parsed(own + "<svg>" + unknown + "</svg>")).ends_with(unknown + "</svg>"));
     std::string open = "<!DOCTYPE svg [", nested;
     for (int i = 0; i < 60'000; ++i) open += i % 2 == 0 ? "<!ENTITY " : "<!ATTLIST ", nested += "<b:g>";
@@ -664,7 +664,7 @@ TEST_CASE("entities and namespace prefixes are resolved", "[examples][svg_style]
 }
 
 TEST_CASE("references are resolved to their ids", "[examples][svg_style][references]") {
-    // an id with any letters; a reference may have them as they are, as bytes after "%", or as a number
+    // an id of any characters; a reference may contain them directly, as bytes after "%", or as numbers
     const auto seed = GENERATE(range(0, 30));
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
