@@ -89,7 +89,7 @@ TEST_CASE("a fault in a block is reported with file and line", "[examples][cage]
     CHECK(refusal(square + "\n# chain\n1,1\n\n2,2\n") == "c.csv:6: a chain has two points or more");
     CHECK(refusal(square + "\n# chain\n") == "c.csv:6: no points follow");
     CHECK(refusal(square + "\n# chain of bones\n1,1\n2,2\n") ==
-          "c.csv:6: \"# chain\" stands alone on its line");
+          "c.csv:6: \"# chain\" must be alone on its line");
     CHECK(refusal(square + "# chain\n1,1\n2,2\n") == "c.csv:5: an empty line is missing before # chain");
     CHECK(refusal(square + "\n# chain\n# point 1\n1,1\n") ==
           "c.csv:7: an empty line is missing before # point 1");

@@ -499,7 +499,7 @@ faulty 'bad.csv:6: not a number: "wide"' '# point wide\n2,2\n'
 faulty 'bad.csv:6: more than one point follows' '# point 1\n2,2\n3,3\n'
 faulty 'bad.csv:6: a chain has two points or more' '# chain\n2,2\n'
 faulty 'bad.csv:6: no points follow' '# chain\n\n2,2\n3,3\n'
-faulty 'bad.csv:6: "# chain" stands alone on its line' '# chain 3\n2,2\n3,3\n'
+faulty 'bad.csv:6: "# chain" must be alone on its line' '# chain 3\n2,2\n3,3\n'
 faulty 'bad.csv:8: an empty line is missing before # point 1' '# chain\n1,1\n# point 1\n2,2\n'
 faulty 'bad.csv:7: 3 columns, but a point in the plane has two: x,y' '# chain\n1,1,1\n2,2\n'
 faulty 'radius not positive (4)' '# point 0\n2,2\n'
@@ -956,7 +956,7 @@ for program in "$splats" "$programs/draw_splats"; do
   case $program in *draw*) set -- -o out.png ;; *) set -- --cage box --move all:1,0,0 -o out.ply ;; esac
   refuses 'none.ply: no such file' "$program" none.ply "$@"
   refuses 'folder: is a folder' "$program" folder "$@"
-  refuses 'short.ply: is cut off: 3000 splats of 248 bytes are announced' "$program" short.ply "$@"
+  refuses 'short.ply: is cut off: the header declares 3000 splats of 248 bytes' "$program" short.ply "$@"
   refuses 'opaque.ply: a splat has no property opacity' "$program" opaque.ply "$@"
   refuses 'nan.ply: splat 99 (counted from 0): rot_3 is not a finite number' "$program" nan.ply --strict "$@"
   works "a splat that is not finite, $program" "$program" nan.ply "$@"
@@ -1806,7 +1806,7 @@ refuses_in_space 'no_pins.csv: holds no pins' --pins no_pins.csv
 refuses_in_space '--pin "0@40": ' --pin 0@40
 refuses_in_space '--hold is for pins' --hold 1 --pose character_pose.obj
 refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pose character_pose.obj
-refuses '--save-pose out.pose.obj: with green pins pose the faces beside the vertices' "$mesh" inner.obj --cage box.obj --pin 0 --coordinates green --save-pose out.pose.obj -o out.obj
+refuses '--save-pose out.pose.obj: with green pins move faces as well as vertices' "$mesh" inner.obj --cage box.obj --pin 0 --coordinates green --save-pose out.pose.obj -o out.obj
 refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
 works "pins in a tetrahedron" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0:+0.1,0,0 --pin 1 -o pinned.obj
 refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj

@@ -390,7 +390,7 @@ TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") 
     CHECK(fault_of(with(good, "float f_rest_8", "float f_rest_9")) ==
           "scene.ply: a splat has no property f_rest_8");
     CHECK(fault_of(with(good, "float f_rest_8", "float f_rest_7")) ==
-          "scene.ply: line 21: the property \"f_rest_7\" is there twice");
+          "scene.ply: line 21: the property \"f_rest_7\" is defined twice");
     CHECK(fault_of(with(good, "property float x", "property list uchar int x"))
               .starts_with("scene.ply: line 4: a list"));
     CHECK(fault_of(with(good, "float x", "uint packed_position"))
@@ -398,7 +398,7 @@ TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") 
     CHECK(fault_of(with(good, "element vertex 4", "element face 4")) ==
           "scene.ply: the header has no line element vertex");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 4\nelement vertex 4")) ==
-          "scene.ply: line 4: the element \"vertex\" is there twice");
+          "scene.ply: line 4: the element \"vertex\" is defined twice");
     CHECK(fault_of(with(good, "end_header", "element face 1\nproperty list uchar int a\nend_header")) ==
           "scene.ply: is cut off in its element \"face\"");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex four")) ==
@@ -406,9 +406,10 @@ TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") 
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 0")) ==
           "scene.ply: there is no splat in it");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 18446744073709551615"))
-              .starts_with("scene.ply: is cut off: 18446744073709551615 splats of 104 bytes"));
+              .starts_with(
+                  "scene.ply: is cut off: the header declares 18446744073709551615 splats of 104 bytes"));
     CHECK(fault_of(good.substr(0, good.size() - 1)) ==
-          "scene.ply: is cut off: 4 splats of 104 bytes are announced, and 415 bytes are left for them");
+          "scene.ply: is cut off: the header declares 4 splats of 104 bytes, but only 415 bytes follow");
     CHECK(fault_of(good + "x").starts_with("scene.ply: is too long"));
     CHECK(fault_of("ply\nend_header\n") == "scene.ply: the header has no line format");
     CHECK(fault_of("ply\nformat binary_little_endian 1.0\nelement vertex 2\nend_header\n") ==

@@ -430,7 +430,7 @@ TEST_CASE("an affine motion is written as a transform", "[examples][svg_document
     CHECK(std::hypot(p.x - q.x, p.y - q.y) < 1e-6);
 }
 
-TEST_CASE("--fit makes room for all frames", "[examples][svg_document][animate][fit]") {
+TEST_CASE("the option --fit makes room for all frames", "[examples][svg_document][animate][fit]") {
     const std::string square =
         R"(<svg viewBox="0 0 100 100"><rect x="40" y="40" width="20" height="20"/></svg>)";
     const std::vector<Wave> waves{{{1, 0, 0, 1, 0, 0}}, {{1, 0, 0, 1, 100, 0}}, {{1, 0, 0, 1, 0, -90}}};

@@ -518,7 +518,7 @@ TEST_CASE("a nested svg clips the same content after a deformation", "[examples]
               .text.find("clip") == std::string::npos);
 }
 
-TEST_CASE("--fit enlarges the picture to the moved shapes", "[examples][svg_document][fit]") {
+TEST_CASE("the option --fit enlarges the picture to the moved shapes", "[examples][svg_document][fit]") {
     const std::string text =
         R"(<svg viewBox="0 0 100 50" width="200px" height="50mm"><rect width="10" height="10"/>
 <rect x="-50" y="20" width="60" height="5"/><rect x="-300" width="5" height="5"/><rect x="80" width="9" height="9" fill="none"/></svg>)";

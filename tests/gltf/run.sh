@@ -118,7 +118,7 @@ cat log
   refuses '"many" is neither "auto" nor a number of bones' "$export" part.obj $cage $clip --bones many -o out.glb
   refuses 'give --bones too' "$export" part.obj $cage $clip --skin 4 --flat -o out.glb
   refuses 'use a larger --max-distance, --bones auto, more --influences or --kind similar' "$export" part.obj $cage $clip --coordinates mean-value --bones 1 --max-distance 0.1% -o out.glb
-  refuses 'is no share such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
+  refuses 'is not a fraction such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
 }
 
 # ---- bones: weights found on the surface ----

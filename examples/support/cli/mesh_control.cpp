@@ -165,7 +165,7 @@ std::string MeshControlChoice::fault() const {
 std::string MeshControlChoice::save_fault(const MeshControl& control) const {
     if (save_pose.empty() || control.handles.empty()) return {};
     return "--save-pose " + save_pose + ": with " + choice.name +
-           " pins pose the faces beside the vertices, and a pose has vertices alone; take mean-value or "
+           " pins move faces as well as vertices, but a saved pose has only vertices; use mean-value or "
            "harmonic";
 }
 

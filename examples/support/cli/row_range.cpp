@@ -47,8 +47,8 @@ CutPath cut_path(std::string_view text) {
         text.remove_prefix(length);
         const bool is_width = width.empty() || (width.size() <= 3 && width.starts_with('0'));
         if (!is_width || !text.starts_with('d') || ++cut.places > 1)
-            cut.fault =
-                "has a % that is no place for a row's number: write one %06d, or %% for a percent sign";
+            cut.fault = "has a % that is not a placeholder for the row number: write %06d once, or %% for a "
+                        "percent sign";
         if (width.size() > 1) (void)parse_whole(width, cut.digits);
         if (!text.empty()) text.remove_prefix(1);
     }

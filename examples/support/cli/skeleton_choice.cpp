@@ -111,7 +111,7 @@ std::string parse_share(const std::string& word, double& share) {
     if (const std::string why = detail::parse_number(number, share); !why.empty()) return why;
     if (is_percent) share /= 100;
     return share >= 0 && share <= 1 ? std::string()
-                                    : detail::quoted(word) + " is no share such as 0.002 or 0.2%";
+                                    : detail::quoted(word) + " is not a fraction such as 0.002 or 0.2%";
 }
 
 CommandOption add_share(CommandLine& line, const std::string& name, double& share, const std::string& help) {

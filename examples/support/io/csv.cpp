@@ -169,7 +169,7 @@ bool parse_block_head(std::string_view comment, CageBlock& block, std::string& w
     if (word != "chain" && word != "point") return false;
     block.kind = word == "chain" ? CageBlock::Kind::chain : CageBlock::Kind::point;
     if (block.kind == CageBlock::Kind::chain)
-        why = rest.empty() ? "" : "\"# chain\" stands alone on its line";
+        why = rest.empty() ? "" : "\"# chain\" must be alone on its line";
     else
         why = rest.empty() ? "the radius is missing: \"# point RADIUS\"" : parse_finite(rest, block.radius);
     return true;

@@ -210,7 +210,7 @@ private:
     void line(const Point3& a, const Point3& b, float ink) {
         for_each_sample(a, b, 1.3 * samples, [&](std::size_t i, std::size_t, double nearness) {
             const float covered = float(nearness) >= nearness_[i] ? ink : 0.13f;
-            ink_[i] = std::max(ink_[i], covered); // lines that cross are no darker there
+            ink_[i] = std::max(ink_[i], covered); // crossings of lines are not darker
         });
     }
 

@@ -45,7 +45,7 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
         PlyElement& element = header.elements.emplace_back();
         element.name = words[1];
         const bool is_splats = element.name == "vertex";
-        if (is_splats && header.splats) return "the element \"vertex\" is there twice";
+        if (is_splats && header.splats) return "the element \"vertex\" is defined twice";
         if (!detail::parse_whole(words[2], element.count))
             return detail::quoted(words[2]) + " is no number of " + (is_splats ? "splats" : "records");
         if (is_splats) {
@@ -68,7 +68,7 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
         }
         const Property property{scene.layout.row_bytes, *type == PlyType::float32};
         if (!header.properties.emplace(words[2], property).second)
-            return "the property " + detail::quoted(words[2]) + " is there twice";
+            return "the property " + detail::quoted(words[2]) + " is defined twice";
         scene.layout.row_bytes += bytes_of(*type);
     } else if (words[0] != "comment" && words[0] != "obj_info") {
         return detail::quoted(words[0]) + " is no word of a PLY header";
@@ -376,9 +376,9 @@ Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool stric
         const PlyElement& element = header->elements[e];
         const auto size = bytes_of_records(element, left);
         if (!size && e == *header->splats) {
-            return fails("is cut off: " + std::to_string(splats) + " splats of " + std::to_string(row) +
-                         " bytes are announced, and " + std::to_string(left.size()) +
-                         " bytes are left for them");
+            return fails("is cut off: the header declares " + std::to_string(splats) + " splats of " +
+                         std::to_string(row) + " bytes, but only " + std::to_string(left.size()) +
+                         " bytes follow");
         }
         if (!size) return fails("is cut off in its element " + detail::quoted(element.name));
         if (!is_alone)
@@ -389,8 +389,7 @@ Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool stric
         left.remove_prefix(*size);
     }
     if (!left.empty())
-        return fails("is too long: " + std::to_string(left.size()) +
-                     " bytes follow the records that are announced");
+        return fails("is too long: " + std::to_string(left.size()) + " bytes follow the declared records");
     if (is_alone) { // avoids a copy, since scenes are large
         bytes.erase(0, bytes.size() - std::size_t(splats) * row);
         scene.rows = std::move(bytes);
