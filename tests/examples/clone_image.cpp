@@ -171,8 +171,8 @@ TEST_CASE("a membrane reproduces linear functions", "[examples][clone_image][pro
     const auto all = all_of(membrane, region, on_outline(region, linear));
     const double size = double(region.width + region.height) + std::fabs(c);
     for_each_pixel(region, PixelKind::inside, [&](std::size_t i, double x, double y) {
-        // The outline is 0.02 pixels from a pixel's centre; where the region is concave some weights exceed 1 in
-        // absolute value and amplify that.
+        // The outline is 0.02 pixels from a pixel's centre; where the region is concave some weights exceed
+        // 1 in absolute value and amplify that.
         CHECK(distance(all[i], linear(x, y)) < 0.2 + 1e-5 * size);
         CHECK(std::fabs(double(all[i][1]) - c) < 1e-4 * size); // a constant does not depend on positions
     });

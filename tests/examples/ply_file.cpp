@@ -1,4 +1,4 @@
-// PLY files and other files of points, written and read in any encoding and block size; broken files are reported.
+// PLY files and other files of points: any encoding and block size; broken files are reported.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 

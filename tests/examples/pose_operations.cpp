@@ -193,7 +193,7 @@ TEMPLATE_TEST_CASE_SIG("a bend keeps the lengths of its axis", "[examples][pose]
         if (is_before) CHECK(pose[i] == axis[i]);
         if (D == 3) CHECK(pose[i][D - 1] == 0);
     }
-    // The part beyond the bend turns by the whole angle about one point: it stays straight and keeps its length.
+    // The part beyond the bend rotates by the whole angle about one point: it stays straight, of equal length.
     const std::size_t end = backwards ? 0 : count - 1, near = backwards ? count / 3 - 1 : 2 * count / 3 + 1;
     const auto beyond = pose[end] - pose[near];
     const double length = std::fabs(axis[end][0] - axis[near][0]), sign = to > from ? 1 : -1;

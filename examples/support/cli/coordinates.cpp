@@ -211,10 +211,10 @@ cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<T, D>&
     cageform::BindOptions options;
     if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension())) {
         options.outside = cageform::OutsidePoints::extend;
-        options.falloff = coordinates.has_extension() ? falloff : 0; // else judge() refuses
+        options.falloff = coordinates.has_extension() ? falloff : 0; // otherwise judge() refuses the options
     } else if (word == "nearest-boundary" || (word == "auto" && falloff > 0) ||
                ((word == "auto" || word == "refuse") &&
-                !coordinates.takes_sites)) { // nearest: for places just outside
+                !coordinates.takes_sites)) { // for points just outside, within the tolerance
         options.outside = cageform::OutsidePoints::nearest_boundary;
         options.falloff = falloff;
     } else {
@@ -237,7 +237,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               what + figure + " lie outside the " +
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               names_of(report.outside);
-    // The nearest places of many points take a while, so they are found for messages alone.
+    // Finding the nearest places of many points is slow, so it is done only for messages.
     double largest = 0;
     const bool is_told = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
     for (std::size_t n = 0; is_told && n < report.outside.size(); ++n) {

@@ -1,8 +1,7 @@
 #pragma once
 
-// Coordinates chosen by name on the command line. The library consists of templates; the instances that
-// the programs need are compiled once, in coordinates_2d.cpp, coordinates_2d_float.cpp and
-// coordinates_3d.cpp.
+// Coordinates selected by name on the command line. The library consists of templates; the instances of the
+// programs are compiled once, in coordinates_2d.cpp, coordinates_2d_float.cpp and coordinates_3d.cpp.
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
@@ -25,27 +24,27 @@
 
 namespace cageform_support {
 
-/// The word of the command line for a name of the library: "mean-value" for mean_value.
+/// Converts a name of the library to a word of the command line: mean_value to "mean-value".
 std::string word_of(std::string name);
 
-/// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
+/// The options --coordinates, --resolution, --tolerance, --solver and those of single types.
 struct CoordinatesChoice {
     std::string name = "mean-value";  // one of names()
-    bool is_named = false;            // whether it is given
+    bool is_named = false;            // whether --coordinates is given
     bool in_plane = false;            // whether the program takes polygons as cages
-    bool in_space = false;            // whether it takes meshes
+    bool in_space = false;            // whether the program takes meshes as cages
     std::string faces = "planar";     // of meshes: planar, fan or triangles
-    std::size_t divisions = 1;        // of their quads, each way
+    std::size_t divisions = 1;        // cells per side of a quad
     bool with_sites = false;          // whether the program takes control points without a cage
-    bool with_normals = false;        // whether the program poses edges or faces too
+    bool with_normals = false;        // whether edges or faces can be handles
     std::string gradients = "facets"; // of sibson-c1
     std::size_t resolution = 0;       // 0: the adaptive grid
-    bool is_uniform = false;          // --tolerance is given, which the adaptive grid does not look at
+    bool is_uniform = false;          // whether --tolerance is given, which the adaptive grid does not use
     cageform::HarmonicOptions harmonic;
-    bool limits_memory = true; // whether the program takes --memory for a solver
-    std::size_t memory = 0;    // of a solver, in bytes; 0: half of what is free
-    bool in_disk = false;      // curved-green: by the function of a disk about the cage
-    double disk_radius = 0;    // 0: as small as it can be
+    bool limits_memory = true; // whether the program has --memory for a solver
+    std::size_t memory = 0;    // of a solver, in bytes; 0: half of the available memory
+    bool in_disk = false;      // curved-green: use the function of a disk around the cage
+    double disk_radius = 0;    // 0: the smallest possible
 
     /// The types that the program takes, in the order of coordinates/types.hpp.
     std::vector<cageform::CoordinateType> types() const;
@@ -59,7 +58,7 @@ struct CoordinatesChoice {
     /// Whether the type takes sites instead of a cage.
     bool takes_sites() const { return (facts().cages & cageform::cage_kinds::sites) != 0; }
 
-    /// Whether edges or faces are handles too. Values at vertices are then not those on the cage.
+    /// Whether edges or faces are handles, so that values at vertices are not those on the cage.
     bool takes_normals() const { return facts().with_normals; }
 
     /// Returns how a cage in the plane is read.
@@ -67,13 +66,13 @@ struct CoordinatesChoice {
         return (facts().cages & cageform::cage_kinds::curves) != 0 ? CageEdges::curves : CageEdges::lines;
     }
 
-    /// Whether faces of more than three corners are fans, never planar polygons.
+    /// Whether faces of more than three corners become fans instead of planar polygons.
     bool takes_fans_alone() const {
         using namespace cageform::cage_kinds;
         return (facts().cages & (fans | planar_faces)) == fans;
     }
 
-    /// Whether the type is for cages in the plane alone.
+    /// Whether the type supports only cages in the plane.
     bool is_planar() const {
         using namespace cageform::cage_kinds;
         return (facts().cages & ~(polygon | curves)) == 0;
@@ -83,26 +82,26 @@ struct CoordinatesChoice {
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
 };
 
-/// The choice of --weights and --surround for sites.
+/// The options --weights and --surround for sites.
 struct SiteChoice {
     std::string weights;      // a file; empty: none
-    double surround = 0;      // the margin of points around all that stand still; 0: none
-    bool with_weights = true; // whether the program takes --weights
+    double surround = 0;      // margin of the added box of fixed points; 0: none
+    bool with_weights = true; // whether the program has --weights
 
     void add_options(CommandLine& line);
-    std::string fault(const CoordinatesChoice& choice) const; ///< why they do not go with it; empty: they do
+    std::string fault(const CoordinatesChoice& choice) const; ///< error if it does not match; else empty
 };
 
-/// Sites with their pose, as the options have them.
+/// Sites and their pose, after applying the options.
 template <std::size_t D>
 struct PosedSites {
     SiteFile<D> sites, pose;
     std::vector<double> weights; // of all sites, or none
 };
 
-/// Reads sites and a pose of them; fails also where the weights do, or no box can be had.
+/// Reads sites and a pose of them. Fails also if the weights cannot be read, or the box cannot be computed.
 ///
-///   figure   returns the points that a requested box has to hold
+///   figure   returns the points that a requested box must contain
 template <std::size_t D>
 Expected<PosedSites<D>>
 load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,
@@ -127,7 +126,7 @@ load_posed_sites(const std::string& path, const std::string& pose_path, const Si
     return posed;
 }
 
-/// Returns the bounds of the handles that are points; vectors of faces are not.
+/// Bounding box of the handles that are points; vectors of faces are excluded.
 template <cageform::Scalar T, std::size_t D>
 auto point_bounds(const cageform::HandleView<T, D>& handles) {
     std::vector<cageform::Vec<T, D>> points;
@@ -137,7 +136,7 @@ auto point_bounds(const cageform::HandleView<T, D>& handles) {
     return cageform::bounds_of(std::span<const cageform::Vec<T, D>>(points));
 }
 
-/// Coordinates of the type that the options name.
+/// Coordinates of the type selected by the options.
 template <cageform::Scalar T, std::size_t D>
 class ChosenCoordinates : public cageform::AnyCoordinates<T, D> {
 public:
@@ -145,14 +144,14 @@ public:
     ChosenCoordinates(cageform::AnyCoordinates<T, D> made) // NOLINT(google-explicit-constructor)
         : cageform::AnyCoordinates<T, D>(std::move(made)) {}
 
-    /// Returns the distance within which a place outside counts as on the boundary.
+    /// Distance from the boundary within which a point outside counts as on it.
     double boundary_tolerance() const {
         constexpr double rounding = std::max(1e-12, 4 * double(std::numeric_limits<T>::epsilon()));
         return rounding * point_bounds(this->handles()).diagonal();
     }
 
     bool takes_sites = false; // control points without a cage
-    std::string note;         // on the cage's faces and a grid of much memory; empty where there is none
+    std::string note; // on faces of the cage and the memory of a grid; empty if there is nothing to report
 };
 
 template <class T>
@@ -162,8 +161,8 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 
-/// Names the edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as
-/// an OBJ file counts them, "v 1, v 3, v 2".
+/// Describes the edge or face whose vector is a handle by its vertices: "from vertex 1 to 2"; in space as
+/// numbered in an OBJ file: "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>
 std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
     std::size_t vectors_before = 0;
@@ -182,8 +181,8 @@ std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t 
     }
 }
 
-/// Puts vertices of a pose in the plane that are within rounding of their places at rest there: the control
-/// points of a line or quadratic as a cubic are sums, which the library may round in another way.
+/// Moves vertices of a pose in the plane that differ from rest only by rounding to their positions at rest:
+/// control points of a line or quadratic, converted to a cubic, are sums that the library may round otherwise.
 template <cageform::Scalar T>
 void settle(const cageform::HandleView<T, 2>& handles, std::vector<Point2>& pose) {
     const std::size_t count = std::min(pose.size(), handles.count);
@@ -197,10 +196,10 @@ void settle(const cageform::HandleView<T, 2>& handles, std::vector<Point2>& pose
     }
 }
 
-/// The pose of all handles, from one of the vertices.
+/// The pose of all handles from a pose of the vertices.
 ///
-///   pose, name   of the vertices, and their file
-///   warning      out: of edges or faces that have no area in the pose; as it was where there are none
+///   pose, name   positions of the vertices, and the name of their file
+///   warning      set if edges or faces have no length or area in the pose; else unchanged
 template <cageform::Scalar T, std::size_t D, class P>
 Expected<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, std::vector<P> pose,
                                          const std::string& name, std::string& warning) {
@@ -219,37 +218,37 @@ Expected<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding,
     return handles;
 }
 
-/// The words of --outside that name an OutsidePoints.
+/// The values of --outside that stand for an OutsidePoints.
 std::vector<std::string> outside_words();
 
-/// The choice of --outside and --falloff, which is common to all programs that move a figure.
+/// The options --outside and --falloff.
 struct OutsideChoice {
     std::string word =
         "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
     bool with_sites = false;   // whether the program takes control points without a cage
-    bool can_extend = true;    // whether the program can do with weights of points outside
-    bool cage_is_made = false; // for the figure: what is outside is not seen
-    bool of_part = false;      // whether the points are a part of a figure: most of them may lie outside
-    bool can_fade = true;      // whether the program can do with weights that do not sum to 1
-    bool has_splats = false;   // whether the points are splats, which messages count from 0
-    double falloff = 0;        // the distance at which displacements outside have faded; 0: they do not fade
-    Point3 origin{};           // in space: where the coordinates' origin lies in the figure's file
+    bool can_extend = true;    // whether the program supports weights of points outside
+    bool cage_is_made = false; // the cage is made for the figure: points outside are invisible
+    bool of_part = false;    // whether the points are a part of a figure, so that most of them may be outside
+    bool can_fade = true;    // whether the program supports weights that do not sum to 1
+    bool has_splats = false; // whether the points are splats, which messages count from 0
+    double falloff = 0;      // distance at which displacements outside have faded to 0; 0: no fading
+    Point3 origin{};         // in space: the origin of the coordinates, in units of the figure's file
 
     void add_options(CommandLine& line);
-    /// Adds --falloff alone, for a program with its own --outside.
+    /// Adds only --falloff, for a program with its own --outside.
     static void add_falloff(CommandLine& line, double& falloff);
-    std::string fault() const; ///< why the options do not go together; empty: they do
+    std::string fault() const; ///< error if the options exclude each other; else empty
 
-    /// Returns how points outside are bound.
+    /// How points outside are bound.
     template <cageform::Scalar T, std::size_t D>
     cageform::BindOptions bind_options(const ChosenCoordinates<T, D>& coordinates) const;
 
     /// The messages after a bind.
     struct Verdict {
-        /// The reason to stop; empty if there is none. The program stops if most points are outside and
-        /// --outside is not given, since the cage may be of another figure.
+        /// The error; empty if there is none. It is an error if most points are outside and --outside is not
+        /// given, since the cage may belong to another figure.
         std::string fault;
-        std::string warning; ///< of points outside that nothing was said about; empty where there are none
+        std::string warning; ///< on points outside without a requested treatment; empty if there are none
     };
     ///   figure, cage   names of their files
     template <cageform::Scalar T, std::size_t D>

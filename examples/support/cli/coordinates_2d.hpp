@@ -1,4 +1,4 @@
-// Makes coordinates of cages in the plane: for the files that compile it, one for each scalar.
+// Makes coordinates of cages in the plane. Included once per scalar type.
 #pragma once
 
 #include "cli/coordinates_model.hpp"
@@ -19,7 +19,7 @@ inline bool holds(const Disk& disk, const Point2& p) {
 inline Disk disk_on(const Point2& a, const Point2& b) {
     return {{(a.x + b.x) / 2, (a.y + b.y) / 2}, std::hypot(b.x - a.x, b.y - a.y) / 2};
 }
-/// Returns the disk with three points on its circle; where they lie on a line, that of the two farthest.
+/// The disk through three points; if they are collinear, the disk of the two farthest apart.
 inline Disk disk_on(const Point2& a, const Point2& b, const Point2& c) {
     const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
     const double twice = 2 * (bx * cy - by * cx), b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
@@ -30,8 +30,8 @@ inline Disk disk_on(const Point2& a, const Point2& b, const Point2& c) {
                              [](const Disk& one, const Disk& other) { return one.radius < other.radius; });
 }
 
-/// The smallest disk that holds points. (Welzl 1991, point by point: a point that the disk of those before
-/// does not hold lies on the circle of the next.)
+/// The smallest disk that contains points (incremental, Welzl 1991: a point outside the disk of the points
+/// before it is on the circle of the next disk).
 inline Disk smallest_disk(const std::vector<Point2>& points) {
     Disk disk{{points.front().x, points.front().y}, 0};
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -53,7 +53,7 @@ ChosenCoordinates<T, 2> curved_coordinates(const CoordinatesChoice& choice, cons
     cageform::CoordinateOptions<T> options;
     if (choice.in_disk) {
         auto [centre, radius] = smallest_disk(file.vertices);
-        constexpr double margin = 1e-6; // of the radius, so that no control point lies on the circle
+        constexpr double margin = 1e-6; // of the radius, so that no control point is on the circle
         radius = choice.disk_radius > 0 ? choice.disk_radius : (1 + margin) * radius;
         options.curved_green.disk = {cageform::vec_cast<T>(centre), static_cast<T>(radius)};
     }

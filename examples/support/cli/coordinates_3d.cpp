@@ -5,14 +5,14 @@ namespace cageform_support {
 
 namespace {
 
-/// Returns why coordinates do not support planar polygons as faces; empty if they do.
+/// Returns the error if coordinates do not support planar polygons as faces; else empty.
 std::string polygon_fault(const CoordinatesChoice& choice) {
     return (choice.facts().cages & cageform::cage_kinds::planar_faces) == 0
                ? choice.name + " supports only triangles"
                : "";
 }
 
-/// Twice the volume of a closed mesh over its area: the thickness of a flat one.
+/// Twice the volume of a closed mesh over its area, which is the thickness of a flat mesh.
 double mean_thickness(const ObjFile& mesh) {
     double volume = 0, area = 0;
     for (const auto& [a, b, c] : mesh.triangles) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The coordinate types: for the files that compile them.
+// The coordinate types, for the files that compile them.
 
 #include "cli/coordinates.hpp"
 #include "io/messages.hpp"
@@ -10,22 +10,22 @@
 
 namespace cageform_support {
 
-/// Returns harmonic coordinates on the uniform grid if there is a resolution, else on the adaptive one.
+/// Harmonic coordinates, on the uniform grid if a resolution is given, else on the adaptive grid.
 template <class C>
 auto harmonic(const C& cage, const cageform::HarmonicOptions& options) {
     return options.resolution != 0 ? cageform::HarmonicCoordinates(cage, options, cageform::UniformGrid{})
                                    : cageform::HarmonicCoordinates(cage, options);
 }
 
-/// Makes harmonic coordinates. If their grid takes much memory, `note` says how much and why.
+/// Makes harmonic coordinates. If their grid needs much memory, `note` states how much and why.
 ///
-///   thickness   of the cage in the mean, in the figure's units
+///   thickness   mean thickness of the cage, in units of the figure
 template <class C>
 ChosenCoordinates<typename C::scalar, C::dimension>
 make_harmonic(const C& cage, const cageform::HarmonicOptions& options, double thickness) {
     constexpr double much = 1 << 30;
     cageform::HarmonicOptions refused = options;
-    refused.memory_limit = 1; // the estimate that a refusal states takes a small part of a solve
+    refused.memory_limit = 1; // the estimate takes a small part of the time of a solve
     ChosenCoordinates<typename C::scalar, C::dimension> made = harmonic(cage, options);
     const cageform::SolverReport estimate = harmonic(cage, refused).solve().solver;
     const double bytes = double(estimate.bytes);
@@ -38,7 +38,7 @@ make_harmonic(const C& cage, const cageform::HarmonicOptions& options, double th
     return made;
 }
 
-/// The coordinates of a lattice, which --coordinates does not choose.
+/// Coordinates of a lattice, which are not a value of --coordinates.
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> lattice_coordinates(const CoordinatesChoice& choice, const LatticeBox<D>& lattice) {
     if (choice.is_named)
