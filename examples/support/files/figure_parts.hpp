@@ -1,19 +1,18 @@
 #pragma once
 
-// The parts that these programs put beside the library's own into a packed figure
-// (cageform/figure/figure.hpp):
+// Parts that these programs add to a packed figure (cageform/figure/figure.hpp):
 //
 //     TRIS  #triangles × 3 × uint32
-//     CLIP  the clip of figures that older versions of bind_mesh wrote; it is now in the library's CLPS:
+//     CLIP  the clip of figures by older versions of bind_mesh; new figures have the library's CLPS:
 //           #curves × uint32 and the length in seconds, float; #curves × uint32, the pieces of x, y and z of
 //           every vertex of the cage; the pieces, curve by curve, 5 × float each
-//     ORIG  see figure/figure.hpp; counted in the files of the mesh
-//           and the cage. Figures that are near the files' origin have no such part
-//     NRM1  a blob: a vector at every point across TAN1 and TAN2, of unit length, or zero where no face has
-//           the point. The posed vectors give the Jacobian by which clone_figure moves an OBJ file's normals
+//     ORIG  see figure/figure.hpp; the origin in the files of the mesh and the cage. Omitted if the figure is
+//           near the origin of the files
+//     NRM1  a blob: for every point a unit vector perpendicular to TAN1 and TAN2, or zero if no face has the
+//           point. The posed vectors give the Jacobian by which clone_figure moves an OBJ file's normals
 //     PINS  packed PoseSamples (cageform/pose/types/pose_blob.hpp), by which pins pose the cage
 //
-// Nothing here is known to bind-time code: the engine's client includes it.
+// Needs no bind-time code, because the example of an engine includes it.
 
 #include <cageform/pose/types/pose_blob.hpp>
 #include <cageform/runtime.hpp>
@@ -27,22 +26,22 @@
 
 namespace cageform_support {
 
-/// The parts that a figure holds.
+/// The parts of a figure.
 struct FigureParts {
-    std::string fault; ///< why they cannot be used; empty where they can
+    std::string fault;                                       ///< why they cannot be used; empty if they can
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
     cageform::CageClipView<float, 3> clip; ///< the first one, of no vertices where there is none; points into
                                            ///< the figure or `unpacked`
     cageform::CageClip<float, 3> unpacked; ///< of CLIP
-    cageform::PoseSamples<float, 3> samples; ///< of no handles where there are none
+    cageform::PoseSamples<float, 3> samples; ///< without handles if there are none
 };
 
-/// Returns the number of the cage's vertices: the handles that are points, which come first.
+/// Returns the number of the cage's vertices, which are the first handles.
 inline std::size_t vertices_of(const cageform::PackedFigureView<float, 3>& figure) {
     return figure.handle_count() - figure.handle_view().vector_count();
 }
 
-/// Checks everything that could make playing read or write out of bounds.
+/// Reads the parts, and checks everything that could cause access out of bounds when playing.
 inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure) {
     const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}, {}, {}}; };
     FigureParts parts;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Surfaces of functions that are negative inside, as triangle meshes, and what such functions are made of.
+// Triangle meshes of implicit surfaces, and functions of solids, which are negative inside.
 
 #include <cageform/core/vec.hpp>
 
@@ -25,7 +25,7 @@ inline double length(const Point3& p) {
     return std::hypot(p[0], p[1], p[2]);
 }
 
-// Functions that are negative inside and grow about as fast as the distance.
+// Functions that are negative inside, with values close to the signed distance.
 
 inline double ball(const Point3& p, const Point3& centre, double radius) {
     return length(p - centre) - radius;
@@ -34,20 +34,20 @@ inline double ball(const Point3& p, const Point3& centre, double radius) {
 inline double ellipsoid(const Point3& p, const Point3& centre, const Point3& radii) {
     const Point3 d = p - centre;
     const Point3 u{d[0] / radii[0], d[1] / radii[1], d[2] / radii[2]};
-    const Point3 slope{u[0] / radii[0], u[1] / radii[1], u[2] / radii[2]}; // of |u|, times |u|
+    const Point3 slope{u[0] / radii[0], u[1] / radii[1], u[2] / radii[2]}; // gradient of |u|, times |u|
     const double level = length(u);
-    // Near the centre, where the slope is lost, anything negative serves.
+    // Near the centre, where the slope vanishes, any negative value is correct.
     return level > 1e-6 ? level * (level - 1) / length(slope) : -radii[0];
 }
 
-/// A rod from `a` to `b` with round ends, as thick as told at both.
+/// A rod from `a` to `b` with round ends and a radius for each end.
 inline double limb(const Point3& p, const Point3& a, const Point3& b, double radius_a, double radius_b) {
     const Point3 axis = b - a;
     const double t = std::clamp(dot(p - a, axis) / dot(axis, axis), 0.0, 1.0);
     return length(p - a - t * axis) - (radius_a + t * (radius_b - radius_a));
 }
 
-/// The lesser of two, with the crease between them filled up where they differ by less than `blend`.
+/// The union of two solids, rounded where the functions differ by less than `blend`.
 inline double join(double a, double b, double blend) {
     const double near = std::max(blend - std::fabs(a - b), 0.0);
     return std::min(a, b) - near * near / (4 * blend);
@@ -58,7 +58,7 @@ inline double carve(double a, double b, double blend) {
     return -join(-a, b, blend);
 }
 
-/// Outwards, of the function's growth, by differences.
+/// The gradient, which points outwards, by finite differences.
 template <class F>
 Point3 slope(const F& f, const Point3& p) {
     constexpr double step = 1e-5;
@@ -72,8 +72,8 @@ Point3 slope(const F& f, const Point3& p) {
     return g;
 }
 
-/// The surface where a function is zero, by surface nets (Gibson 1998): a vertex in every cell
-/// of a grid that the surface passes, a quadrilateral about every edge of the grid that it crosses.
+/// The surface where a function is zero, by surface nets (Gibson 1998): a vertex in every cell of a grid that
+/// the surface intersects, and a quadrilateral around every edge of the grid that it crosses.
 template <class F>
 ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, double cell) {
     std::array<std::size_t, 3> n;
@@ -91,11 +91,11 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
     }
 
     ImplicitMesh mesh;
-    std::vector<std::uint32_t> vertex(value.size(), ~std::uint32_t{0}); // of the cell above a node
+    std::vector<std::uint32_t> vertex(value.size(), ~std::uint32_t{0}); // by the lowest node of its cell
     for (std::size_t z = 0; z + 1 < n[2]; ++z) {
         for (std::size_t y = 0; y + 1 < n[1]; ++y) {
             for (std::size_t x = 0; x + 1 < n[0]; ++x) {
-                // The mean of where the surface crosses the twelve edges.
+                // The mean of the intersections with the twelve edges.
                 Point3 sum{};
                 int crossings = 0;
                 for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -130,7 +130,7 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
             if (i + stride[axis] >= value.size()) continue;
             const bool inside = value[i] < 0;
             if (inside == (value[i + stride[axis]] < 0)) continue;
-            // The grid's rim is outside, so the four cells about the edge are there.
+            // The border of the grid is outside, so all four cells around the edge exist.
             std::array<std::uint32_t, 4> quad{vertex[i - u - v], vertex[i - v], vertex[i], vertex[i - u]};
             if (!inside) std::swap(quad[1], quad[3]);
             const auto& p = mesh.vertices;
