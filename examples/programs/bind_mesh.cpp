@@ -1,18 +1,16 @@
-// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
-// points and normals, triangles, and a motion of the cage (cageform/figure/figure.hpp,
-// support/files/figure_parts.hpp).
+// Binds an OBJ figure to a cage and packs the data for a game into one file: points, normals, triangles, and a
+// motion of the cage (cageform/figure/figure.hpp, support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
 //
-// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
-// weights put it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to
-// a tenth of the cage; not with Green coordinates, whose faces turn with no bound, so that they need a
-// motion.
+// --max-distance is the largest error of a vertex in all poses of the motion, relative to the figure's size; the
+// file is the smallest within this bound. Without a motion the bound holds for all poses that bend by up to a
+// tenth of the cage. Green coordinates need a motion, because rotations of their faces have no bound.
 //
-// --pose-samples packs beside them what a PoseSolver needs: the game then drags the figure by pins.
+// --pose-samples also packs the data of a PoseSolver: the game can then pose the figure by pins.
 //
-// The engine's client (engine/ogre_client.cpp) maps that file and plays it.
+// integrations/ogre/ogre_client.cpp maps and plays such a file.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -44,14 +42,14 @@ using cageform::Status;
 struct Arguments {
     std::string figure, cage, labels, out;
     MotionChoice moves;
-    WeightChoice weights; // a distance as a share of the figure's size
+    WeightChoice weights; // distance relative to the figure's size
     bool pose_samples = false, no_file_normals = false, is_strict = false;
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
 };
 
-/// The mean of the normals of the faces around every vertex, by area; zero or of unit length.
+/// Area-weighted vertex normals, of unit length or zero.
 std::vector<Point3> normals_of(const ObjFile& figure) {
     const auto& p = figure.vertices;
     std::vector<Point3> normals(p.size());
@@ -64,7 +62,7 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
     return normals;
 }
 
-/// The curves of x, y and z of every vertex. Fails where single precision does not hold them.
+/// The curves of x, y and z of every vertex. Fails if they exceed single precision.
 Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
@@ -86,7 +84,7 @@ Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip&
 }
 
 constexpr double of_vectors =
-    10; ///< as much may be lost of unit vectors (FigurePackOptions::tangent_tolerance)
+    10; ///< tolerance of unit vectors, relative to that of points (FigurePackOptions::tangent_tolerance)
 
 /// Describes the error of a packing, and warns if it is large.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
@@ -108,7 +106,7 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     return text;
 }
 
-/// Samples the inside of the cage for pins, and packs the samples; tells their size.
+/// Samples the inside of the cage for pins and packs the samples. Prints their size if `tells`.
 Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
                                                      const std::string& cage, bool tells) {
     ProgressBar bar("sampling");
@@ -124,7 +122,7 @@ Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<flo
     return std::move(packed.value);
 }
 
-/// The figure's vectors across its surface, bound and packed with the tolerance of the tangents.
+/// Binds and packs the normals of the OBJ file, with the tolerance of tangents.
 Expected<cageform::PackedBinding<float, 3>>
 packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector<Point3>& places,
                const std::vector<Point3>& normals, const Arguments& given, cageform::PackOptions options) {
@@ -139,7 +137,7 @@ packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector
     return std::move(packed.value);
 }
 
-/// Binds, packs and writes. `labels` are of the cage's vertices, or none.
+/// Binds, packs and writes. `labels` are those of the cage's vertices, or empty.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
                 const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
@@ -189,7 +187,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
              " vertices, first " + name_points(figure.vertices, still));
     }
     if (const std::string pose = first_mirror(figure, bound.value.points, motion); !pose.empty())
-        warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces turns the faces over");
+        warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces reverses its faces");
     if (!labels.empty()) {
         auto of_handles = labels; // faces have none
         of_handles.resize(bound.value.points.handle_count());
@@ -220,9 +218,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     std::span<const std::byte> place;
     if (origin != Point3{}) {
         place = std::as_bytes(std::span(origin.v));
-        note(given.out + ": the figure, its cage and its clip are counted from " +
+        note(given.out + ": the figure, its cage and its clip are stored relative to " +
              detail::short_number(origin[0]) + ", " + detail::short_number(origin[1]) + ", " +
-             detail::short_number(origin[2]) + ", for single precision; clone_figure adds this place");
+             detail::short_number(origin[2]) + ", for single precision; clone_figure adds this origin");
     }
     const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
                                               {"CLIP", clip},
@@ -244,13 +242,13 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
             std::ostringstream least;
             least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size);
             return fail(figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
-                        " can be reached: raise --max-distance or choose another --format");
+                        " is the smallest possible: raise --max-distance or choose another --format");
         }
         if (part.status != Status::ok) return fail(cageform::to_string(part.status));
         const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
         if (!given.report) continue;
         std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
-                  << name_of(part.format) << ", " << part.weights_per_point << " weights a point\n  off by "
+                  << name_of(part.format) << ", " << part.weights_per_point << " weights per point\n  off by "
                   << loss << "\n  sum of changes of a point's weights at most " << part.error.value
                   << ", mean " << part.mean_error << '\n';
     }
@@ -281,20 +279,19 @@ int run_program(int argc, char** argv) {
         .required();
     given.moves.add_options(line);
     line.add("--labels", given.labels,
-             "a text file with names of the cage's vertices, which are stored in the output");
+             "a text file with names of the cage's vertices, which the output stores");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_options(line);
-    given.weights.add_options(line, "the figure's size",
-                              " unit vectors that carry normals may change by ten times as much;",
+    given.weights.add_options(line, "the figure's size", " unit normals may change by ten times as much;",
                               "float; with --max-distance, the smallest that suffices");
     line.add_flag("--pose-samples", given.pose_samples,
-                  "also pack samples of the cage's inside, by which a game poses the figure by pins");
+                  "also pack samples of the cage's inside, for poses by pins in a game");
     line.add_flag(
         "--no-file-normals", given.no_file_normals,
-        "leave out the vectors by which clone_figure moves the normals of the OBJ file: fewer bytes; "
-        "the normals then turn with the faces");
+        "do not store the normals of the OBJ file: fewer bytes; clone_figure then computes normals from "
+        "the faces");
     add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
@@ -303,16 +300,16 @@ int run_program(int argc, char** argv) {
     given.moves.order_poses();
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
-        return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
+        return fail("--coordinates barycentric: normals need mean-value, harmonic or green");
     if (given.choice.name == "harmonic" &&
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
-        return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
+        return fail("--solver averaging-pyramid: normals need the multigrid solver");
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);
 
     const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
-    if (figure->faces.empty()) return fail(figure->name + ": holds no faces, so it has no normals");
+    if (figure->faces.empty()) return fail(figure->name + ": has no faces, so no normals");
     const auto cage = load_or_make_cage(given.cage, *figure);
     if (!cage) return fail(to_string(cage.error()));
     for (const auto* file : {&*figure, &*cage}) {

@@ -563,7 +563,7 @@ works "a weight painted on the character" "$mesh" character.obj --cage character
 cmp -s posed.png painted.png && ok=no || ok=yes
 report $ok "the paint is seen"
 refuses 'there is no vertex 112: character_cage.obj has 112' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --picture out.png --weight 112
-refuses '--weight is painted on the --picture' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --weight 1
+refuses '--weight needs --picture' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --weight 1
 printf 'v 0 1 0\nv 0 1 0.01\nv 0 1.01 0\nv 0.01 1 0\n' >points.obj
 # Faces of more than three corners: kept as polygons where they are planar and the coordinates know what to do with
 # them; what becomes of them is said.
@@ -728,11 +728,11 @@ for kind in deform_mesh:obj bind_mesh:figure export_gltf:glb; do
   refuses 'the pose character_cage.obj has 112 vertices, the cage box.obj has 8' by_green box.obj character_cage.obj
   refuses 'open_box.obj: the cage is not closed' by_green open_box.obj open_box.obj
 done
-refuses 'normals are bound by the multigrid alone' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
+refuses 'normals need the multigrid solver' "$bind" character.obj --cage character_cage.obj --coordinates harmonic --solver averaging-pyramid -o out.figure
 works "a character by accuracy" "$bind" character.obj --cage character_cage.obj --coordinates harmonic --accuracy 0.01 -o accurate.figure
 works "a cat by accuracy" "$deform" "$cat" --cage "$cage" --pose "$data/cat_pose_leap.svg" --coordinates harmonic --accuracy 0.002 -o accurate.svg
 works "a vertex in its head by accuracy" "$deform" "$cat" --cage "$data/cat_cage_head.csv" --pose "$data/cat_pose_head.csv" --coordinates harmonic --accuracy 0.002 -o accurate.svg
-refuses 'normals are bound by mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
+refuses 'normals need mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 # Vertices outside are treated as in all programs.
 sed '0,/^v /s/^v .*/v 9 9 9/' character.obj >stray_character.obj
@@ -941,7 +941,7 @@ printf 'ply\nformat ascii 1.0\nelement camera 2\nproperty float view\nelement ve
 for name in x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3 label; do echo "property float $name"; done >>named.ply
 printf 'end_header\n7\n8\n0 1 0 1 1 1 0 -4 -4 -4 1 0 0 0 6\n' >>named.ply
 works "splats with more properties" "$splats" named.ply --cage character_cage.obj --pose character_cage.obj -o out.ply --report
-grep -qx 'kept as they are: "label", 2 of "camera"' log && ok=yes || ok=no
+grep -qx 'unchanged: "label", 2 of "camera"' log && ok=yes || ok=no
 report $ok "what no pose moves is named"
 for type in mean-value green; do
   works "splats posed, $type" "$splats" scene.ply --cage character_cage.obj --pose character_pose.obj --coordinates $type -o posed.ply --report
@@ -1641,7 +1641,7 @@ make_box="$programs/make_box"
 works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
 grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
 report $ok "tells its size"
-refuses '--flip-faces: bar.mesh: only the faces of OBJ files' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
+refuses '--flip-faces: bar.mesh: only OBJ files' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
 works "a box of one cube" "$make_box" -o cube.mesh --size 1,2,3 --cells 1,1,1
 [ "$(grep -c '^[01] [02] [03] 0$' cube.mesh)" = 8 ] && [ "$(sed -n '/Tetrahedra/{n;p;}' cube.mesh)" = 6 ] && ok=yes || ok=no
 report $ok "has eight corners and six cells"
