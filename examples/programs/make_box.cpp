@@ -1,9 +1,9 @@
-// Makes a box of tetrahedra to deform, as simulations mesh a part, and a cage around it.
+// Makes a tetrahedral mesh of a box, and a cage around it.
 //
 //     make_box -o box.mesh --size 4,1,1 --cells 40,10,10 --cage box_cage.obj
 //     deform_mesh box.mesh --cage box_cage.obj --bend all:xy,0,4,150 --no-folds -o bent.mesh --report
 //
-// The box is filled by cubes, and each cube falls into six tetrahedra about a diagonal.
+// The box consists of cubes; each cube is split into six tetrahedra around a diagonal.
 
 #include "cli/command_line.hpp"
 #include "files/medit_file.hpp"
@@ -73,19 +73,19 @@ struct TetrahedralBox {
     }
 
 private:
-    /// A way from a cube's first corner to its last along three edges makes a cell.
+    /// Each path along three edges from the first corner of a cube to the last is a tetrahedron.
     void fill_cube(std::uint32_t first, const std::array<std::uint32_t, 3>& step) {
         std::array<std::size_t, 3> axes{0, 1, 2};
         do {
             const std::uint32_t second = first + step[axes[0]], third = second + step[axes[1]],
                                 last = third + step[axes[2]];
-            const bool is_cyclic = (axes[1] + 3 - axes[0]) % 3 == 1; // else the way would turn it over
+            const bool is_cyclic = (axes[1] + 3 - axes[0]) % 3 == 1; // else it would be inverted
             cells.push_back({first, is_cyclic ? second : third, is_cyclic ? third : second, last});
         } while (std::next_permutation(axes.begin(), axes.end()));
     }
 };
 
-/// The box's sides, larger by a margin, in rectangles.
+/// The sides of the box, enlarged by a margin, as rectangles.
 std::string cage_text(const Point3& size, const Counts& divisions) {
     const double margin = 0.05 * *std::min_element(size.v, size.v + 3);
     const Point3 more{margin, margin, margin};

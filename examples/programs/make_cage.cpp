@@ -1,4 +1,4 @@
-// Makes a cage of few vertices around any figure.
+// Makes a cage with few vertices around a figure.
 //
 //     make_cage cat.svg --vertices 24 -o cat_cage.svg --picture cat_numbers.svg --png
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
@@ -7,8 +7,8 @@
 //     make_cage character.obj --quads --rings --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
-// The cage holds all that the figure paints, at the margin's distance, and passes every check of the
-// library. deform_svg and the other programs make the same cage themselves if --cage auto is given.
+// The cage contains everything that the figure paints, at a distance of the margin, and passes all checks of the
+// library. --cage auto of the other programs makes the same cage.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -44,7 +44,7 @@ struct Arguments {
     }
 };
 
-/// "2.5%" or "0.025" as a share.
+/// Parses "2.5%" or "0.025".
 std::string parse_margin(const std::string& word, double& margin) {
     const bool is_share = word.ends_with('%');
     const std::string number = is_share ? word.substr(0, word.size() - 1) : word;
@@ -58,7 +58,7 @@ std::string parse_margin(const std::string& word, double& margin) {
     return {};
 }
 
-/// "24", or "auto": the fewest.
+/// Parses "24" or "auto" (the fewest).
 std::string parse_vertices(const std::string& word, std::size_t& vertices, bool& fewest) {
     double count = 0;
     fewest = word == "auto";
@@ -70,7 +70,7 @@ std::string parse_vertices(const std::string& word, std::size_t& vertices, bool&
     return {};
 }
 
-/// "x" or "y=12.5".
+/// Parses "x" or "y=12.5".
 std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror) {
     if (word.empty() || word[0] < 'x' || word[0] > 'z' || (word.size() > 1 && word[1] != '='))
         return "write an axis, x, y or z, or with its position x=12.5";
@@ -84,7 +84,7 @@ std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror)
     return {};
 }
 
-/// Enlarges the view of the picture to hold the whole cage.
+/// Enlarges the view of the picture to contain the cage.
 ViewBox view_about(const CageFile& cage, const ViewBox& view) {
     Point2 low{view.x, view.y}, high{view.x + view.width, view.y + view.height};
     for (const Point2& p : cage.vertices) {
@@ -192,8 +192,8 @@ int run_program(int argc, char** argv) {
                 [&](const std::string& word) {
                     if (auto read = parse_lattice_word(word)) given.lattice = std::move(*read);
                 },
-                "make a lattice of points about the figure in place of a cage: 4x4, in space 4x4x4; "
-                "--help-all describes the words")
+                "make a lattice of points around the figure instead of a cage: 4x4, in space 4x4x4; "
+                "--help-all describes the format")
             .check([](const std::string& word) {
                 const auto read = parse_lattice_word(word);
                 return read ? "" : to_string(read.error());
@@ -257,14 +257,15 @@ int run_program(int argc, char** argv) {
     line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage")
         .excludes(lattice);
     line.add_flag("--quads", given.quads,
-                  "in space: pair triangles to quads, to be edited by loops; however programs cut these, the "
+                  "in space: pair triangles to quads, for editing by loops; for any triangulation of the "
+                  "quads, the "
                   "cage keeps a quarter of the margin from the figure")
         .excludes(lattice);
     line.add_flag(
             "--rings", options.rings,
-            "in space: make a flat loop of edges about each limb, at its joint; the cage's parts end there")
+            "in space: make a flat loop of edges around each limb, at its joint, as the border of parts")
         .excludes(lattice);
-    line.add("--regular", options.regular, "the weight of even angles and lengths against a tight fit")
+    line.add("--regular", options.regular, "higher values give more regular, looser cages")
         .range(0.0, 1000.0)
         .show_default()
         .excludes(lattice);

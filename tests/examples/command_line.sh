@@ -793,7 +793,7 @@ awk '$1 == "v" { print "v", 2 - $3, $2, $4 - 1; next } { print }' box.obj >turne
 works "targets by Green coordinates" "$programs/export_gltf" inner.obj --cage box.obj --pose turned_box.obj --morph --coordinates green -o green.glb
 grep -q 'warning: inner.obj: between the keys the targets are off by ' log && ok=yes || ok=no
 report $ok "what targets lose between the keys is said"
-refuses 'joints carry no normals of faces; --morph writes targets' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
+refuses '--skin cannot represent normals of faces; use --morph' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
 refuses '--labels' "$programs/export_gltf" character.obj --cage character_cage.obj --pose character_pose.obj --morph --labels character.txt -o out.glb
 # A figure file and glTF hold single precision.
 huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*
@@ -1854,7 +1854,7 @@ for out in fit_pose.svg fit_pose.csv; do
 done
 : >empty.obj
 : >empty.svg
-refuses 'character.obj has 8066 vertices, cube.obj has 8: give a pose of the same figure' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
+refuses 'character.obj has 8066 vertices, cube.obj has 8: the figures must be the same' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" empty.obj cube.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" cube.obj empty.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.svg' "$fit" lines.svg empty.svg --cage lattice:3x3 -o out.svg
@@ -2071,9 +2071,9 @@ refuses '--lottie needs --curve' "$curve" --lottie ball.json --pieces 3 --json o
 refuses '--curve needs --lottie' "$curve" --css ease --curve x --pieces 3 --json out.json
 awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "["; for (i = 0; i < 100000; ++i) printf "]" }' >deep.json
 refuses 'deep.json: nested too deeply' "$curve" --lottie deep.json
-refuses 'bad.json: no number in it is animated' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
+refuses 'bad.json: no animated values' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
 sed 's/"t": 30/"t": null/' ball.json >bad.json
-refuses 'bad.json: a keyframe is not as Lottie has it: type must be number, but is null' "$curve" --lottie bad.json
+refuses 'bad.json: invalid Lottie keyframe: type must be number, but is null' "$curve" --lottie bad.json
 sed 's/120/1e999/' ball.json >bad.json
 refuses "bad.json: number overflow parsing '1e999'" "$curve" --lottie bad.json
 refuses 'given by one of' "$curve" --pieces 3 --json out.json
@@ -2084,8 +2084,8 @@ refuses '--bezier: 9 numbers' "$curve" --bezier 0,0,0,0,1,1,1,1,1 --pieces 3 --j
 refuses '--css: "nan" is not a finite number' "$curve" --css 0,nan,1,1 --pieces 3 --json out.json
 refuses '--css: time turns back' "$curve" --css 1.5,0,0,1 --pieces 3 --json out.json
 refuses '--bezier: the second key is not later' "$curve" --bezier 1,0,0.5,0,0.5,1,0,1 --pieces 3 --json out.json
-refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
-refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
+refuses 'the number of pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
+refuses 'the number of pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
 refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces 0 --json out.json
 refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces few --json out.json
 refuses '--tolerance' "$curve" --css 0.4,0,0.6,1 --tolerance 0 --json out.json
@@ -2119,7 +2119,7 @@ faulty_case() { # MESSAGE SED-COMMAND   the cases, changed
   refuses "$1" "$curve" --cases bad.json --json out.json
 }
 faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/'
-faulty_case 'case s01-inout-two-pieces: weights: null where a number should be' '27s/1/null/'
+faulty_case 'case s01-inout-two-pieces: weights: null is not a number' '27s/1/null/'
 faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/'
 faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/'
 faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/'
