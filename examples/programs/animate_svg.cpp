@@ -355,12 +355,7 @@ int run_program(int argc, char** argv) {
                        "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
     Settings settings;
     line.add("figure", settings.figure, "the SVG file to animate").required();
-    line.add("--cage", settings.cage,
-             "its cage: the first closed polygon of an SVG, for curved the first closed outline, or a CSV "
-             "file "
-             "of loops, chains and points" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, settings.cage, CageFiles::drawing);
     CommandOption clip =
         line.add("--clip", settings.clip, "its motion: a CSV file of keys of the cage or of pins");
     line.add("--markers", settings.markers,

@@ -47,6 +47,11 @@ struct Arguments {
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
+
+    /// Whether the output stores the normals of the file.
+    bool keeps_normals(const ObjFile& figure_file) const {
+        return !figure_file.normals.empty() && !no_file_normals;
+    }
 };
 
 /// Area-weighted vertex normals, of unit length or zero.
@@ -137,6 +142,89 @@ packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector
     return std::move(packed.value);
 }
 
+/// A motion of the cage: its clip, the curves that are packed, and the poses that --max-distance tests.
+struct Motion {
+    PoseClip clip;
+    std::vector<cageform::PiecewiseCubic<float>> curves;
+    SampledPoses poses;
+};
+
+Expected<Motion> motion_of(const Arguments& given, const ObjFile& cage) {
+    auto clip = given.moves.motion(cage);
+    if (!clip) return clip.error();
+    Motion motion;
+    if (clip->keys.empty()) return motion;
+    for (PoseKey& key : clip->keys) key.places = counted_from(given.outside.origin, key.places);
+    auto curves = curves_of(*clip);
+    if (!curves) return curves.error();
+    motion = {std::move(*clip), std::move(*curves), {}};
+    motion.poses = sample_poses(motion.clip);
+    return motion;
+}
+
+/// Binds points and normals, and prints warnings. `labels` are those of the cage's vertices, or empty.
+Expected<cageform::FigureBinding<float, 3>> bound_figure(const Arguments& given, const ObjFile& figure,
+                                                         const ObjFile& cage,
+                                                         const ChosenCoordinates<float, 3>& coordinates,
+                                                         const std::vector<Point3>& places,
+                                                         const std::vector<std::string>& labels) {
+    const std::vector<Point3> normals = normals_of(figure);
+    cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
+    {
+        ProgressBar bar("binding");
+        const cageform::Running running{.progress = bar.callback()};
+        const bool binds_twice = given.keeps_normals(figure);
+        if (binds_twice) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both binds
+        bound =
+            coordinates.bind(cageform::FigurePoints{places, normals}, given.outside.bind_options(coordinates),
+                             running.subtask(binds_twice ? 0.5 : 0, 1));
+    }
+    const cageform::BindReport& of_points = bound.report.points;
+    if (!bound) {
+        const bool fault_of_points = of_points.status != Status::ok;
+        return FileError{describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors)};
+    }
+    warn_of_coarse_grid(cage.name, of_points.solver);
+    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return FileError{outside.fault};
+    if (!outside.warning.empty()) warn(outside.warning);
+    if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
+        warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
+             " vertices, first " + name_points(figure.vertices, still));
+    }
+    if (!labels.empty()) {
+        auto of_handles = labels; // faces have none
+        of_handles.resize(bound.value.points.handle_count());
+        const Status status = bound.value.set_labels(of_handles);
+        if (status != Status::ok) return FileError{given.labels + ": " + cageform::to_string(status)};
+    }
+    return std::move(bound.value);
+}
+
+/// Prints the report of a packed figure, and returns its error; empty if there is none.
+std::string judge_packing(const Arguments& given, const ObjFile& figure,
+                          const cageform::FigurePackReport& report, const SampledPoses& poses) {
+    const std::pair<const char*, const cageform::PackReport&> reports[] = {
+        {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
+    for (const auto& [name, part] : reports) {
+        const bool is_vector = &part != &report.points;
+        if (part.status == Status::format_too_coarse) {
+            std::ostringstream least;
+            least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size_of(figure));
+            return figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
+                   " is the smallest possible: raise --max-distance or choose another --format";
+        }
+        if (part.status != Status::ok) return cageform::to_string(part.status);
+        const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
+        if (!given.report) continue;
+        std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
+                  << name_of(part.format) << ", " << part.weights_per_point << " weights per point\n  off by "
+                  << loss << "\n  sum of changes of a point's weights at most " << part.error.value
+                  << ", mean " << part.mean_error << '\n';
+    }
+    return report.status == Status::ok ? "" : cageform::to_string(report.status);
+}
+
 /// Binds, packs and writes. `labels` are those of the cage's vertices, or empty.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
                 const std::vector<std::string>& labels) {
@@ -149,60 +237,20 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    std::vector<cageform::PiecewiseCubic<float>> curves;
-    PoseClip motion;
-    SampledPoses poses;
-    auto clip_given = given.moves.motion(cage_of_file);
-    if (!clip_given) return fail(to_string(clip_given.error()));
-    if (!clip_given->keys.empty()) {
-        motion = std::move(*clip_given);
-        for (PoseKey& key : motion.keys) key.places = counted_from(origin, key.places);
-        auto made = curves_of(motion);
-        if (!made) return fail(to_string(made.error()));
-        curves = std::move(*made);
-        poses = sample_poses(motion);
-    }
-    const auto bind_options = given.outside.bind_options(coordinates);
-    const std::vector<Point3> normals = normals_of(figure);
-    const bool keeps_normals = !figure.normals.empty() && !given.no_file_normals;
-    cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
-    {
-        ProgressBar bar("binding");
-        const cageform::Running running{.progress = bar.callback()};
-        if (keeps_normals) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both binds
-        bound = coordinates.bind(cageform::FigurePoints{places, normals}, bind_options,
-                                 running.subtask(keeps_normals ? 0.5 : 0, 1));
-    }
-    const cageform::BindReport& of_points = bound.report.points;
-    if (!bound) {
-        const bool fault_of_points = of_points.status != Status::ok;
-        return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
-    }
-    warn_of_coarse_grid(cage.name, of_points.solver);
-    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
-    if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) warn(outside.warning);
-    if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
-        warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
-             " vertices, first " + name_points(figure.vertices, still));
-    }
-    if (const std::string pose = first_mirror(figure, bound.value.points, motion); !pose.empty())
+    const auto motion = motion_of(given, cage_of_file);
+    if (!motion) return fail(to_string(motion.error()));
+    const auto bound = bound_figure(given, figure, cage, coordinates, places, labels);
+    if (!bound) return fail(bound.error().message);
+    if (const std::string pose = first_mirror(figure, bound->points, motion->clip); !pose.empty())
         warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces reverses its faces");
-    if (!labels.empty()) {
-        auto of_handles = labels; // faces have none
-        of_handles.resize(bound.value.points.handle_count());
-        const Status status = bound.value.set_labels(of_handles);
-        if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
-    }
     cageform::FigurePackOptions options;
     options.weights.format = given.weights.format;
     options.weights.largest = given.weights.largest;
-    const auto posed = poses_of_handles(bound.value.points, motion, poses);
+    const auto posed = poses_of_handles(bound->points, motion->clip, motion->poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
-    const double size = size_of(figure);
-    options.weights.tolerance = given.weights.distance * size;
-    const std::vector<std::byte> clip = clip_part(curves);
+    options.weights.tolerance = given.weights.distance * size_of(figure);
+    const std::vector<std::byte> clip = clip_part(motion->curves);
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
         auto packed = packed_samples(coordinates, cage.name, given.report);
@@ -210,8 +258,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         samples = std::move(*packed);
     }
     cageform::PackedBinding<float, 3> across;
-    if (keeps_normals) {
-        auto packed = packed_normals(coordinates, places, normals, given, options.weights);
+    if (given.keeps_normals(figure)) {
+        auto packed = packed_normals(coordinates, places, normals_of(figure), given, options.weights);
         if (!packed) return fail(figure.name + ": " + packed.error().message);
         across = std::move(*packed);
     }
@@ -231,28 +279,11 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
         ProgressBar bar("packing");
-        made = cageform::pack(bound.value, options, {.progress = bar.callback()});
+        made = cageform::pack(*bound, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
-    const std::pair<const char*, const cageform::PackReport&> reports[] = {
-        {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
-    for (const auto& [name, part] : reports) {
-        const bool is_vector = &part != &report.points;
-        if (part.status == Status::format_too_coarse) {
-            std::ostringstream least;
-            least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size);
-            return fail(figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
-                        " is the smallest possible: raise --max-distance or choose another --format");
-        }
-        if (part.status != Status::ok) return fail(cageform::to_string(part.status));
-        const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
-        if (!given.report) continue;
-        std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
-                  << name_of(part.format) << ", " << part.weights_per_point << " weights per point\n  off by "
-                  << loss << "\n  sum of changes of a point's weights at most " << part.error.value
-                  << ", mean " << part.mean_error << '\n';
-    }
-    if (report.status != Status::ok) return fail(cageform::to_string(report.status));
+    if (const std::string why = judge_packing(given, figure, report, motion->poses); !why.empty())
+        return fail(why);
     const std::string others = describe_others(figure, {"v", "vn", "f"});
     if (given.report && !others.empty()) std::cout << "not stored: " << others << '\n';
     if (given.report && !labels.empty()) {
@@ -273,10 +304,7 @@ int run_program(int argc, char** argv) {
                        "0.001 -o character.figure"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file to bind").required();
-    line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, given.cage, CageFiles::mesh);
     given.moves.add_options(line);
     line.add("--labels", given.labels,
              "a text file with names of the cage's vertices, which the output stores");

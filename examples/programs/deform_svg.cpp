@@ -237,11 +237,7 @@ int run_program(int argc, char** argv) {
     SiteChoice of_sites;
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
-    line.add("--cage", cage_path,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; for "
-             "curved the first closed outline; for sibson and sibson-c1 a file of points" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, cage_path, CageFiles::drawing_or_sites);
     line.add(
         "--pose", pose_path,
         "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "

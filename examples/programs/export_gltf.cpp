@@ -518,6 +518,56 @@ std::string what_would_do(const Arguments& given, const Scene& scene, const Bind
            " is enough; use a larger --max-distance, --bones or --morph";
 }
 
+/// Adds the skin of --skin or --max-distance, and prints its errors. Returns an error message, or empty.
+std::string add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene& scene,
+                            const Binding<double, 3>& bound) {
+    const ObjFile& figure = scene.figure;
+    SkinLoss loss;
+    const bool searches = given.influences == 0;
+    const auto [skin, made] = searches ? make_near_skin(given, scene, bound, joint_set, loss)
+                                       : make_skin(given, scene, bound, given.influences, loss);
+    if (made.status != Status::ok) return scene.cage.name + ": " + cageform::to_string(made.status);
+    const std::string is_off = "a skin of " + std::to_string(skin.influences) +
+                               " joints per vertex is off by " + describe(loss.places);
+    if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance) {
+        return figure.name + ": " + is_off + ": " + what_would_do(given, scene, bound, skin.influences);
+    }
+    if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
+        warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
+             (skin.influences < enough_joints
+                  ? "; --bones auto finds rotating bones, with a smaller error for four bones per vertex"
+              : skin.influences < most_joints ? "; more joints reduce the error, and --max-distance bounds it"
+                                              : "; --bones auto finds rotating bones; --morph is exact"));
+    }
+    if (const std::size_t sets = joint_sets(skin); sets > 1) {
+        SkinLoss of_four;
+        const SkinWeights read = first_set(stored_skin(skin, given.weights));
+        const auto played = skin_to_binding(bound, read);
+        if (const auto four = make_skin(given, scene, bound, joint_set, of_four); four && played)
+            note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
+                 describe(loss_of(scene, bound, played.value, read).places) +
+                 "; a skin of four (--skin 4) is off by " + describe(of_four.places));
+    }
+    if (!made.not_reproduced.empty()) {
+        warn(std::to_string(skin.influences) + " weights are too few for " +
+             std::to_string(made.not_reproduced.size()) + " vertices of " + figure.name +
+             ", so affine poses are not reproduced there, with errors of up to " +
+             detail::short_number(made.reproduction_error.value) + ", first " +
+             name_points(figure.vertices, made.not_reproduced));
+    }
+    if (given.report) {
+        std::cout << "skin: " << skin.influences << " weights at most, " << made.mean_influences
+                  << " in the mean\n"
+                  << "largest sum |w - w0|: " << made.weight_error.value << " at point "
+                  << made.weight_error.point << ", mean " << made.mean_weight_error << '\n'
+                  << "not reproduced: " << made.not_reproduced.size()
+                  << "; largest |sum w c - p|: " << made.reproduction_error.value << "\noff by "
+                  << describe(loss.places) << '\n'
+                  << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
+    }
+    return add_skin(document, scene, given, skin, !made.without_weights.empty());
+}
+
 /// Binds the figure and writes the requested files.
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
@@ -582,52 +632,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
         if (given.report) printed = describe(*motion);
         if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
     } else {
-        SkinLoss loss;
-        const bool searches = given.influences == 0;
-        const auto [skin, made] = searches ? make_near_skin(given, scene, bound.value, joint_set, loss)
-                                           : make_skin(given, scene, bound.value, given.influences, loss);
-        if (made.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(made.status));
-        const std::string is_off = "a skin of " + std::to_string(skin.influences) +
-                                   " joints per vertex is off by " + describe(loss.places);
-        if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance) {
-            return fail(figure.name + ": " + is_off + ": " +
-                        what_would_do(given, scene, bound.value, skin.influences));
-        }
-        if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
-            warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
-                 (skin.influences < enough_joints
-                      ? "; --bones auto finds rotating bones, with a smaller error for four bones per vertex"
-                  : skin.influences < most_joints
-                      ? "; more joints reduce the error, and --max-distance bounds it"
-                      : "; --bones auto finds rotating bones; --morph is exact"));
-        }
-        if (const std::size_t sets = joint_sets(skin); sets > 1) {
-            SkinLoss of_four;
-            const SkinWeights read = first_set(stored_skin(skin, given.weights));
-            const auto played = skin_to_binding(bound.value, read);
-            if (const auto four = make_skin(given, scene, bound.value, joint_set, of_four); four && played)
-                note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
-                     describe(loss_of(scene, bound.value, played.value, read).places) +
-                     "; a skin of four (--skin 4) is off by " + describe(of_four.places));
-        }
-        if (!made.not_reproduced.empty()) {
-            warn(std::to_string(skin.influences) + " weights are too few for " +
-                 std::to_string(made.not_reproduced.size()) + " vertices of " + figure.name +
-                 ", so affine poses are not reproduced there, with errors of up to " +
-                 detail::short_number(made.reproduction_error.value) + ", first " +
-                 name_points(figure.vertices, made.not_reproduced));
-        }
-        if (given.report) {
-            std::cout << "skin: " << skin.influences << " weights at most, " << made.mean_influences
-                      << " in the mean\n"
-                      << "largest sum |w - w0|: " << made.weight_error.value << " at point "
-                      << made.weight_error.point << ", mean " << made.mean_weight_error << '\n'
-                      << "not reproduced: " << made.not_reproduced.size()
-                      << "; largest |sum w c - p|: " << made.reproduction_error.value << "\noff by "
-                      << describe(loss.places) << '\n'
-                      << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
-        }
-        why = add_skin(document, scene, given, skin, !made.without_weights.empty());
+        why = add_chosen_skin(document, given, scene, bound.value);
         if (why.empty()) moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
     }
     if (!why.empty()) return fail(why);
@@ -644,6 +649,37 @@ int export_figure(const Arguments& given, const Scene& scene) {
     return 0;
 }
 
+/// Reads all input files.
+Expected<Scene> read_scene(const Arguments& given) {
+    Scene scene;
+    auto figure = load_mesh_figure(given.figure, given.is_strict);
+    if (!figure) return figure.error();
+    auto cage = load_or_make_cage(given.cage, *figure);
+    if (!cage) return cage.error();
+    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
+    scene.parts = read_parts(*figure);
+    auto meshes = gltf_meshes(*figure, scene.parts);
+    if (!meshes) return meshes.error();
+    if (!given.labels.empty()) {
+        auto read = read_labels(given.labels, cage->vertices.size());
+        if (!read) return read.error();
+        scene.labels = std::move(*read);
+    }
+    auto motion = given.moves.motion(*cage);
+    if (!motion) return motion.error();
+    scene.clip = std::move(*motion);
+    scene.figure = std::move(*figure);
+    scene.cage = std::move(*cage);
+    scene.meshes = std::move(*meshes);
+    scene.origin = far_origin(scene.figure);
+    scene.stored = scene.figure;
+    scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
+    for (const auto* file : {&scene.figure, &scene.cage}) { // the format of glTF
+        if (const auto fault = single_precision_fault(*file)) return *fault;
+    }
+    return scene;
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
@@ -652,10 +688,7 @@ int run_program(int argc, char** argv) {
          "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file").required();
-    line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, given.cage, CageFiles::mesh);
     given.moves.add_options(line);
     const CommandOption labels =
         line.add("--labels", given.labels,
@@ -730,33 +763,9 @@ int run_program(int argc, char** argv) {
     if (given.morph && !given.moves.is_given())
         return fail("--morph needs poses: give --clip, --pose, or operations such as --turn");
 
-    Scene scene;
-    auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    scene.parts = read_parts(*figure);
-    auto meshes = gltf_meshes(*figure, scene.parts);
-    if (!meshes) return fail(to_string(meshes.error()));
-    if (!given.labels.empty()) {
-        auto read = read_labels(given.labels, cage->vertices.size());
-        if (!read) return fail(to_string(read.error()));
-        scene.labels = std::move(*read);
-    }
-    auto motion = given.moves.motion(*cage);
-    if (!motion) return fail(to_string(motion.error()));
-    scene.clip = std::move(*motion);
-    scene.figure = std::move(*figure);
-    scene.cage = std::move(*cage);
-    scene.meshes = std::move(*meshes);
-    scene.origin = far_origin(scene.figure);
-    scene.stored = scene.figure;
-    scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
-    for (const auto* file : {&scene.figure, &scene.cage}) { // the format of glTF
-        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
-    }
-    return export_figure(given, scene);
+    const auto scene = read_scene(given);
+    if (!scene) return fail(to_string(scene.error()));
+    return export_figure(given, *scene);
 }
 
 } // namespace
