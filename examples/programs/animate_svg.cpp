@@ -4,9 +4,9 @@
 //     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
 //     animate_svg cat.svg --cage cat_cage.svg --markers cat_markers.csv --coordinates harmonic -o walk.svg
 //
-// The figure is bound once. Each frame samples the clip and clones the figure. The SVG file plays in a browser.
-// A frame is equal to the output of deform_svg for its pose; all frames have the same segments, as SVG requires.
-// --help-all describes clip files.
+// The figure is bound once. Each frame samples the clip and clones the figure. The SVG file plays in a
+// browser. A frame is equal to the output of deform_svg for its pose; all frames have the same segments, as
+// SVG requires. --help-all describes clip files.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -239,8 +239,8 @@ Expected<Plan> plan_of(const Settings& settings, const ClipFile& file, const Vie
     return Plan{std::size_t(frames), passed};
 }
 
-/// The vertices of the cage in all frames. Each delayed layer has its own player, so every player moves forward
-/// one frame at a time.
+/// The vertices of the cage in all frames. Each delayed layer has its own player, so every player moves
+/// forward one frame at a time.
 std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& clip, const ClipFile& file,
                                           std::size_t frames, std::size_t vertices) {
     std::vector<std::vector<Point2>> poses;

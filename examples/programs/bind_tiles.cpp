@@ -1,5 +1,5 @@
-// Binds files of points (tiles) to one cage and packs each into a figure, as bind_mesh does with a mesh. Tiles
-// are read and written in pieces and can have any size. Memory is bounded and printed before the start.
+// Binds files of points (tiles) to one cage and packs each into a figure, as bind_mesh does with a mesh.
+// Tiles are read and written in pieces and can have any size. Memory is bounded and printed before the start.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
@@ -9,8 +9,8 @@
 // options, not on other tiles, threads, memory or rows. Complete figures of equal points and options are
 // skipped, so a farm may restart any task.
 //
-// Exit status: 0 all tiles are done; 1 invalid options, or a tile that cannot be bound; 75 a temporary failure
-// such as a full disk: try again. A failing tile does not stop the others.
+// Exit status: 0 all tiles are done; 1 invalid options, or a tile that cannot be bound; 75 a temporary
+// failure such as a full disk: try again. A failing tile does not stop the others.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -77,8 +77,8 @@ std::size_t points_of_piece(std::size_t handles) {
     return std::clamp(points / whole * whole, whole, most);
 }
 
-/// Peak memory per tile in bytes: weights of a batch, bound and packed; its points in all representations; the
-/// table of products of handles.
+/// Peak memory per tile in bytes: weights of a batch, bound and packed; its points in all representations;
+/// the table of products of handles.
 std::size_t bytes_of_tile(std::size_t piece, std::size_t handles) {
     constexpr std::size_t of_point = 400, of_files = std::size_t{4} << 20;
     return piece * (2 * sizeof(float) * handles + of_point) + handles * handles * sizeof(double) + of_files;

@@ -2,9 +2,9 @@
 //
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
-// A 2D cage is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines separated by empty lines:
-// loops (outer first, then holes) and, for harmonic coordinates, interior cells. Interior cells may come at any
-// position, each after a header line:
+// A 2D cage is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines separated by empty
+// lines: loops (outer first, then holes) and, for harmonic coordinates, interior cells. Interior cells may
+// come at any position, each after a header line:
 //
 //     # chain          edges between successive points; two points or more
 //     # point 12.5     one point; everything within the radius follows it
@@ -17,8 +17,8 @@
 //
 // The output has a header, then one line per point: status,w0,w1,… with 17 digits, "nan" if a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) in the order of the file, then the new
-// vertices of chains and points, for green then edges (or faces). --labels names the columns of vertices. Points
-// are read, bound and written in batches, so files may have any length.
+// vertices of chains and points, for green then edges (or faces). --labels names the columns of vertices.
+// Points are read, bound and written in batches, so files may have any length.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -49,8 +49,8 @@ struct Settings {
     CoordinatesChoice choice;
 };
 
-/// "status" and a column name per handle: its label or its index; edges and faces have no labels. Fails if two
-/// columns have the same name.
+/// "status" and a column name per handle: its label or its index; edges and faces have no labels. Fails if
+/// two columns have the same name.
 Expected<std::string> header_line(const std::string& labels_path, std::size_t handles, std::size_t vertices) {
     std::vector<std::string> labels;
     if (!labels_path.empty()) {

@@ -4,11 +4,11 @@
 //     clone_figure character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'
 //
 // The figure is an output of bind_mesh or bind_tiles, or any packed figure or binding, in 2D or 3D. Rows are
-// independent: each task of a farm runs this program with its own rows (integrations/farms). Files are bitwise
-// equal for any split of the rows and any number of threads.
+// independent: each task of a farm runs this program with its own rows (integrations/farms). Files are
+// bitwise equal for any split of the rows and any number of threads.
 //
-// Exit status 75 is a temporary failure, such as a full disk: repeat the command, with --skip-existing to keep
-// finished files. Files are written atomically.
+// Exit status 75 is a temporary failure, such as a full disk: repeat the command, with --skip-existing to
+// keep finished files. Files are written atomically.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

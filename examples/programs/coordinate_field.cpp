@@ -1,6 +1,6 @@
-// Draws one coordinate over its cage: values inside with contour lines, boundary values on the cage. Or draws the
-// interpolation of given values at the vertices, linear on edges: with harmonic coordinates the solution of
-// Laplace's equation.
+// Draws one coordinate over its cage: values inside with contour lines, boundary values on the cage. Or draws
+// the interpolation of given values at the vertices, linear on edges: with harmonic coordinates the solution
+// of Laplace's equation.
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 //     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface

@@ -7,8 +7,8 @@
 //
 // sibson and sibson-c1 use the vertices of the cage files as control points.
 //
-// Normals are transformed by the inverse transpose of the deformation's Jacobian. The rest of the file does not
-// change: groups, materials, texture coordinates, comments, cells.
+// Normals are transformed by the inverse transpose of the deformation's Jacobian. The rest of the file does
+// not change: groups, materials, texture coordinates, comments, cells.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

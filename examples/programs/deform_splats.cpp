@@ -4,8 +4,8 @@
 //     deform_splats scene.ply --cage auto:60 --split 2 -o look.ply --report
 //     deform_splats scene.ply --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.ply
 //
-// With the Jacobian J of the deformation, a covariance Σ becomes J Σ Jᵀ, and view-dependent colours rotate by the
-// rotation of J. The opacity does not change.
+// With the Jacobian J of the deformation, a covariance Σ becomes J Σ Jᵀ, and view-dependent colours rotate by
+// the rotation of J. The opacity does not change.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

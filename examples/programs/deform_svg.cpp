@@ -6,12 +6,12 @@
 //     deform_svg cat.svg --cage auto:24 --turn 5-10:-30 -o tail.svg
 //     deform_svg cat.svg --cage auto --pin 915,165:760,60 --pin 180,740 --pin 770,740 -o pulled.svg
 //
-// Curves and long lines are refined until they follow the deformed shape. Everything that is not geometry does
-// not change: styles, gradients, groups, identifiers.
+// Curves and long lines are refined until they follow the deformed shape. Everything that is not geometry
+// does not change: styles, gradients, groups, identifiers.
 //
-// CSV cages may have interior chains and points (see cage_weights.cpp), which harmonic coordinates support. The
-// pose then has the same blocks; a vertex of several blocks must have the same position in all. sibson and
-// sibson-c1 use the circles of an SVG or the lines of a CSV as control points.
+// CSV cages may have interior chains and points (see cage_weights.cpp), which harmonic coordinates support.
+// The pose then has the same blocks; a vertex of several blocks must have the same position in all. sibson
+// and sibson-c1 use the circles of an SVG or the lines of a CSV as control points.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

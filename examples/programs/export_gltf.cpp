@@ -5,22 +5,22 @@
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --morph -o head.gltf
 //
 // --bones N or auto: a skeleton fitted to the motion. Bones rotate, and normals with them; four bones move a
-// vertex. --max-distance 0.2% uses the fewest bones for which every vertex is within this distance of its clone
-// in all frames.
+// vertex. --max-distance 0.2% uses the fewest bones for which every vertex is within this distance of its
+// clone in all frames.
 //
-// --skin K: every vertex of the cage is a joint that only translates, and every vertex of the figure has at most
-// K joints. Joints are chosen so that the surface stays smooth. Affine poses are exact; bends lose the weights
-// that are left out. Normals do not rotate, because joints do not. The errors of positions, edges and normals
-// are measured over the motion. --max-distance 0.1% uses the fewest joints within the distance. Games that pose
-// the cage themselves use this.
+// --skin K: every vertex of the cage is a joint that only translates, and every vertex of the figure has at
+// most K joints. Joints are chosen so that the surface stays smooth. Affine poses are exact; bends lose the
+// weights that are left out. Normals do not rotate, because joints do not. The errors of positions, edges and
+// normals are measured over the motion. --max-distance 0.1% uses the fewest joints within the distance. Games
+// that pose the cage themselves use this.
 //
 // --morph: every pose of the motion is a morph target with normals. Clones depend linearly on the pose, so
 // positions are exact at all times.
 //
-// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through the given poses (files,
-// or operations such as --twist) and back. --skin and --morph write it with CUBICSPLINE interpolation, without
-// loss. Each object of the OBJ file is a node, each of its materials a primitive with colours and texture of the
-// MTL file.
+// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through the given poses
+// (files, or operations such as --twist) and back. --skin and --morph write it with CUBICSPLINE
+// interpolation, without loss. Each object of the OBJ file is a node, each of its materials a primitive with
+// colours and texture of the MTL file.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

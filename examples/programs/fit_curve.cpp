@@ -6,8 +6,8 @@
 //     fit_curve --lottie ball.json --curve layers/0/ks/r/k/0:0 --tolerance 0.1
 //     fit_curve --cases cases.json --json results.json
 //
-// JSON files have the format bezier-sobolev-cases/1: objects with control points, degree, weights, conditions and
-// knots; the output has the fit in "result". Errors are in the units of the curve; null is infinite.
+// JSON files have the format bezier-sobolev-cases/1: objects with control points, degree, weights, conditions
+// and knots; the output has the fit in "result". Errors are in the units of the curve; null is infinite.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"

@@ -4,8 +4,8 @@
 //     fit_skeleton rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png
 //
 // Bones are fitted to the motion. They rotate, have joints and parents, and at most four move a vertex. This
-// converts any vertex animation for engines: cages, lattices, cloth. The method is that of Le and Deng, Smooth
-// skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
+// converts any vertex animation for engines: cages, lattices, cloth. The method is that of Le and Deng,
+// Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -140,8 +140,8 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     if (!given.flips_faces) warn(describe_winding(name, frames.name, -1, false));
 }
 
-/// Returns the figure at rest. Files may round copies of a vertex differently. Copies that stay together in all
-/// frames get the same position, at rest and in each frame, and therefore equal weights.
+/// Returns the figure at rest. Files may round copies of a vertex differently. Copies that stay together in
+/// all frames get the same position, at rest and in each frame, and therefore equal weights.
 std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<Point3>>& frames) {
     const double apart = 2e-6 * size_of(figure);
     std::vector<Point3> rest = joined_places(figure);

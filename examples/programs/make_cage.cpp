@@ -7,8 +7,8 @@
 //     make_cage character.obj --quads --rings --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
-// The cage contains everything that the figure paints, at a distance of the margin, and passes all checks of the
-// library. --cage auto of the other programs makes the same cage.
+// The cage contains everything that the figure paints, at a distance of the margin, and passes all checks of
+// the library. --cage auto of the other programs makes the same cage.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

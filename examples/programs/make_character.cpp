@@ -2,9 +2,9 @@
 //
 //     make_character out
 //
-// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a periodic
-// dance of the cage (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that bends an arm
-// (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface nets
+// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a
+// periodic dance of the cage (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
+// bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface nets
 // (support/pictures/surface_nets.hpp). The ground is y = 0, y is up, and the puppet faces along z.
 
 #include "cli/command_line.hpp"

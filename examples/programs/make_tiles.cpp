@@ -2,8 +2,8 @@
 //
 //     make_tiles character.obj --points 100000000 --tiles 64 -o 'tiles/%02d.ply'
 //
-// A tile contains consecutive faces of the mesh. Points depend on the mesh, the number of points and --seed, not
-// on the number of tiles.
+// A tile contains consecutive faces of the mesh. Points depend on the mesh, the number of points and --seed,
+// not on the number of tiles.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"

@@ -2,8 +2,8 @@
 //
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
-// Writes a skin and a skeleton as glTF 2.0, animated from rest to the pose of the bones file and back. Weights
-// are bone heat (Baran, Popović 2007) or harmonic on the surface (fields/skin.hpp).
+// Writes a skin and a skeleton as glTF 2.0, animated from rest to the pose of the bones file and back.
+// Weights are bone heat (Baran, Popović 2007) or harmonic on the surface (fields/skin.hpp).
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
