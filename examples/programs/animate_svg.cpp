@@ -391,8 +391,7 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add("--size-limit", settings.size_limit,
              "the maximum size of an SVG in bytes: the error is doubled until the file fits, up to 1/50 of "
-             "the diagonal, "
-             "and printed")
+             "the diagonal, and printed")
         .range(1, 1000000000);
     line.add_flag("--fit", settings.options.fit,
                   "enlarge the viewBox and the size of the picture so that all frames fit");

@@ -111,25 +111,14 @@ int run_program(int argc, char** argv) {
     Point3 size{4, 1, 1};
     Counts cells{16, 4, 4}, divisions{4, 1, 1};
     line.add("-o,--output", out, "the .mesh file to write").required().ends_with({".mesh"});
-    line.add_text(
-            "--size", [&](const std::string& word) { (void)parse_size(word, size); }, "its lengths: X,Y,Z")
-        .check([](const std::string& word) {
-            Point3 ignored;
-            return parse_size(word, ignored);
-        })
-        .show_default("4,1,1");
-    const auto add_counts = [&](const char* name, Counts& counts, const char* help, const char* shown) {
-        line.add_text(
-                name, [&counts](const std::string& word) { (void)parse_counts(word, counts); }, help)
-            .check([](const std::string& word) {
-                Counts ignored{};
-                return parse_counts(word, ignored);
-            })
-            .show_default(shown);
-    };
-    add_counts("--cells", cells, "the number of cubes along each axis, six tetrahedra each", "16,4,4");
+    line.add_parsed("--size", size, parse_size, "its lengths: X,Y,Z").show_default("4,1,1");
+    line.add_parsed("--cells", cells, parse_counts,
+                    "the number of cubes along each axis, six tetrahedra each")
+        .show_default("16,4,4");
     line.add("--cage", cage, "also write a cage around it, a box, to an OBJ file").ends_with({".obj"});
-    add_counts("--divisions", divisions, "the number of the cage's rectangles along each axis", "4,1,1");
+    line.add_parsed("--divisions", divisions, parse_counts,
+                    "the number of the cage's rectangles along each axis")
+        .show_default("4,1,1");
     line.set_footer(medit_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

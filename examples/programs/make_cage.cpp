@@ -59,19 +59,24 @@ std::string parse_margin(const std::string& word, double& margin) {
 }
 
 /// Parses "24" or "auto" (the fewest).
-std::string parse_vertices(const std::string& word, std::size_t& vertices, bool& fewest) {
+struct VertexCount {
+    std::size_t count = 0;
+    bool fewest = false;
+};
+std::string parse_vertices(const std::string& word, VertexCount& vertices) {
     double count = 0;
-    fewest = word == "auto";
-    if (fewest) return {};
+    vertices.fewest = word == "auto";
+    if (vertices.fewest) return {};
     if (!detail::parse_number(word, count).empty() || !(count >= 3 && count <= 1e6) ||
         count != std::floor(count))
         return "a whole number from 3 to 1000000, or auto, not " + detail::quoted(word);
-    vertices = std::size_t(count);
+    vertices.count = std::size_t(count);
     return {};
 }
 
 /// Parses "x" or "y=12.5".
-std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror) {
+std::string parse_mirror(const std::string& word, std::optional<cageform::MirrorPlane>& plane) {
+    cageform::MirrorPlane& mirror = plane.emplace();
     if (word.empty() || word[0] < 'x' || word[0] > 'z' || (word.size() > 1 && word[1] != '='))
         return "write an axis, x, y or z, or with its position x=12.5";
     mirror.axis = std::size_t(word[0] - 'x');
@@ -176,6 +181,14 @@ int cage_in_space(const Arguments& given) {
                               describe_rings(paired->report) + describe_parts(cage_parts(paired->cage)));
 }
 
+/// Parses "4x4" or "4x4x4".
+std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& lattice) {
+    auto read = parse_lattice_word(word);
+    if (!read) return to_string(read.error());
+    lattice = std::move(*read);
+    return {};
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
                      "parts, or a mesh, which may have holes or several pieces.");
@@ -187,61 +200,26 @@ int run_program(int argc, char** argv) {
     auto& options = given.options;
     line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
     CommandOption lattice =
-        line.add_text(
-                "--lattice",
-                [&](const std::string& word) {
-                    if (auto read = parse_lattice_word(word)) given.lattice = std::move(*read);
-                },
-                "make a lattice of points around the figure instead of a cage: 4x4, in space 4x4x4; "
-                "--help-all describes the format")
-            .check([](const std::string& word) {
-                const auto read = parse_lattice_word(word);
-                return read ? "" : to_string(read.error());
-            });
-    bool fewest = false;
-    line.add_text(
-            "--vertices",
-            [&](const std::string& word) { (void)parse_vertices(word, options.vertices, fewest); },
-            "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest that "
-            "--volume "
-            "allows")
-        .check([](const std::string& word) {
-            std::size_t vertices = 0;
-            bool auto_ = false;
-            return parse_vertices(word, vertices, auto_);
-        })
+        line.add_parsed("--lattice", given.lattice, parse_lattice,
+                        "make a lattice of points around the figure instead of a cage: 4x4, in space 4x4x4; "
+                        "--help-all describes the format");
+    VertexCount vertices;
+    line.add_parsed("--vertices", vertices, parse_vertices,
+                    "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest "
+                    "that --volume allows")
         .excludes(lattice);
-    line.add_text(
-            "--volume,--area",
-            [&](const std::string& word) { (void)parse_looseness(word, options.looseness); },
-            "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the tightest "
-            "by at "
-            "most this share, and tell what each doubling brings: with --vertices auto 25%, in the plane 5%. "
-            "--vertices N tries at most N, by default 1000, in the plane 200")
-        .check([](const std::string& word) {
-            double looseness = 0;
-            return parse_looseness(word, looseness);
-        })
+    line.add_parsed("--volume,--area", options.looseness, parse_looseness,
+                    "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the "
+                    "tightest by at most this share, and print the volume for each doubling: with --vertices "
+                    "auto 25%, in the plane 5%. --vertices N tries at most N, by default 1000, in the plane "
+                    "200")
         .excludes(lattice);
-    line.add_text(
-            "--margin", [&](const std::string& word) { (void)parse_margin(word, options.margin); },
-            "the distance from the figure, as a share of its diagonal: 2.5% by default, in space and of "
-            "lattices 2%")
-        .check([](const std::string& word) {
-            double margin = 0;
-            return parse_margin(word, margin);
-        });
-    line.add_text(
-            "--mirror",
-            [&](const std::string& word) {
-                options.mirror.emplace();
-                (void)parse_mirror(word, *options.mirror);
-            },
+    line.add_parsed("--margin", options.margin, parse_margin,
+                    "the distance from the figure, relative to its diagonal: 2.5% by default, in space and "
+                    "for lattices 2%");
+    line.add_parsed(
+            "--mirror", options.mirror, parse_mirror,
             "make the cage symmetric by a mirror across an axis: x, y, z, or with its position x=12.5")
-        .check([](const std::string& word) {
-            cageform::MirrorPlane mirror;
-            return parse_mirror(word, mirror);
-        })
         .excludes(lattice);
     line.add_text(
             "--cage", [&](const std::string& word) { options.shape = CageWord::of(word).shape; },
@@ -258,8 +236,7 @@ int run_program(int argc, char** argv) {
         .excludes(lattice);
     line.add_flag("--quads", given.quads,
                   "in space: pair triangles to quads, for editing by loops; for any triangulation of the "
-                  "quads, the "
-                  "cage keeps a quarter of the margin from the figure")
+                  "quads, the cage keeps a quarter of the margin from the figure")
         .excludes(lattice);
     line.add_flag(
             "--rings", options.rings,
@@ -281,6 +258,8 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     line.set_footer(lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    options.vertices = vertices.count;
+    const bool fewest = vertices.fewest;
     if (options.shape == cageform::CageShape::box &&
         (options.vertices != 0 || fewest || options.looseness > 0))
         return fail(std::string(options.looseness > 0 ? "--volume" : "--vertices") +
