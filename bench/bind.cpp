@@ -1,9 +1,9 @@
-// How long does a bind by closed forms take, against points and handles, for each coordinate type?
+// How long does `bind` take by closed forms, by points, handles and coordinate type?
 //
-// Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no
-// boundary cases, no report), as beside Green coordinates, CGAL's mean value coordinates where that is
-// installed, and the time it takes to merely write as many weights, which no bind can beat. The other types
-// are in bind_harmonic.cpp and bind_sibson.cpp.
+// Peers of mean value coordinates: Wachspress and discrete harmonic coordinates in a convex cage, a plain
+// textbook loop (no boundary cases, no report; also for Green coordinates), and CGAL's mean value coordinates
+// if installed. The limit is writing as many weights. See bind_harmonic.cpp, bind_lattice.cpp and
+// bind_sibson.cpp for other types.
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -46,7 +46,7 @@ void bind_mean_value_again(benchmark::State& state) {
              points_inside(cage, std::size_t(state.range(0))), true);
 }
 
-/// On some threads, into recycled memory; in the plane, then in space.
+/// With several threads, into recycled memory; 2D, then 3D.
 template <class T>
 void bind_mean_value_threads(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
@@ -74,7 +74,7 @@ void gradients_of_mean_value(benchmark::State& state) {
                  points_inside(cage, std::size_t(state.range(0))), Wanted::gradients);
 }
 
-/// Closed forms in a convex cage: into recycled memory.
+/// Closed forms in a convex cage, into recycled memory.
 template <class Coordinates>
 void bind_convex(benchmark::State& state) {
     const auto cage = egg(std::size_t(state.range(1)));
@@ -117,7 +117,7 @@ void plain_mean_value(benchmark::State& state) {
 }
 
 #if defined(CAGEFORM_BENCH_CGAL)
-/// CGAL's weights by its faster formula, on edges too. `again` as in run_bind.
+/// CGAL's weights by its faster formula, including edges. `again` as in run_bind.
 void mean_value_of_cgal(benchmark::State& state, bool again) {
     namespace barycentric = CGAL::Barycentric_coordinates;
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -164,9 +164,9 @@ void evaluate_vase(benchmark::State& state) {
                  points_inside_vase(), wanted);
 }
 
-/// Ju, Schaefer & Warren 2005, sec. 3, one point and one face after the other. With u the unit vectors to a
-/// face's corners, of edge k opposite to corner k: n_k = u_i × u_j of its ends, θ_k = 2 asin(|u_i − u_j|/2);
-/// then m = Σ ½ θ_k n_k/|n_k| and w_k = n_k·m / (n_k·u_k |C_k − p|).
+/// Ju, Schaefer & Warren 2005, sec. 3, one point and face at a time. u: unit vectors to the corners of a
+/// face; edge k is opposite to corner k; n_k = u_i × u_j of the ends of edge k, θ_k = 2 asin(|u_i − u_j|/2),
+/// m = Σ ½ θ_k n_k/|n_k|, w_k = n_k·m / (n_k·u_k |C_k − p|).
 void plain_mean_value_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();
     const auto points = points_inside_bumpy112();
@@ -190,7 +190,7 @@ void plain_mean_value_mesh(benchmark::State& state) {
                     const double angle = 2 * std::asin(std::min(1.0, 0.5 * std::sqrt(dot(a - b, a - b))));
                     mean = mean + (0.5 * angle / std::sqrt(dot(n[k], n[k]))) * n[k];
                 }
-                const double det = dot(n[0], u[face[0]]); // n_k·u_k of every k
+                const double det = dot(n[0], u[face[0]]); // n_k·u_k for all k
                 for (std::size_t k = 0; k < 3; ++k) w[face[k]] += dot(n[k], mean) / (det * distance[face[k]]);
             }
             double sum = 0;
@@ -202,7 +202,7 @@ void plain_mean_value_mesh(benchmark::State& state) {
     finish(state, points.size(), m);
 }
 
-/// In the plane, into recycled memory.
+/// 2D, into recycled memory.
 template <class T>
 void bind_green(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
@@ -217,7 +217,7 @@ void evaluate_green(benchmark::State& state) {
                  points_inside(cage, std::size_t(state.range(0))), wanted);
 }
 
-/// Joins these vertices by lines (degree 1) or by cubics that bulge outwards by 0.07 of their length. Posed
+/// Connects vertices by lines (degree 1) or by cubics that bulge outwards by 0.07 of their length. Posed
 /// edges are cubics.
 template <class T, std::size_t degree>
 cageform::CurvedGreenCoordinates<T> curved_green(std::size_t m) {
@@ -249,7 +249,7 @@ void evaluate_curved_green(benchmark::State& state) {
                  points_inside(star(std::size_t(state.range(1))), std::size_t(state.range(0))), wanted);
 }
 
-/// The closed form, one point and one edge after the other: an angle and a logarithm each.
+/// Closed form, one point and edge at a time: an angle and a logarithm each.
 void plain_green(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
     const auto points = points_inside(cage, std::size_t(state.range(0)));
@@ -288,8 +288,8 @@ void evaluate_green_mesh(benchmark::State& state) {
     run_evaluate(state, cageform::GreenCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112(), wanted);
 }
 
-/// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other:
-/// an angle and three logarithms each.
+/// Closed form by solid angles (van Oosterom & Strackee 1983), one point and face at a time: an angle and
+/// three logarithms each.
 void plain_green_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();
     const auto points = points_inside_bumpy112();
@@ -338,7 +338,7 @@ void plain_green_mesh(benchmark::State& state) {
     finish(state, points.size(), handles);
 }
 
-/// Writing as many weights as a bind does: into new memory, or (again) into memory in use.
+/// Writes as many weights as a bind, into new memory or (again) into memory in use.
 void limit_write_weights(benchmark::State& state, bool again) {
     const std::size_t count = std::size_t(state.range(0) * state.range(1));
     double value = 1;
@@ -437,7 +437,7 @@ BENCHMARK(plain_green_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, of_sibson, true)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(limit_write_weights, of_lattice, true)
     ->Args({1000000, 64})
-    ->Args({500000, 64}) // as many bytes in float
+    ->Args({500000, 64}) // as many bytes as in float
     ->Args({100000, 1000})
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
@@ -455,7 +455,7 @@ BENCHMARK_TEMPLATE(evaluate_vase, double, VaseOf::polygons, Wanted::gradients)->
 BENCHMARK(plain_mean_value_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, new, false)->Apply(points_and_handles);
 BENCHMARK_CAPTURE(limit_write_weights, again, true)->Apply(points_and_handles);
-BENCHMARK_CAPTURE(limit_write_weights, again, true) // as in space; of 112 in float
+BENCHMARK_CAPTURE(limit_write_weights, again, true) // 3D; as many bytes as 112 handles in float
     ->ArgNames({"points", "handles"})
     ->Args({8019, 112})
     ->Args({8019, 56})

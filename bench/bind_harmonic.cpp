@@ -1,8 +1,9 @@
-// How long does a bind by harmonic coordinates take, against points, handles, resolution and accuracy?
+// How long does `bind` take by harmonic coordinates, by points, handles, resolution and accuracy?
 //
-// Beside it in space: the bare solve of its equations, the papers' own solver, and mean value coordinates.
+// Peers in 3D: the multigrid solve alone, the papers' solver, and mean value coordinates.
 #include "../tests/support/cages.hpp"
 #include "../tests/support/fingers.hpp"
+#include "averaging/pyramid_solver.hpp"
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -12,7 +13,7 @@
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <ctime>
@@ -24,7 +25,7 @@ namespace {
 
 using namespace cageform_bench;
 
-/// The coordinates made anew each time: the faces' planes are solved with them.
+/// Makes new coordinates each time, because they hold the solved planes of the faces.
 template <VaseOf of>
 void bind_harmonic_vase(benchmark::State& state) {
     const auto cage = vase<of, double>();
@@ -32,28 +33,25 @@ void bind_harmonic_vase(benchmark::State& state) {
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
     for (auto _ : state) {
-        const auto result = cageform::bind(cageform::UniformHarmonicCoordinates(cage, options), points);
+        const auto result =
+            cageform::bind(cageform::HarmonicCoordinates(cage, options, cageform::UniformGrid{}), points);
         benchmark::DoNotOptimize(result.value.view().weights.data);
         state.counters["solver_s"] = result.report.solver.seconds;
     }
     finish(state, points.size(), cage.size());
 }
 
-template <class T, cageform::HarmonicSolver Solver>
+template <class T, class Solver>
 void bind_harmonic(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
     cageform::HarmonicOptions options;
-    options.solver = Solver;
     options.resolution = std::size_t(state.range(2));
-    options.averaging.tolerance = 1e-5;
-    using Chosen = std::conditional_t<Solver == cageform::HarmonicSolver::multigrid, cageform::UniformGrid,
-                                      cageform::OnlySolver<cageform::PyramidSolver<cageform::Polygon<T>>>>;
-    run_bind(state, cageform::HarmonicCoordinates<T, 2, cageform::Polygon<T>, Chosen>(cage, options),
+    run_bind(state, cageform::HarmonicCoordinates<T, 2>(cage, options, Solver{}),
              points_inside(cage, std::size_t(state.range(0))));
 }
 
-/// A cube of 98 vertices (four divisions along each axis) and 2,562 points on a sphere in it: the case that
-/// Blender's Mesh Deform binds at 32 cells and not in minutes at 64.
+/// A cube with 98 vertices (four divisions per axis) and 2,562 points on a sphere in it. Blender's Mesh
+/// Deform binds this case with 32 cells, but takes minutes with 64.
 void bind_harmonic_cube(benchmark::State& state) {
     const auto cube = cageform::box_mesh<double>({-1, -1, -1}, {1, 1, 1}, {4, 4, 4});
     std::vector<cageform::Vec<double, 3>> points;
@@ -65,45 +63,44 @@ void bind_harmonic_cube(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    run_bind(state, cageform::UniformHarmonicCoordinates(cube, options), points);
+    run_bind(state, cageform::HarmonicCoordinates(cube, options, cageform::UniformGrid{}), points);
 }
 
-/// The equations that the harmonic functions of a mesh solve, for the multigrid alone.
+/// Equations of the harmonic functions of a mesh, for the multigrid solver alone.
 struct MeshProblem {
-    MeshProblem(const cageform::TriangleMesh<double>& cage, const cageform::HarmonicOptions& options) {
+    MeshProblem(const cageform::TriangleMesh<double>& cage, const cageform::HarmonicOptions& options)
+        : input(cage, check(cage), options) {
         cageform::SolverReport report;
-        (void)on_placed_cage(cageform::CageProblem(cage, options), [&](auto made) {
-            placed = std::move(made);
-            return cageform::detail::EmbeddedCage<3>::make(*placed, report, grid);
-        });
+        (void)cageform::detail::EmbeddedCage<3>::make(input, report, grid);
     }
 
-    /// All functions, each block's values lost to the next; returns the most cycles.
+    /// Solves for all functions; each block overwrites the last one. Returns the maximum number of cycles.
     std::size_t solve() const {
         const cageform::grid::Multigrid<3> multigrid(grid->problem().nodes, grid->problem().cuts, {});
         const auto slots = multigrid.source_slots();
         const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
             grid->add_data(first, count, slots, std::span(source));
         };
-        const cageform::grid::CycleGoal goal{placed->cage.size(), 1e-6, 60};
+        const cageform::grid::CycleGoal goal{input.handles, 1e-6, 60};
         cageform::SolverReport report;
         (void)solve_groups(cageform::grid::MultigridGroups{multigrid, goal, fill}, report,
                            [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
         return report.multigrid.cycles;
     }
 
-    std::shared_ptr<const cageform::PlacedCage<3>> placed;
+    cageform::SolverInput<3> input;
     std::optional<cageform::detail::EmbeddedCage<3>> grid;
 };
 
-/// In turns with the bare solve (not in the time), so that both meet the same machine. bind/solve and its
-/// inverse are of processor time; solver_s is what `bind` reports as its solver's, sampling included.
+/// Alternates with the solve alone (not timed), so that both run under the same load. bind/solve and its
+/// inverse are ratios of processor time. solver_s is the solver's time reported by `bind`, including
+/// sampling.
 void bind_harmonic_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();
     const auto points = points_inside_bumpy112();
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    const cageform::UniformHarmonicCoordinates coordinates(cage, options);
+    const cageform::HarmonicCoordinates coordinates(cage, options, cageform::UniformGrid{});
     const MeshProblem problem(cage, options);
     cageform::SolverReport solver;
     double solver_seconds = 0;
@@ -133,21 +130,19 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(solver.cells);
 }
 
-/// Binds the same mesh by the papers' own solver with their settings: float, one function at a time,
-/// sweeps until the mean change is 1e-5, and the nearest cell looked up. Joshi et al. 2007, table 1: 262
-/// s, where mean value took 443 s.
+/// Binds the same mesh by the papers' solver with their settings: float, one function at a time, sweeps to a
+/// mean change of 1e-5, nearest-cell lookup. Joshi et al. 2007, table 1: 262 s, where mean value coordinates
+/// took 443 s.
 void bind_papers_mesh(benchmark::State& state) {
-    using Cage = cageform::TriangleMesh<float>;
+    using namespace cageform_sources::averaging;
     const auto cage = bumpy112<float>();
     std::vector<cageform::Vec<float, 3>> points;
     for (const auto& p : points_inside_bumpy112()) points.push_back(cageform::vec_cast<float>(p));
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    options.averaging.tolerance = 1e-5;
-    options.interpolation = cageform::grid::Interpolation::nearest_cell;
-    options.handles_at_once = 1;
-    const cageform::HarmonicCoordinates<float, 3, Cage, cageform::OnlySolver<cageform::PyramidSolver<Cage>>>
-        coordinates(cage, options);
+    const AveragingSolver solver{
+        .sweeps = {.tolerance = 1e-5}, .interpolation = Interpolation::nearest_cell, .handles_at_once = 1};
+    const cageform::HarmonicCoordinates coordinates(cage, options, solver);
     cageform::BindReport report;
     for (auto _ : state) {
         const auto result = cageform::bind(coordinates, points);
@@ -156,12 +151,11 @@ void bind_papers_mesh(benchmark::State& state) {
         if (report.status != cageform::Status::ok) state.SkipWithError(to_string(report.status));
     }
     finish(state, points.size(), cage.size());
-    const auto lattice =
-        cageform::grid::lattice_about(cageform::bounds_of(cage.vertices()), options.resolution);
+    const auto lattice = lattice_about(cageform::bounds_of(cage.vertices()), options.resolution);
     state.counters["solver_s"] = report.solver.seconds;
     state.counters["MB"] = double(report.solver.bytes) / 1e6;
     state.counters["bytes/cell"] = double(report.solver.bytes) / double(lattice.size());
-    state.counters["sweeps"] = double(report.solver.pyramid.sweeps) / double(cage.size());
+    state.counters["sweeps"] = double(report.solver.relaxation.sweeps) / double(cage.size());
     state.counters["residual/h"] = report.residual_restored.value / double(lattice.spacing);
     state.counters["unknowns"] = double(report.solver.cells);
 }
@@ -169,22 +163,17 @@ void bind_papers_mesh(benchmark::State& state) {
 using cageform_tests::Fingers;
 
 using Mesh = cageform::TriangleMesh<double>;
-using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh, cageform::WithAveragingPyramid>;
+using Harmonic = cageform::HarmonicCoordinates<double, 3>;
 
-/// On the adaptive grid by the accuracy asked for, 1e-4 times the argument, or on the uniform one of a
-/// resolution.
+/// On the adaptive grid with an accuracy of 1e-4 times the argument, or on the uniform grid of a resolution.
 template <bool adaptive>
-cageform::HarmonicOptions options_of(const benchmark::State& state) {
-    cageform::HarmonicOptions options;
-    if (adaptive)
-        options.accuracy = 1e-4 * double(state.range(0));
-    else
-        options.resolution = std::size_t(state.range(0));
-    return options;
+Harmonic harmonic(const Mesh& cage, const benchmark::State& state) {
+    if (adaptive) return Harmonic(cage, {.accuracy = 1e-4 * double(state.range(0))});
+    return Harmonic(cage, {.resolution = std::size_t(state.range(0))}, cageform::UniformGrid{});
 }
 
-/// A bind, with what it takes; solver_s is of the cycles and of sampling, without the grid.
-cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const AnyGrid& coordinates,
+/// A bind and its costs; solver_s is the time of cycles and sampling, without the grid.
+cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const Harmonic& coordinates,
                                           const std::vector<cageform::Vec<double, 3>>& points,
                                           const cageform::Running& running = {}) {
     auto [binding, report] = cageform::bind(coordinates, points, {}, running);
@@ -196,11 +185,11 @@ cageform::Binding<double, 3> bind_on_grid(benchmark::State& state, const AnyGrid
     return std::move(binding);
 }
 
-/// The largest error of a weight at the reference points, and what it takes.
+/// Maximum weight error at the reference points, and costs.
 template <bool adaptive>
 void bind_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
-    const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), options_of<adaptive>(state));
+    const auto coordinates = harmonic<adaptive>(Mesh(fingers.vertices, fingers.faces), state);
     for (auto _ : state) {
         const auto binding = bind_on_grid(state, coordinates, fingers.points);
         double error = 0;
@@ -212,35 +201,34 @@ void bind_fingers(benchmark::State& state) {
     }
 }
 
-/// Binds the same cage with its hands at 1 / argument of their size, to an accuracy of 2e-3: the cost of
-/// finer parts.
+/// Binds the cage with its hands scaled by 1 / argument, to an accuracy of 2e-3: the cost of finer parts.
 void bind_smaller_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     auto vertices = fingers.vertices;
-    for (auto& p : vertices) { // hands begin at x = ±70 of the cage as it was before it was turned
+    for (auto& p : vertices) { // before the rotation, the hands begin at x = ±70
         const auto before = cageform_tests::turned_about_123(p, -1);
         const double side = before[0] < 0 ? -1 : 1, size = 1 / double(state.range(0));
         if (side * before[0] <= 70.5) continue;
         const cageform::Vec<double, 3> wrist{70 * side, 138.5, 0};
         p = cageform_tests::turned_about_123(wrist + size * (before - wrist), 1);
     }
-    const AnyGrid coordinates(Mesh(vertices, fingers.faces), {.accuracy = 2e-3});
+    const Harmonic coordinates(Mesh(vertices, fingers.faces), {.accuracy = 2e-3});
     for (auto _ : state)
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, fingers.points).view().weights.data);
 }
 
-/// Binds on several threads, which make the grid and solve the functions.
+/// With several threads, for the grid and for the functions.
 void bind_fingers_threads(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
-    const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
+    const Harmonic coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
     const cageform::ThreadedFor threads{unsigned(state.range(0))};
     for (auto _ : state)
         benchmark::DoNotOptimize(
             bind_on_grid(state, coordinates, fingers.points, {.parallel = threads}).view().weights.data);
 }
 
-/// Thousands of points inside the finger cage, near its skin: bound straight into a packed binding of
-/// half floats without weights below 1e-4. peak_MB is of the process until now.
+/// Binds thousands of points inside the finger cage, near its skin, to a packed binding of half floats
+/// without weights below 1e-4. peak_MB is the peak of the process so far.
 void pack_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const Mesh cage(fingers.vertices, fingers.faces);
@@ -283,14 +271,16 @@ void pack_fingers(benchmark::State& state) {
     }
 }
 
-/// BUMPY112, whose inside suits a uniform grid: the errors of weights at the 8,019 points, the largest of
-/// all and that of the middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in
-/// the middle, from one of 384.
+/// BUMPY112, for which a uniform grid works well: errors of the weights at the 8,019 points (maximum, and at
+/// the middle point) against a grid of 256 cells. That reference differs from one of 384 cells by at most
+/// 4e-3, 5e-5 at the middle point.
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
-    static const auto fine = cageform::bind(AnyGrid(bumpy112<double>(), {.resolution = 256}), points).value;
-    const AnyGrid coordinates(bumpy112<double>(), options_of<adaptive>(state));
+    static const auto fine =
+        cageform::bind(Harmonic(bumpy112<double>(), {.resolution = 256}, cageform::UniformGrid{}), points)
+            .value;
+    const auto coordinates = harmonic<adaptive>(bumpy112<double>(), state);
     for (auto _ : state) {
         const auto binding = bind_on_grid(state, coordinates, points);
         state.PauseTiming();
@@ -306,8 +296,8 @@ void bind_bumpy(benchmark::State& state) {
     }
 }
 
-/// BUMPY112 with each face cut in four as often as the argument says, bound to an accuracy of 2e-3: what
-/// handles cost.
+/// BUMPY112 with each face split into four, argument times, bound to an accuracy of 2e-3: the cost of
+/// handles.
 void bind_divided_bumpy(benchmark::State& state) {
     const auto whole = bumpy112<double>();
     std::vector<cageform::Vec<double, 3>> vertices(whole.vertices().begin(), whole.vertices().end());
@@ -327,13 +317,13 @@ void bind_divided_bumpy(benchmark::State& state) {
         faces = std::move(finer);
     }
     const auto points = points_inside_bumpy112();
-    const AnyGrid coordinates(Mesh(vertices, faces), {.accuracy = 2e-3});
+    const Harmonic coordinates(Mesh(vertices, faces), {.accuracy = 2e-3});
     for (auto _ : state)
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, points).view().weights.data);
 }
 
-/// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a
-/// surface in BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
+/// Points, normals and tangents of as many vertices as the puppet of examples/make_character, on a surface in
+/// BUMPY112. bind/solve is a ratio of processor times; `solve` alone is not timed.
 void bind_harmonic_figure(benchmark::State& state) {
     const auto cage = bumpy112<float>();
     std::vector<cageform::Vec<float, 3>> points, normals;
@@ -347,7 +337,7 @@ void bind_harmonic_figure(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    const cageform::UniformHarmonicCoordinates<float, 3> coordinates(cage, options);
+    const cageform::HarmonicCoordinates<float, 3> coordinates(cage, options, cageform::UniformGrid{});
     std::clock_t binding = 0, solving = 0;
     for (auto _ : state) {
         const auto begin = std::clock();
@@ -366,9 +356,9 @@ void bind_harmonic_figure(benchmark::State& state) {
     state.counters["bind/solve"] = double(binding) / double(solving);
 }
 
-/// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in
-/// BUMPY112 into recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All
-/// rows:
+/// Harmonic coordinates against mean value coordinates for many points, where the papers expect harmonic ones
+/// to be faster: binds 10² to 10⁶ points in BUMPY112 into recycled memory. The second argument is the number
+/// of cells of the harmonic grid; 0: mean value. All rows:
 ///
 ///     bench_bind --benchmark_filter=crossing
 void crossing_of_types(benchmark::State& state) {
@@ -379,7 +369,8 @@ void crossing_of_types(benchmark::State& state) {
     } else {
         cageform::HarmonicOptions options;
         options.resolution = std::size_t(state.range(1));
-        run_bind(state, cageform::UniformHarmonicCoordinates<float, 3>(cage, options), points, true);
+        run_bind(state, cageform::HarmonicCoordinates<float, 3>(cage, options, cageform::UniformGrid{}),
+                 points, true);
     }
 }
 
@@ -402,8 +393,8 @@ void threads(benchmark::internal::Benchmark* benchmark) {
 
 BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::polygons)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_harmonic_vase, VaseOf::triangles)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
-BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::multigrid)->Apply(growing_grid);
-BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::HarmonicSolver::averaging_pyramid)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform::UniformGrid)->Apply(growing_grid);
+BENCHMARK_TEMPLATE(bind_harmonic, double, cageform_sources::averaging::AveragingSolver)->Apply(growing_grid);
 BENCHMARK(bind_harmonic_cube)
     ->ArgName("resolution")
     ->Arg(32)

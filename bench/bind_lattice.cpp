@@ -1,5 +1,5 @@
 // How long do lattices take: weights, binds, packing as sparse rows, and clones by both bindings? The limit
-// of weights is writing as many (bind.cpp).
+// for weights is writing as many (bind.cpp).
 #include "run_bind.hpp"
 
 #include <cageform/binding/pack.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace cageform_bench;
 
-/// A cubic lattice of as many points a side in the unit cube.
+/// A cubic lattice in the unit cube.
 template <class T>
 cageform::LatticeCoordinates<T, 3> lattice_of(std::int64_t side) {
     cageform::Transform<T, 3> box{};
@@ -19,7 +19,7 @@ cageform::LatticeCoordinates<T, 3> lattice_of(std::int64_t side) {
     return cageform::LatticeCoordinates<T, 3>({axis, axis, axis}, box);
 }
 
-/// Points anywhere in the unit cube.
+/// Random points in the unit cube.
 template <class T>
 std::vector<cageform::Vec<T, 3>> points_of(std::int64_t count) {
     std::vector<cageform::Vec<T, 3>> points(static_cast<std::size_t>(count));
@@ -44,7 +44,7 @@ void bind_lattice(benchmark::State& state) {
     run_bind(state, lattice_of<T>(state.range(1)), points_of<T>(state.range(0)), true);
 }
 
-constexpr double least_weight = 1e-6; ///< smaller ones are left out of packed rows
+constexpr double least_weight = 1e-6; ///< smaller weights are dropped from packed rows
 
 template <class T>
 cageform::StreamedPackOptions pack_options() {
@@ -65,7 +65,7 @@ void pack_lattice(benchmark::State& state) {
     finish(state, points.size(), lattice.handles().size());
 }
 
-/// Moves every control point of a lattice, and the points by `binding`.
+/// Moves all control points of a lattice and clones the points by `binding`.
 template <class T, class Binding>
 void run_clone(benchmark::State& state, const cageform::LatticeCoordinates<T, 3>& lattice,
                const Binding& binding) {
@@ -94,12 +94,12 @@ void clone_packed_lattice(benchmark::State& state) {
     run_clone(state, lattice, packed.value.view());
 }
 
-/// Free-form deformation as published and as PyGeM has it, as a plain loop: Bernstein polynomials by powers
-/// and binomial coefficients, and a sum over all control points, in every frame.
+/// Free-form deformation as published, and as in PyGeM: Bernstein polynomials by powers and binomial
+/// coefficients, and a sum over all control points in every frame.
 void plain_lattice(benchmark::State& state) {
     const auto side = std::size_t(state.range(1)), degree = side - 1;
     const auto points = points_of<double>(state.range(0));
-    std::vector<cageform::Vec<double, 3>> moves, out(points.size()); // of the control points; z is innermost
+    std::vector<cageform::Vec<double, 3>> moves, out(points.size()); // of the control points, z innermost
     std::vector<double> choose(side, 1);
     for (std::size_t k = 1; k < side; ++k) choose[k] = choose[k - 1] * double(side - k) / double(k);
     const auto place = [&](std::size_t k) { return double(k) / double(degree); };

@@ -1,5 +1,4 @@
-// How long do Sibson coordinates take, beside CGAL's natural neighbours in the plane where that is
-// installed?
+// How long do Sibson coordinates take? Peer: CGAL's natural neighbours in 2D, if installed.
 #include "run_bind.hpp"
 
 #include <cageform/coordinates/sibson.hpp>
@@ -17,8 +16,7 @@ namespace {
 
 using namespace cageform_bench;
 
-/// Sites or points anywhere in the cube [-1, 1]^D times `size`; the points after those of other seeds'
-/// streams.
+/// Uniform random sites or points in the cube [-1, 1]^D times `size`.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> anywhere(std::size_t count, double size, std::uint64_t seed) {
     std::vector<cageform::Vec<double, D>> points(count);
@@ -32,7 +30,7 @@ std::vector<cageform::Vec<double, D>> anywhere(std::size_t count, double size, s
     return points;
 }
 
-/// Sites: the check, the triangulation, and with degree 3 the gradients.
+/// Sites: check, triangulation, and with degree 3 gradients.
 template <std::size_t D>
 void make_sibson(benchmark::State& state) {
     const auto sites = anywhere<D>(std::size_t(state.range(0)), 1, 1);
@@ -55,14 +53,14 @@ void bind_sibson(benchmark::State& state) {
              anywhere<D>(std::size_t(state.range(0)), 0.9, 2), true);
 }
 
-/// Binds in space at degree 1 on several threads.
+/// 3D, degree 1, several threads.
 void bind_sibson_threads(benchmark::State& state) {
     run_bind(state, cageform::SibsonCoordinates<double, 3>(anywhere<3>(400, 1, 1)),
              anywhere<3>(100000, 0.9, 2), true,
              {.parallel = cageform::ThreadedFor{unsigned(state.range(0))}});
 }
 
-/// Weights alone, into memory that is there.
+/// Weights alone, into existing memory.
 template <std::size_t D>
 void evaluate_sibson(benchmark::State& state) {
     const auto sites = anywhere<D>(std::size_t(state.range(1)), 1, 1);
@@ -70,8 +68,7 @@ void evaluate_sibson(benchmark::State& state) {
                  anywhere<D>(std::size_t(state.range(0)), 0.9, 2));
 }
 
-/// Twenty rings of twelve sites one above the other: control points as a sleeve has them, with many on a
-/// sphere.
+/// Twenty stacked rings of twelve sites, like the control points of a sleeve; many are cospherical.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> rings() {
     std::vector<cageform::Vec<double, D>> sites;
@@ -88,8 +85,8 @@ std::vector<cageform::Vec<double, D>> rings() {
 
 enum class Sites { anywhere, in_rings };
 
-/// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the
-/// share of points whose weights double could not give.
+/// Natural neighbours and their weights as a short list per point, like CGAL. `exact`: the share of points
+/// that need exact arithmetic.
 template <std::size_t D, Sites kind>
 void sibson_neighbours(benchmark::State& state) {
     constexpr bool in_rings = kind == Sites::in_rings;
@@ -117,7 +114,7 @@ void sibson_neighbours(benchmark::State& state) {
 }
 
 #if defined(CAGEFORM_BENCH_CGAL)
-/// CGAL's of the same sites and points, each search from beside the last point's first neighbour.
+/// CGAL with the same sites and points; each search starts near the first neighbour of the last point.
 void sibson_neighbours_of_cgal(benchmark::State& state) {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
     using Triangulation = CGAL::Delaunay_triangulation_2<Kernel>;

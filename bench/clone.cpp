@@ -1,26 +1,24 @@
-// How near is a clone to merely reading its weights, and what is gained by storing fewer or smaller ones?
+// How close is a clone to the cost of reading its weights, and what do fewer or smaller weights save?
 //
-// Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), moving
-// all its bytes, on one thread and on several, and Eigen's dense product W · C (the better of its two
-// storage orders). Packed bindings are of BUMPY112, by mean value coordinates; beside their times stand the
-// worst errors of a pose that bends, of the projection used here and of renormalising, and what
-// renormalising does to the figure at rest, all relative to the figure's size.
+// Limits and peers: reading and summing the same memory (256 MB for the memory bandwidth), moving all bytes
+// with one and several threads, and Eigen's dense product W · C in the better of its two storage orders.
+// Packed bindings use BUMPY112 and mean value coordinates. Counters relative to the figure's size: maximum
+// errors in a bending pose of the projection used here and of renormalised weights, and how much renormalised
+// weights change the rest pose.
 //
-// transposed_…: gradients of handles from those of points, by the same bindings; to be read beside clone_….
-// figure<…>: the points of a figure in BUMPY112, its normals, its Jacobians, the gradients from normals, its
-// folds, and the step at which it folds first; to be read beside the points.
+// transposed_…: gradients of handles from those of points, with the same bindings; compare with clone_….
+// figure<…>: points of a figure in BUMPY112, normals, Jacobians, gradients from normals, folds, and the step
+// of the first fold; compare with the points.
 //
-// pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112
-// and 300 vertices with
-// 8,000 points, in every format (-1: the one of the fewest bytes) and beside renormalised weights.
-// `distance` is the largest in
-// those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of
-// the figure's size.
-// Without the motion (0), the distance is kept in all poses that bend by up to a tenth of the cage.
+// pack_to_distance: bytes needed for a distance in 24 bending and twisting poses of cages with 42, 112 and
+// 300 vertices and 8,000 points. Runs in every format (-1: the smallest) and with renormalised weights.
+// `distance` is the maximum in these poses, `between` in ten others of the same motion, `elsewhere` in five
+// that bend across it, all relative to the figure's size. Without the motion (0), the distance holds in all
+// poses that bend by up to a tenth of the cage.
 //
-// played_…: a frame of that motion, as engines play it: by a fitted skin of four weights and so many bones;
-// by the packed clone and by as few frames as morph targets that keep the distance at which the skin is.
-// `bytes` are those of the figure with its motion.
+// played_…: a frame of that motion as engines play it: by a fitted skin with four weights and a given number
+// of bones, by the packed clone, and by the fewest morph targets within the distance of the skin. `bytes`
+// includes figure and motion.
 #define CAGEFORM_C_IMPLEMENTATION
 #define CAGEFORM_C_RUNTIME_ONLY
 #include <cageform/c/cageform.h>
@@ -104,7 +102,7 @@ void clone_dense(benchmark::State& state) {
     work.finish(state);
 }
 
-/// A packed figure, cloned by C++ or by the C interface: the cost of a call.
+/// A packed figure cloned by C++ or by the C interface: the cost of a call.
 template <bool by_c>
 void clone_opened(benchmark::State& state) {
     Workload<float, 2> work(state);
@@ -133,7 +131,7 @@ void clone_opened(benchmark::State& state) {
     work.finish(state);
 }
 
-/// The gradients of handles from those of points; they are the points at rest, as good as any.
+/// Gradients of handles from those of points. Uses the rest points as gradients.
 template <class T, std::size_t D>
 void transposed_dense(benchmark::State& state) {
     Workload<T, D> work(state);
@@ -160,7 +158,7 @@ void transposed_threads(benchmark::State& state) {
     work.finish(state);
 }
 
-/// On some threads; those are started anew for each clone.
+/// With several threads, which start for each clone.
 template <class T, std::size_t D>
 void clone_threads(benchmark::State& state) {
     Workload<T, D> work(state);
@@ -173,7 +171,7 @@ void clone_threads(benchmark::State& state) {
     work.finish(state);
 }
 
-/// Reads rows and adds them up: eight sums, so that the additions of a sum do not wait for each other.
+/// Reads rows and sums them in eight independent sums.
 template <class T>
 void read_rows(const cageform::Lanes<T>* rows, std::size_t count) {
     std::array<cageform::detail::Simd<T>, 8> sums;
@@ -192,7 +190,7 @@ void limit_read_weights(benchmark::State& state) {
     work.finish(state);
 }
 
-/// All bytes of a clone, of some blocks: weights and points at rest are read, as many points are written.
+/// All bytes of a clone of some blocks: reads weights and rest points, writes as many points.
 template <class T, std::size_t D>
 void move_bytes(Workload<T, D>& work, std::size_t begin, std::size_t end) {
     const auto weights = work.binding.view().weights, rest = work.binding.view().rest;
@@ -223,17 +221,17 @@ void limit_move_bytes_threads(benchmark::State& state) {
     work.finish(state);
 }
 
-/// 256 MB: what memory gives, whatever the caches.
+/// 256 MB: memory bandwidth beyond all caches.
 template <class T>
 void limit_read_memory(benchmark::State& state) {
     std::vector<cageform::Lanes<T>> memory((std::size_t{256} << 20) / 64);
     std::memset(static_cast<void*>(memory.data()), 1,
-                memory.size() * 64); // or all of it would be one page of zeros
+                memory.size() * 64); // otherwise all pages would be the same zero page
     for (auto _ : state) read_rows(memory.data(), memory.size());
     state.SetBytesProcessed(std::int64_t(state.iterations()) * (std::int64_t{256} << 20));
 }
 
-/// Clones with the `largest` weights of each point, scaled to sum to one.
+/// Clones with the `largest` weights of each point, normalised.
 template <class T>
 std::vector<cageform::Vec<T, 3>> renormalised(const cageform::Binding<T, 3>& binding, std::size_t largest,
                                               const std::vector<cageform::Vec<T, 3>>& pose) {
@@ -270,18 +268,18 @@ struct Bumpy {
         for (const auto& p : cageform_bench::points_inside(cageform_bench::bumpy112<double>(), count, 2))
             figure.push_back(cageform::vec_cast<T>(p));
         binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), figure).value;
-        for (auto p : rest) { // bent by a quarter of a turn along its height
+        for (auto p : rest) { // bent by 90 degrees along its height
             const T angle = T(0.75) * p[2], reach = p[0] + 2;
             bent.push_back({reach * std::cos(angle) - 2, p[1], reach * std::sin(angle)});
         }
     }
 
-    static const Bumpy& of(std::size_t count) { // made once, benchmarks run several times
+    static const Bumpy& of(std::size_t count) { // made once; benchmarks run several times
         static std::map<std::size_t, Bumpy> made;
         return made.try_emplace(count, count).first->second;
     }
 
-    /// The largest distance of two clones.
+    /// Maximum distance between two clones.
     static double distance(const Points& a, const Points& b) {
         double largest = 0;
         for (std::size_t i = 0; i < a.size(); ++i) {
@@ -297,7 +295,7 @@ void clone_packed(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
     const auto largest = std::size_t(state.range(1));
     const auto [packed, report] = cageform::pack(bumpy.binding, {.format = Format, .largest = largest});
-    // As an engine would have it that puts its vertices into the binding's order once, or not.
+    // With vertices in the binding's order, as an engine may store them, or in the original order.
     const auto view = state.range(2) != 0 ? packed.view().in_order() : packed.view();
     typename Bumpy<T>::Points out(bumpy.figure.size()), exact = out;
     for (auto _ : state) {
@@ -305,7 +303,7 @@ void clone_packed(benchmark::State& state) {
         if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
         benchmark::ClobberMemory();
     }
-    const double size = 2 * 1.6; // the figure's, about
+    const double size = 2 * 1.6; // approximate size of the figure
     const auto error = [&](const auto& pose) {
         if (cageform::clone(packed.view(), pose, out) != cageform::Status::ok ||
             cageform::clone(bumpy.binding, pose, exact) != cageform::Status::ok)
@@ -326,7 +324,7 @@ void clone_packed(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// On some threads, to a thousandth of the figure's size in any pose that bends.
+/// With several threads, to 0.001 of the figure's size in any bending pose.
 void pack_threads(benchmark::State& state) {
     const auto& bumpy = Bumpy<float>::of(8019);
     const cageform::Running running{.parallel = cageform::ThreadedFor{unsigned(state.range(0))}};
@@ -337,17 +335,18 @@ void pack_threads(benchmark::State& state) {
     }
 }
 
-/// A figure that a motion bends and twists along its z axis.
+/// A figure with a motion that bends and twists it along its z axis.
 struct MovedFigure {
     using Points = std::vector<cageform::Vec<float, 3>>;
 
     Points rest, figure;
     cageform::Binding<float, 3> binding;
     double size = 0;
-    std::vector<double> poses;                     // of the motion, as `pack` takes them
-    std::vector<Points> given, between, elsewhere; // the same, others of the motion, and of another
+    std::vector<double> poses; // of the motion, as input of `pack`
+    std::vector<Points> given, between,
+        elsewhere; // the same as points, others of the motion, and of another motion
 
-    /// Number 0: 42 vertices, 1: 112, 2: 300.
+    ///   number  0: 42 vertices, 1: 112, 2: 300
     explicit MovedFigure(int number) {
         const auto mesh = cage<float>(number);
         const auto points = cageform_bench::points_inside(cage<double>(number), 8000, 2);
@@ -375,7 +374,7 @@ struct MovedFigure {
         return made.try_emplace(number, number).first->second;
     }
 
-    /// Turned by `twist` and bent by `angle` from one end of an axis to the other.
+    /// Twists by `twist` and bends by `angle` from one end of an axis to the other.
     Points bent(std::size_t axis, double angle, double twist) const {
         const auto bounds = cageform::bounds_of(std::span<const cageform::Vec<float, 3>>(rest));
         const double length = bounds.upper[axis] - bounds.lower[axis];
@@ -393,7 +392,7 @@ struct MovedFigure {
         return out;
     }
 
-    /// The largest distance over poses of what `clone_of` makes of each, as a share of the size.
+    /// Maximum distance over poses of the results of `clone_of`, relative to the size.
     template <class Clone>
     double distance(const std::vector<Points>& in, const Clone& clone_of) const {
         double largest = 0;
@@ -432,8 +431,8 @@ void pack_to_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// The usual method: keeps the largest weights, scaled to sum to one. The bytes are those of an engine:
-/// one for the joint, two for the weight, and the rest point.
+/// The usual method: keeps the largest weights, normalised. Bytes as in an engine: one per joint, two per
+/// weight, and the rest point.
 void renormalised_distance(benchmark::State& state) {
     const auto& moved = MovedFigure::of(int(state.range(0)));
     const auto largest = std::size_t(state.range(1));
@@ -447,16 +446,16 @@ void renormalised_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// A figure with its motion in three forms.
+/// A figure with its motion in three representations.
 struct Played {
     using Points = MovedFigure::Points;
 
     const MovedFigure& moved;
     std::vector<Points> frames;
     cageform::FittedSkeleton<float> skeleton;
-    double distance = 0; ///< of the skin, a share of the size; the others keep it
+    double distance = 0; ///< of the skin, relative to the size; also the tolerance of the others
     cageform::PackedBinding<float, 3> packed;
-    std::vector<std::size_t> targets; ///< frames; those between two of them go straight
+    std::vector<std::size_t> targets; ///< frames, interpolated linearly
 
     Played(int number, std::size_t bones)
         : moved(MovedFigure::of(number)) {
@@ -551,8 +550,7 @@ void played(benchmark::State& state) {
     state.counters["bytes"] = double(bytes);
 }
 
-/// A blob's way from a file that was read before into use: mapped, checked, given back. No byte of it is
-/// copied.
+/// Opens a blob from a file in the page cache: map, check, unmap. No bytes are copied.
 template <class T, cageform::BlobCheck Check, cageform::WeightFormat Format>
 void map_blob(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
@@ -576,7 +574,7 @@ void map_blob(benchmark::State& state) {
     std::fclose(file);
 }
 
-/// The points and, by two bound tangents, the normals.
+/// Points, and normals from two bound tangents.
 template <class T>
 void clone_with_normals(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
@@ -597,7 +595,7 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// The quantity that is computed for every point of a figure.
+/// Quantity computed for each point of a figure.
 enum class Of : std::uint8_t { points, normals, normals_transposed, jacobians, folds, largest_step };
 
 template <class T, Of what>
@@ -654,11 +652,11 @@ void transposed_packed(benchmark::State& state) {
         benchmark::Counter(double(bumpy.figure.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// Points that follow their 16 nearest handles, as natural neighbours are in space, packed.
+/// Points that depend on their 16 nearest handles, as natural neighbours in 3D do, packed.
 template <class T>
 struct Neighbours {
     std::vector<cageform::Vec<T, 3>> pose;
-    std::vector<T> weights; ///< of handles
+    std::vector<T> weights; ///< of the handles
     cageform::PackedBinding<T, 3> binding;
     double rows_a_block = 0;
 
@@ -702,7 +700,7 @@ struct Neighbours {
     }
 };
 
-/// Weights of handles that change every frame, over a view that was judged once, or judged every time.
+/// Handle weights that change every frame, with a view that is validated once or every time.
 template <class T, bool Judged>
 void clone_rational_sparse(benchmark::State& state) {
     const Neighbours<T> work(std::size_t(state.range(0)), std::size_t(state.range(1)));
@@ -790,7 +788,7 @@ void sizes_3d(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"})
         ->Unit(benchmark::kMicrosecond)
         ->Args({8019, 112})
-        ->Args({8019, 332}) // as Green coordinates of 112 vertices and 220 faces
+        ->Args({8019, 332}) // as many as Green coordinates of 112 vertices and 220 faces
         ->Args({100000, 112});
 }
 

@@ -1,10 +1,10 @@
 #!/bin/sh
-# sh bench/compile.sh: what the headers cost those who include them.
-# For each way to use the library, headers alone and with cageform::compiled, the seconds of processor and the megabytes that
-# one file takes to compile at -O2, with each compiler installed (CXX names others); then how long a clone takes in a build
-# without optimisation, by headers alone and by the library.
-# Each has a budget: so many times the seconds that a file takes which uses std::regex (measured first, so that a budget holds
-# on any machine), and megabytes. A file that is over its budget twice is named, and the script fails.
+# Usage: sh bench/compile.sh
+# Measures compile time and memory of one file at -O2 for each way to use the library (headers only,
+# cageform::compiled), with each installed compiler (CXX selects others). Then measures a clone in a build
+# without optimisation, with headers only and with the library. Each row has a budget: a multiple of the time
+# for a file that uses std::regex, which makes the budget independent of the machine, and megabytes. Fails and
+# lists the rows that exceed their budget twice.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
@@ -17,9 +17,8 @@ for folder in /usr/include/eigen3 /usr/local/include/eigen3 /opt/homebrew/includ
   [ ! -d "$folder" ] || flags="$flags -isystem $folder"
 done
 
-# The sources.
 awk '/^```cpp/ { inside = 1; next } /^```/ { if (inside) exit } inside' "$root/README.md" > "$work/readme.cpp"
-[ -s "$work/readme.cpp" ] || { echo "compile.sh: no program in README.md" >&2; exit 1; }
+[ -s "$work/readme.cpp" ] || { echo "compile.sh: README.md has no program" >&2; exit 1; }
 echo '#include <cageform/cageform.hpp>' > "$work/umbrella.cpp"
 echo '#include <cageform/runtime.hpp>' > "$work/runtime.cpp"
 echo '#include <cageform/coordinates/harmonic.hpp>' > "$work/harmonic.cpp"
@@ -93,7 +92,7 @@ double milliseconds() {
 }
 int main() { std::printf("float %.1f ms, double %.1f ms\n", milliseconds<float>(), milliseconds<double>()); }
 END
-# Runs a command and prints what it took: seconds of processor and megabytes.
+# Runs a command and prints its processor seconds and megabytes.
 cat > "$work/cost.cpp" <<'END'
 #include <cstdio>
 #include <sys/resource.h>
@@ -119,27 +118,27 @@ cost() { # COMPILER SOURCE[:compiled]
   # shellcheck disable=SC2086 # the flags are words
   "$work/cost" "$1" $flags -O2 $library -c "$work/${2%:compiled}.cpp" -o "$work/object.o"
 }
-# One of each a line: the source, what it is, its budget in times of the standard file, and in megabytes. Those of a :compiled
-# source leave bind, its solvers and its formulas to the library.
+# Each line: source; description; budget in multiples of the std::regex file, and in megabytes. A :compiled
+# source leaves bind, solvers and formulas to the library.
 cat > "$work/rows" <<'END'
 runtime runtime.hpp alone; 0.25 160
 umbrella cageform.hpp alone; 1.2 400
 harmonic harmonic.hpp alone; 1.1 350
-readme README's ten lines; 2.4 480
+readme README example; 2.4 480
 mean_value mean value bind, plane; 2.4 480
 plane harmonic bind, plane; 6 680
 space harmonic bind, space; 6.5 750
 mean_value:compiled mean value, with the library; 1.5 380
-plane:compiled harmonic, plane, with it; 1.5 380
-space:compiled harmonic, space, with it; 1.7 400
+plane:compiled harmonic, plane, with the library; 1.5 380
+space:compiled harmonic, space, with the library; 1.7 400
 END
 
 over=
 for compiler in $compilers; do
   command -v "$compiler" > "$work/found" || continue
   [ -x "$work/cost" ] || "$compiler" -std=c++20 "$work/cost.cpp" -o "$work/cost"
-  unit=$(cost "$compiler" standard) || { echo "compile.sh: $compiler does not compile a file of the standard library" >&2; exit 1; }
-  printf '%-28s %8s %8s     of its budget\n' "$compiler -O2" seconds MB
+  unit=$(cost "$compiler" standard) || { echo "compile.sh: $compiler cannot compile a file that uses std::regex" >&2; exit 1; }
+  printf '%-28s %8s %8s     of budget\n' "$compiler -O2" seconds MB
   printf '  %-26s %8.1f %8.0f\n' "std::regex in use" ${unit% *} ${unit#* }
   while read -r source row; do
     what=${row%;*}
@@ -148,7 +147,7 @@ for compiler in $compilers; do
       taken=$(cost "$compiler" "$source") || { echo "compile.sh: $compiler does not compile: $what" >&2; exit 1; }
       shares=$(echo "$taken $unit $budget" | awk '{ printf "%.0f %.0f", 100 * $1 / ($3 * $5), 100 * $2 / $6 }')
       { [ "${shares% *}" -gt 100 ] || [ "${shares#* }" -gt 100 ]; } || break
-      [ $try = 2 ] || unit=$(cost "$compiler" standard) # another program may have been in the way
+      [ $try = 2 ] || unit=$(cost "$compiler" standard) # another program may have interfered
     done
     note=
     [ "${shares% *}" -le 100 ] && [ "${shares#* }" -le 100 ] || { note="  OVER"; over="$over, $what ($compiler)"; }
@@ -163,5 +162,5 @@ for compiler in $compilers; do
   "$compiler" $flags -O0 -DCAGEFORM_COMPILED "$work/clone.cpp" "$work/library.o" -o "$work/clone"
   printf '  %-26s %s\n' "-O0, with the library" "$("$work/clone")"
 done
-[ -x "$work/cost" ] || { echo "compile.sh: none of these compilers is here: $compilers" >&2; exit 1; }
+[ -x "$work/cost" ] || { echo "compile.sh: none of these compilers is installed: $compilers" >&2; exit 1; }
 [ -z "$over" ] || { echo "compile.sh: over the budget: ${over#, }" >&2; exit 1; }

@@ -1,6 +1,5 @@
-// Instructions of a benchmark's loop alone, for callgrind with --instr-atstart=no and --collect-atstart=no
-// (bench/run.sh
-// --count).
+// Counts instructions of a benchmark's loop under callgrind with --instr-atstart=no and --collect-atstart=no
+// (bench/run.sh --count).
 #pragma once
 
 #if __has_include(<valgrind/callgrind.h>)
@@ -13,8 +12,7 @@
 
 namespace cageform_bench {
 
-/// Counts the instructions executed during its lifetime under callgrind; otherwise it does nothing and
-/// takes no time.
+/// Counts the instructions executed during its lifetime under callgrind; otherwise without effect or cost.
 struct Counted {
     Counted() {
         CALLGRIND_START_INSTRUMENTATION;

@@ -1,5 +1,4 @@
-// Comparators for the library's curves: other evaluators of Bézier curves, and the paper's search for a
-// knot.
+// Peers of the library's curves: other evaluators of Bézier curves, and the paper's search for a knot.
 #pragma once
 
 #include <cageform/animate/fit/knots.hpp>
@@ -8,8 +7,8 @@ namespace cageform_bench {
 
 using namespace cageform;
 
-/// Newton's method as OpenGEX has it (from where a straight line would be, without bounds), to a
-/// tolerance on the curve's parameter: fast on tame curves, wrong next to vertical tangents.
+/// Newton's method as in OpenGEX (starts from linear interpolation, without bounds), to a tolerance of the
+/// curve parameter. Fast on tame curves, wrong next to vertical tangents.
 class NewtonFunction {
 public:
     explicit NewtonFunction(const BezierCurve& curve, double tolerance = 1e-6) noexcept
@@ -33,15 +32,15 @@ private:
     double tolerance_;
 };
 
-/// The inverse of time in closed form, one of six families: linear, square root, cube root, sinh,
-/// cosh and cos. Which of the last two holds may change along a curve. Loses digits where the cubic
-/// term of time is small (1e-4 is met), so it is no reference.
+/// Closed-form inverse of time by one of six families: linear, square root, cube root, sinh, cosh and cos;
+/// the last two may alternate along a curve. Inaccurate for small cubic coefficients of time (1e-4 occurs),
+/// so not a reference.
 class ClosedFormFunction {
 public:
     explicit ClosedFormFunction(const BezierCurve& curve) noexcept
         : function_(curve) {
         const double a = function_.time().c3, b = function_.time().c2, c = function_.time().c1;
-        constexpr double none = 1e-14; // coefficients of time from 0 to 1, by rounding
+        constexpr double none = 1e-14; // rounding of coefficients of time in [0, 1]
         if (std::fabs(a) <= none) {
             family_ = std::fabs(b) <= none ? Family::linear : Family::square_root;
             return;
@@ -92,9 +91,8 @@ private:
     double centre_ = 0, q_ = 0, amplitude_ = 0, scale_ = 0, turns_ = 0;
 };
 
-/// The source's heuristic for two pieces (Algorithm 4): the best of `steps` equal steps of time,
-/// then of as many between its neighbours, and so on, until the weighted error is accepted or
-/// `rounds` are done.
+/// The paper's heuristic for two pieces (Algorithm 4): the best of `steps` equal time steps, then of as many
+/// between its neighbours, until the weighted error is accepted or after `rounds` rounds.
 inline Result<BestKnots, KnotReport> refine_knot(const BezierCurve& curve, std::size_t steps,
                                                  const FitOptions& options = {}, double accepted_error = 0,
                                                  std::size_t rounds = 8) {

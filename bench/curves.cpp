@@ -1,4 +1,4 @@
-// Key-frame curves: fitting them, and evaluating many at one time, beside solving the cubic every time.
+// Key-frame curves: fits them, and evaluates many at one time. Peer: solving the cubic at every evaluation.
 #include "curve_comparators.hpp"
 
 #include <cageform/animate/compile.hpp>
@@ -14,7 +14,7 @@ namespace {
 using namespace cageform;
 using namespace cageform_bench;
 
-/// A Bézier key interval from (0, 0) to (1, 1) with handles anywhere in the interval and values in [-1, 2].
+/// A Bézier key interval from (0, 0) to (1, 1) with random handles in the interval and values in [-1, 2].
 std::vector<BezierCurve> random_curves(std::size_t count) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> time(0, 1), value(-1, 2);
@@ -27,7 +27,7 @@ std::vector<BezierCurve> random_curves(std::size_t count) {
     return curves;
 }
 
-/// A key a second, handles anywhere in their intervals.
+/// One key per second, random handles in their intervals.
 std::vector<Key> random_keys(std::size_t count, std::uint32_t seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> time(0, 1), value(-1, 2);
@@ -43,7 +43,7 @@ std::vector<Key> random_keys(std::size_t count, std::uint32_t seed) {
     return keys;
 }
 
-/// All coordinates of a cage of 112 vertices over ten seconds, fitted to a pixel of 1920.
+/// All coordinates of a 112-vertex cage over ten seconds, fitted to one pixel of 1920.
 constexpr std::size_t curves_of_cage = 112 * 3, seconds = 10;
 template <class T>
 std::vector<PiecewiseCubic<T>> cage_curves() {
@@ -52,7 +52,7 @@ std::vector<PiecewiseCubic<T>> cage_curves() {
         curves.push_back(compile<T>(random_keys(seconds + 1, k)).value.curve);
     return curves;
 }
-/// Makes the curves as functions of time, which are solved for the parameter.
+/// Curves as functions of time, solved for the parameter.
 template <class Function>
 std::vector<std::vector<Function>> cage_functions() {
     std::vector<std::vector<Function>> curves(curves_of_cage);
@@ -69,7 +69,7 @@ void finish(benchmark::State& state, std::size_t values) {
                            benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-/// Fewest pieces to 1/1024.
+/// Fewest pieces within 1/1024.
 void fit_to_tolerance(benchmark::State& state) {
     const auto curves = random_curves(1000);
     std::size_t pieces = 0;
@@ -96,7 +96,7 @@ void compile_million_keys(benchmark::State& state) {
     finish(state, keys.size());
 }
 
-/// All curves of a cage, on some threads.
+/// All curves of a cage, with several threads.
 void compile_cage(benchmark::State& state) {
     std::vector<std::vector<Key>> keys;
     for (std::uint32_t k = 0; k < curves_of_cage; ++k) keys.push_back(random_keys(seconds + 1, k));
@@ -109,7 +109,7 @@ void compile_cage(benchmark::State& state) {
     finish(state, curves_of_cage * seconds);
 }
 
-/// Sixty frames a second, or frames anywhere.
+/// At sixty frames per second, or at random times.
 template <class T, bool forward>
 void bank(benchmark::State& state) {
     const CurveBank<T> curves(cage_curves<T>());
@@ -140,7 +140,7 @@ void solved(benchmark::State& state) {
     finish(state, curves.size());
 }
 
-/// One curve at one time, anywhere; the curve is a key interval, so that there is no search for it.
+/// One curve at a random time; a single key interval needs no search.
 template <class Evaluate>
 void run_single(benchmark::State& state, const Evaluate& evaluate, std::size_t curves) {
     std::mt19937 random(3);

@@ -1,12 +1,11 @@
-// Measures the cost of a cage of make_cage, its tightness, and its distance from the figure.
+// Measures the cost of make_cage, and the tightness and clearance of its cages.
 //
-// Counters: `loose` is the area or volume over that of the figure grown by the margin; `clearance` is
-// the exact least distance between cage and figure over the margin (0 or less: the cage cuts the
-// figure); `angle` is the smallest angle of the cage, in degrees. For comparison in space, if CGAL is
-// installed, its alpha wrap is measured with the margin as offset, simplified to as many vertices
-// (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). The environment
-// variable CAGEFORM_BENCH_OBJ names own meshes to measure as well, OBJ files with ':' between them. Cages in
-// space are made on one thread and on two; the column CPU adds up the time of all threads:
+// Counters: `loose` is the area or volume relative to the figure grown by the margin. `clearance` is the
+// exact minimum distance between cage and figure over the margin (0 or less: they intersect). `angle` is the
+// smallest angle of the cage in degrees. Peer in 3D: CGAL's alpha wrap, if installed, with the margin as
+// offset, simplified to the same number of vertices (Portaneri et al., Alpha wrapping with an offset, 2022;
+// Garland & Heckbert 1997). The environment variable CAGEFORM_BENCH_OBJ adds OBJ files, separated by ':'. 3D
+// cages are made with one thread and with two; the column CPU sums over the threads:
 //
 //     CAGEFORM_BENCH_OBJ=hand.obj:horse.obj build/bench/bench/bench_enclose --benchmark_filter=cage_space/
 
@@ -39,7 +38,7 @@ namespace {
 using cageform::Vec;
 using Mesh = cageform_bench::ObjMesh;
 
-/// A grid of `rings` times `columns` vertices that closes both ways.
+/// A grid of `rings` × `columns` vertices, closed in both directions.
 template <class Place>
 Mesh closed_grid(std::uint32_t rings, std::uint32_t columns, const Place& place) {
     Mesh mesh;
@@ -56,7 +55,7 @@ Mesh closed_grid(std::uint32_t rings, std::uint32_t columns, const Place& place)
     }
     return mesh;
 }
-/// Makes a torus whose tube has waves of a given size.
+/// A torus whose tube has waves of a given amplitude.
 Mesh torus(std::uint32_t rings, std::uint32_t columns, double waves) {
     return closed_grid(rings, columns, [&](double u, double v) {
         const double r = 0.35 * (1 + waves * std::sin(9 * u) * std::cos(4 * v));
@@ -64,7 +63,7 @@ Mesh torus(std::uint32_t rings, std::uint32_t columns, double waves) {
                               r * std::sin(v)};
     });
 }
-/// Every eighth face missing, corners torn apart.
+/// Every eighth face missing, vertices torn apart.
 Mesh soup() {
     const Mesh whole = torus(60, 24, 0);
     Mesh torn;
@@ -79,7 +78,7 @@ Mesh soup() {
     }
     return torn;
 }
-/// Two plates, a hundredth of their length apart.
+/// Two plates at a distance of a hundredth of their length.
 Mesh plates() {
     Mesh mesh;
     constexpr std::uint32_t n = 20;
@@ -115,7 +114,7 @@ const std::vector<Figure>& figures() {
             made.push_back(
                 {std::filesystem::path(file).stem().string(), cageform_bench::read_obj(file.c_str())});
             if (!made.back().mesh.faces.empty()) continue;
-            std::fprintf(stderr, "%s: CAGEFORM_BENCH_OBJ names it, but it has no faces\n", file.c_str());
+            std::fprintf(stderr, "CAGEFORM_BENCH_OBJ: no faces in %s\n", file.c_str());
             std::exit(2);
         }
         return made;
@@ -123,7 +122,7 @@ const std::vector<Figure>& figures() {
     return all;
 }
 
-/// Figures, numbers of vertices and numbers of threads.
+/// Figures, numbers of vertices, numbers of threads.
 void cases(benchmark::internal::Benchmark* b, std::int64_t most_threads) {
     b->ArgNames({"figure", "vertices", "threads"})->Unit(benchmark::kMillisecond)->Iterations(1);
     for (std::int64_t n = 0; n < std::int64_t(figures().size()); ++n) {
@@ -144,7 +143,7 @@ void report(benchmark::State& state, const cageform::MakeCageReport& made) {
     state.counters["angle"] = made.least_angle;
 }
 
-/// A cage about strokes: a tree of twigs.
+/// A cage around a tree of strokes.
 void cage_plane(benchmark::State& state) {
     std::vector<cageform::DrawnSegment<double>> tree;
     const auto grow = [&](const auto& self, Vec<double, 2> from, double angle, double size,

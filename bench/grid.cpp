@@ -1,17 +1,16 @@
-// How long does it take to solve the Laplace equation for all functions of a cage, beside the ways it is
-// usually done?
+// How long does the Laplace equation take for all functions of a cage?
 //
-// The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); data is
-// given at the cells around them, as on the staircase grids of the papers. Beside the multigrid (to an
-// estimated error of 1e-6): the papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of
-// some hundredths), Eigen's and, where it is installed, CHOLMOD's factorisation, and what it takes to move
-// the memory of the solution once. Then a drawing of a hundred strokes with two sides, its colours diffused
-// over a canvas.
+// The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); boundary
+// values are given at the cells around them, as on the staircase grids of the papers. The multigrid solves to
+// an estimated error of 1e-6. Peers: the papers' averaging sweeps (to a mean change of 1e-5, which leaves
+// errors of some hundredths), Eigen's factorisation, and CHOLMOD's if installed. The limit is moving the
+// memory of the solution once. Then the colours of a hundred strokes with two sides are diffused over a
+// canvas.
+#include "averaging/averaging_pyramid.hpp"
 #include "counted.hpp"
 
 #include <cageform/fields/strokes.hpp>
 #include <cageform/grid/multigrid/groups.hpp>
-#include <cageform/papers/averaging_pyramid.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
@@ -27,12 +26,12 @@
 namespace {
 
 using cageform::Vec;
-using cageform::grid::CellTag;
 using cageform::grid::CutLink;
 using cageform::grid::Multigrid;
 using cageform::grid::NodeRuns;
+using cageform_sources::averaging::CellTag;
 
-/// Cells inside a figure of the extent [−1.5, 1.5]^D.
+/// Cells inside a figure with the extent [−1.5, 1.5]^D.
 template <std::size_t D>
 struct Problem {
     static constexpr std::size_t functions = D == 2 ? 25 : 112;
@@ -65,7 +64,7 @@ struct Problem {
             given_cells.push_back(given);
             given_places.push_back(place(given));
         });
-        // Functions like hats: about `functions` places on the boundary.
+        // Hat-like functions at about `functions` boundary positions.
         for (std::size_t k = 0; k < functions; ++k)
             centres.push_back(given_places[(2 * k + 1) * given_places.size() / (2 * functions)]);
     }
@@ -79,7 +78,7 @@ struct Problem {
     std::vector<CellTag> tags;
     std::vector<std::size_t> cells; ///< of the nodes
     std::vector<CutLink> cuts;
-    std::vector<std::size_t> given_cells; ///< of the cuts, and where they lie
+    std::vector<std::size_t> given_cells; ///< of the cuts, and their positions
     std::vector<Vec<double, D>> given_places, centres;
 
 private:
@@ -127,12 +126,12 @@ void multigrid(benchmark::State& state) {
 template <std::size_t D>
 void papers_sweeps(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
-    cageform::grid::AveragingOptions options;
+    cageform_sources::averaging::AveragingOptions options;
     options.tolerance = 1e-5;
     std::vector<double> field(problem.box.size());
     std::size_t sweeps = 0;
     for (auto _ : state) {
-        cageform::grid::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
+        cageform_sources::averaging::AveragingPyramid<double, D> pyramid(problem.box, problem.tags, options);
         sweeps = 0;
         for (std::size_t k = 0; k < problem.functions; ++k) {
             std::fill(field.begin(), field.end(), 0.0);
@@ -148,7 +147,7 @@ void papers_sweeps(benchmark::State& state) {
     state.counters["sweeps"] = double(sweeps) / double(problem.functions);
 }
 
-/// One factorisation, then all right sides.
+/// One factorisation, then all right-hand sides.
 template <class Factor, std::size_t D>
 void factorise(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
@@ -158,7 +157,7 @@ void factorise(benchmark::State& state) {
     for (auto _ : state) {
         Eigen::SparseMatrix<double> a(n, n);
         a.reserve(Eigen::VectorXi::Constant(n, int(D) + 1));
-        for (int i = 0; i < n; ++i) { // the lower half
+        for (int i = 0; i < n; ++i) { // lower triangle
             a.insert(i, i) = 2.0 * double(D);
             for (std::size_t k = 0; k < D; ++k) {
                 const int above = number[problem.cells[std::size_t(i)] + problem.box.stride(k)];
@@ -195,7 +194,7 @@ BENCHMARK_TEMPLATE(cholmod, 2)->ArgName("n")->Arg(256)->Arg(1024)->Unit(benchmar
 BENCHMARK_TEMPLATE(cholmod, 3)->ArgName("n")->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 #endif
 
-/// Reading and writing each function's values once, in float: no sweep of a solver can do with less.
+/// Reads and writes the values of each function once, in float: a lower bound for a sweep of any solver.
 template <std::size_t D>
 void limit_move_solution(benchmark::State& state) {
     const Problem<D> problem(std::int32_t(state.range(0)));
@@ -212,8 +211,6 @@ void limit_move_solution(benchmark::State& state) {
     }
     state.counters["unknowns"] = double(problem.nodes.count());
 }
-
-// ---- strokes --------------------------------------------------------------------------------------
 
 /// Arcs across the unit square with a colour and an opacity at their ends: four channels.
 std::vector<cageform::Stroke<float>> arcs() {
@@ -235,7 +232,7 @@ std::vector<cageform::Stroke<float>> arcs() {
 }
 constexpr cageform::Bounds<float, 2> canvas{{0, 0}, {1, 1}};
 
-/// To 1e-6 and to 1e-3, below what eight bits a channel show.
+/// To 1e-6 and to 1e-3, which is below the resolution of eight bits per channel.
 void strokes(benchmark::State& state) {
     const auto drawing = arcs();
     cageform::SolverReport report;
@@ -253,7 +250,7 @@ void strokes(benchmark::State& state) {
     state.counters["cycles"] = double(report.multigrid.cycles);
 }
 
-/// Writing four channels of the canvas once.
+/// Writes four channels of the canvas once.
 void limit_write_canvas(benchmark::State& state) {
     std::vector<float> fields(4 * std::size_t(state.range(0)) * std::size_t(state.range(0)));
     float value = 0;
@@ -264,7 +261,7 @@ void limit_write_canvas(benchmark::State& state) {
 }
 
 #if defined(CAGEFORM_BENCH_CHOLMOD)
-/// Solves the same strokes as marked cells, with no flow through the rim.
+/// Solves the same strokes as marked cells, without flow through the border.
 void cholmod_strokes(benchmark::State& state) {
     const int n = int(state.range(0));
     const auto size = std::size_t(n) * std::size_t(n);

@@ -1,5 +1,5 @@
-// A shared object for each compiler and level of optimisation (bench/run.sh), to be measured in turns by
-// bench/levels.cpp: in one program functions of the same name would be one.
+// One shared object per compiler and optimisation level (bench/run.sh), measured in turns by
+// bench/levels.cpp. In one program, functions of equal name would be merged.
 #include "level.hpp"
 
 namespace cageform_bench {

@@ -1,4 +1,4 @@
-// Clones as one level of optimisation compiles them: what each object of bench/level.cpp has for
+// Clones compiled at one optimisation level: functions of each object of bench/level.cpp for
 // bench/levels.cpp.
 #pragma once
 
@@ -17,7 +17,7 @@ using Tangents = std::array<cageform::BindingView<T, 3>, 2>;
 template <class T>
 using Axes = std::array<cageform::BindingView<T, 3>, 3>;
 
-/// All of them read and write memory of the caller, where a compiler knows nothing of their arguments.
+/// All read and write memory of the caller, so that the compiler cannot know their arguments.
 struct Level {
     template <class T, std::size_t D>
     using Dense = cageform::Status (*)(const cageform::BindingView<T, D>&, Pose<T, D>, Points<T, D>);

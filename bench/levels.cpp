@@ -1,10 +1,9 @@
-// How much slower are clones where an engine is not compiled with -O3?
+// How much slower are clones that are not compiled with -O3?
 //
-// Measures what the shared objects in the folder "levels" beside this program have (bench/level.cpp,
-// compiled by bench/run.sh at several levels, by several compilers), in turns: benchmarks are called
-// what/object. STAR(25) in the plane and BUMPY112 in space with 500 points inside, by mean value
-// coordinates; packed ones keep eight weights a point. All of it lies in caches, where what surrounds the
-// sums shows.
+// Measures the shared objects in the folder "levels" beside this program (bench/level.cpp, compiled by
+// bench/run.sh at several levels with several compilers) in turns; benchmarks are named what/object. STAR(25)
+// in 2D and BUMPY112 in 3D with 500 points, mean value coordinates; packed bindings keep eight weights per
+// point. All data fits in caches, which exposes the code around the sums.
 #include "counted.hpp"
 #include "level.hpp"
 #include "workloads.hpp"
@@ -28,7 +27,7 @@ using cageform::WeightFormat;
 using cageform_bench::Level;
 constexpr std::size_t count = 500;
 
-/// A cage bound with points, a pose of it, and memory for clones.
+/// A bound cage, a pose, and memory for clones.
 template <class T, std::size_t D>
 struct Bound {
     cageform::Binding<T, D> binding;
@@ -46,7 +45,7 @@ struct Bound {
     }
 };
 
-/// In space with all that a figure has.
+/// 3D, with all vectors of a figure.
 template <class T>
 struct Bound<T, 3> {
     cageform::FigureBinding<T, 3> figure;
@@ -71,7 +70,7 @@ struct Bound<T, 3> {
 };
 
 template <class T, std::size_t D>
-Bound<T, D>& bound() { // made when it is needed, once
+Bound<T, D>& bound() { // made once, on first use
     static Bound<T, D> made;
     return made;
 }
@@ -153,7 +152,7 @@ int main(int argc, char** argv) {
         ++found;
     }
     if (found == 0) {
-        std::fprintf(stderr, "no objects in %s: sh bench/run.sh makes them\n", folder.c_str());
+        std::fprintf(stderr, "no objects in %s: run sh bench/run.sh\n", folder.c_str());
         return 1;
     }
     benchmark::RunSpecifiedBenchmarks();

@@ -1,4 +1,4 @@
-// Cages in space by name, and command lines of programs that measure them.
+// Named 3D cages, and command lines of programs that measure them.
 #pragma once
 
 #include "../tests/support/fingers.hpp"
@@ -21,7 +21,7 @@ struct NamedCage {
     cageform::TriangleMesh<double> mesh;
 };
 
-/// A prism over a polygon cut into triangles.
+/// A prism over a triangulated polygon.
 inline cageform::TriangleMesh<double> prism(const std::vector<std::array<double, 2>>& loop,
                                             const std::vector<std::array<int, 3>>& floor, double height) {
     std::vector<cageform::Vec<double, 3>> vertices;
@@ -61,15 +61,15 @@ inline std::vector<NamedCage> named_cages() {
     return list;
 }
 
-/// The words of a command line. `--cage NAME` and `--obj FILE` are read here, other words by the program. A
-/// fault ends the program with a message.
+/// Words of a command line. Reads `--cage NAME` and `--obj FILE`; the program reads other words. Errors end
+/// the program with a message.
 class CommandLine {
 public:
     CommandLine(const char* program, int argc, char** argv)
         : program_(program)
         , words_(argv + 1, argv + argc) {}
 
-    /// Goes to the next word that is not about cages.
+    /// Advances to the next word for the program.
     bool next() {
         while (at_ < words_.size()) {
             word_ = words_[at_++];
@@ -83,30 +83,29 @@ public:
         return false;
     }
     const std::string& word() const { return word_; }
-    /// Reads the word after an option.
+    /// Reads the value of an option.
     const std::string& value() {
         if (at_ == words_.size()) refuse(word_ + " needs a value");
         return words_[at_++];
     }
     ObjMesh mesh() { return read_mesh(value()); }
-    /// Reads the positive number after an option, a whole one for a count.
+    /// Reads a positive value of an option; integer for counts.
     template <class T>
     T number() {
         return number<T>(word_, value());
     }
     double accuracy() const {
-        if (word_.starts_with("--")) refuse("there is no option " + word_);
+        if (word_.starts_with("--")) refuse("unknown option " + word_);
         const auto accuracy = number<double>("accuracy", word_);
-        if (accuracy < 1e-5 || accuracy > 0.1) refuse("accuracy " + word_ + " is not within 1e-5 and 0.1");
+        if (accuracy < 1e-5 || accuracy > 0.1) refuse("accuracy " + word_ + " is not between 1e-5 and 0.1");
         return accuracy;
     }
 
-    /// Returns the cages of the files, or the named cages if there are no files. If one cage is asked for,
-    /// returns only that one.
+    /// Returns the cages of the files or, without files, the named cages; only the selected one after --cage.
     std::vector<NamedCage> cages() const {
         auto list = files_.empty() ? named_cages() : files_;
         std::erase_if(list, [&](const NamedCage& cage) { return !only_.empty() && only_ != cage.name; });
-        if (list.empty()) refuse("no cage is called " + only_);
+        if (list.empty()) refuse("unknown cage " + only_);
         return list;
     }
     [[noreturn]] void refuse(const std::string& why) const {
@@ -144,7 +143,7 @@ private:
     std::vector<NamedCage> files_;
 };
 
-/// The errors of points, sorted. `at(share)` is the error that this share of the points does not exceed.
+/// Sorted errors of points. `at(share)` is the quantile.
 class Errors {
 public:
     explicit Errors(std::vector<double> errors)

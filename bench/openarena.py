@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Usage: python3 bench/openarena.py FOLDER [NAME…]
 
-This program gets figures and motions of a game for the benchmarks. It downloads the Debian packages openarena-data and
-openarena-081-players (119 MB). Their models are under the GPL, so this project keeps nothing of them. It writes for
-each player, or for those named:
+Extracts figures and motions of a game for the benchmarks. Downloads the Debian packages openarena-data and
+openarena-081-players (119 MB). Their models are under the GPL, so this project does not contain them. Writes for each
+player, or for each NAME:
 
-    FOLDER/NAME.obj       legs, trunk and head in their first frames, put together by their tags
-    FOLDER/NAME_legs.md3  the vertex animation of the legs, which bench_skeleton reads
+    FOLDER/NAME.obj       first frames of legs, trunk and head, assembled by their tags
+    FOLDER/NAME_legs.md3  the vertex animation of the legs, input of bench_skeleton
 """
 import pathlib
 import struct
@@ -17,7 +17,7 @@ import zipfile
 
 
 def read_md3(data):
-    """The first frame's vertices, the triangles, and the first frame's tags (place, three axes) by name."""
+    """Returns vertices, triangles and tags (position and three axes, by name) of the first frame."""
     frames, tags, surfaces = struct.unpack_from("<3i", data, 76)
     at_tags, at_surface = struct.unpack_from("<2i", data, 96)
     found = {}
@@ -40,13 +40,13 @@ def read_md3(data):
 
 
 def placed(tag, place):
-    """A place in the frame of a tag."""
+    """Transforms a position from the frame of a tag."""
     origin, axes = tag
     return [origin[k] + sum(place[j] * axes[3 * j + k] for j in range(3)) for k in range(3)]
 
 
 def whole_figure(parts):
-    """Puts the trunk on the legs and the head on the trunk."""
+    """Attaches the trunk to the legs and the head to the trunk."""
     vertices, faces, tags = parts["lower"]
     vertices, faces = list(vertices), list(faces)
     chain = [tags["tag_torso"]]
@@ -63,7 +63,7 @@ def whole_figure(parts):
 
 
 def archives(folder):
-    """The game's archives, unpacked from the Debian packages into a folder."""
+    """Unpacks the Debian packages into a folder; returns the game's archives."""
     packages = ["openarena-data", "openarena-081-players"]
     subprocess.run(["apt-get", "-o", "APT::Sandbox::User=root", "download", "-q", *packages], cwd=folder, check=True)
     for package in pathlib.Path(folder).glob("*.deb"):
@@ -98,7 +98,7 @@ def main():
                     print(f"{player}: {len(vertices)} vertices, {len(faces)} triangles")
                     wanted.discard(player)
     for player in sorted(wanted):
-        print(f"openarena.py: there is no player {player}", file=sys.stderr)
+        print(f"openarena.py: unknown player {player}", file=sys.stderr)
     return 1 if wanted else 0
 
 

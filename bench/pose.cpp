@@ -1,8 +1,8 @@
-// Frames of a PoseSolver for 25 to 762 handles: one iteration, a click, a click with the first frame after
-// it, and the samples with their bytes, beside the limit of arithmetic.
+// Frames of a PoseSolver for 25 to 762 handles: one iteration; a click; a click and the first frame; the
+// samples and their bytes. The limit is the arithmetic alone.
 //
-// fit: a pose of BUMPY112 found from 8,019 points that it moved, by gradients (lesson 22); `missed` is how
-// far the points are from where they should be, in the mean of squares, as a share of the figure's size.
+// fit: a pose of BUMPY112 recovered from 8,019 points by gradients (lesson 22); `missed` is the RMS distance
+// of the points from their targets, relative to the figure's size.
 #include "workloads.hpp"
 
 #include <cageform/binding/pose_samples.hpp>
@@ -21,7 +21,7 @@ using cageform::PoseSolver;
 using cageform::Status;
 using cageform::Vec;
 
-/// A cage with seven pins at samples of its inside, the last of which is dragged.
+/// A cage with seven pins at samples of its inside; the last one is dragged.
 template <class C>
 class Drag {
     using T = typename C::scalar;
@@ -41,7 +41,7 @@ public:
     }
     bool is_good() const { return !pose_.empty(); }
     bool click() { return solver_.set_pins({.binding = binding_.view()}) == Status::ok; }
-    /// A frame, with the last pin at another place.
+    /// One frame with a new position of the last pin.
     std::size_t frame() {
         auto targets = pins_;
         const T reach = T(0.1 * solver_.samples().size);
@@ -77,7 +77,7 @@ auto box_762() {
     return MeanValueCoordinates(cageform_bench::divided_box<T>({10, 10, 14}, 0.1));
 }
 
-/// A frame of 32 iterations; the time of one is a 33rd, because a last pass makes the report.
+/// A frame of 32 iterations; one iteration is counted as 1/33 of it, because a last pass makes the report.
 void iteration(benchmark::State& state, const auto& coordinates) {
     Drag drag(coordinates, {}, {.iterations = 32});
     if (!drag.is_good()) return state.SkipWithError("not posed");
@@ -111,7 +111,7 @@ void first_frame(benchmark::State& state, const auto& coordinates) {
 void sample(benchmark::State& state, const auto& coordinates) {
     for (auto _ : state) benchmark::DoNotOptimize(pose_samples(coordinates).value.stiffness.data());
 }
-/// As many products and sums as an iteration has, 4 C H D² + 2 H² D operations, in registers alone.
+/// As many multiply-adds as one iteration, 4 C H D² + 2 H² D operations, in registers alone.
 void limit(benchmark::State& state, std::size_t handles, std::size_t rotations, std::size_t dimension) {
     using X = cageform::detail::Simd<float>;
     const std::size_t operations =
@@ -127,7 +127,7 @@ void limit(benchmark::State& state, std::size_t handles, std::size_t rotations, 
     }
 }
 
-/// Conjugate gradients for the squares of the distances: a clone and a transposed clone a step.
+/// Conjugate gradients for the squared distances: one clone and one transposed clone per step.
 template <class T>
 void fit(benchmark::State& state) {
     using Points = std::vector<Vec<T, 3>>;

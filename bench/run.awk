@@ -1,6 +1,6 @@
-# The tables of bench/run.sh, from its rows and what Google Benchmark measured (JSON, a key a line).
+# Prints the tables of bench/run.sh from its rows and the JSON output of Google Benchmark (one key per line).
 
-function text(line) { # the value of a key
+function text(line) { # value of a key
     sub(/^[^:]*: */, "", line)
     sub(/,$/, "", line)
     gsub(/^"|"$/, "", line)
@@ -13,7 +13,7 @@ function sort(values, n,    i, j, x) {
         values[j + 1] = x
     }
 }
-# Returns a quantile of benchmark `key` (group and name): of processor time, or with threads of time that passed.
+# Returns a quantile of benchmark `key` (group and name) of processor time or, with threads, of elapsed time.
 function quantile(kind, key, share,    values, i, at) {
     for (i = 1; i <= count[key]; ++i) values[i] = seconds[kind, key, i]
     sort(values, count[key])
@@ -27,7 +27,7 @@ function spread(kind, key,    median) {
     return sprintf("-%.0f +%.0f %%", 100 * (1 - quantile(kind, key, 0.25) / median), 100 * (quantile(kind, key, 0.75) / median - 1))
 }
 function missing(key) { return key in failed ? "failed: " failed[key] : "missing" }
-# A quick one of several benchmarks, between &; "" where none was run.
+# The fastest of several benchmarks, separated by &; "" if none ran.
 function best(group, names,    parts, of, i, key, found) {
     parts = split(names, of, / *& */)
     for (i = 1; i <= parts; ++i) {
@@ -78,8 +78,8 @@ END {
 function first_table(group, part,    ours, peer, limit, a, b) {
     if (!one_thread++) {
         ++tables
-        print "One thread: medians of processor time, with the quartiles about them. peer/ours: how many times as fast; limit/ours: the share"
-        print "of the time that nothing can do without."
+        print "One thread: medians of processor time with quartiles. ratio: peer/ours; share: limit/ours, the part of the time that"
+        print "no program can avoid."
         line(wide, "", "ours", "", "peer", "", "ratio", "limit", "share")
         line("|%s|%s|%s|%s|%s|%s|%s|%s|", dashes(62), dashes(11), dashes(12), dashes(38), dashes(12), dashes(8), dashes(25), dashes(7))
     }
@@ -101,10 +101,10 @@ function second_table(group, part,    n, name, key, time, cell) {
     sub(/^threads: /, "", part[1])
     if (!threads++) {
         if (tables++ > 0) print ""
-        print "Threads: medians of the time that passed, and how many times as fast as one."
-        if (quiet == "no") print "WARNING: the machine was not quiet at the start; threads wait for other programs, and no row is comparable."
+        print "Threads: medians of elapsed time, and speedup over one thread."
+        if (quiet == "no") print "WARNING: the machine was under load at the start; rows are not comparable."
         while ((getline warning < warnings) > 0) print warning
-        if (cores < 4) print "WARNING: only " cores " processors here; more threads share them."
+        if (cores < 4) print "WARNING: only " cores " processors; more threads share them."
         line(narrow, "", "1 thread", "2", "", "4", "")
         line("|%s|%s|%s|%s|", dashes(52), dashes(11), dashes(18), dashes(18))
     }
@@ -119,7 +119,7 @@ function second_table(group, part,    n, name, key, time, cell) {
     line(narrow, part[1], cell[1], cell[2], time[2] > 0 ? sprintf("%.2fx", time[1] / time[2]) : "", cell[4],
          time[4] > 0 ? sprintf("%.2fx", time[1] / time[4]) : "")
 }
-# Clones as compilers make them at -O2, beside -O3.
+# Clones compiled at -O2 and -O3.
 function level_cells(group, names, object, what,    fast, slow) {
     fast = slow = names
     sub(/%/, object "-O3", fast)
@@ -136,7 +136,7 @@ function levels_table(group, part) {
     sub(/^level: /, "", part[1])
     if (!levels++) {
         if (tables++ > 0) print ""
-        print "Levels of optimisation, for any processor of the kind: medians of processor time; -O2/-O3 beside -O2."
+        print "Optimisation levels, portable flags: medians of processor time; after -O2 the ratio -O2/-O3."
         line("| %-50s | %9s | %16s | %9s | %16s |", "", "g++ -O3", "-O2", "clang -O3", "-O2")
         line("|%s|%s|%s|%s|%s|", dashes(52), dashes(11), dashes(18), dashes(11), dashes(18))
     }

@@ -1,12 +1,12 @@
 #!/bin/sh
 # Usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]
-# How fast is it here, beside what others take and what the machine can do at most? Installs what that needs (Debian), builds
-# the benchmarks with -O3 -march=native into build/bench, runs them and prints four tables: one thread; one, two and four
-# threads; clones compiled with -O2 beside -O3; what compiling takes. About five minutes on four processors; bench/README.md says how to read it.
-#   WORDS       only rows that have these words in what they say or in the names of their benchmarks: clone, "solve in space"
-#   --csv FILE  all medians and quartiles, in seconds
-#   --count     no times, but the instructions of our side of each row, by callgrind: the same on every machine (x86-64-v3)
-#   --compiled  with the library compiled once (cageform::compiled), not by headers alone
+# Installs what the benchmarks need (Debian), builds them with -O3 -march=native into build/bench, runs them
+# and prints four tables: one thread; one, two and four threads; clones compiled with -O2 against -O3; compile
+# time. About five minutes on four processors. bench/README.md explains the tables.
+#   WORDS       only rows with these words in description or benchmark name: clone, "solve in space"
+#   --csv FILE  writes all medians and quartiles, in seconds
+#   --count     prints instructions of our side of each row (callgrind, x86-64-v3) instead of times
+#   --compiled  links the compiled library (cageform::compiled) instead of headers only
 set -eu
 usage="usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]"
 fail() { # SENTENCE
@@ -27,10 +27,10 @@ while [ $# -gt 0 ]; do
       ;;
     --count) count=yes ;;
     --compiled) compiled=-compiled ;;
-    -*) fail "there is no option $1; $usage" ;;
-    '') fail "the words are empty; $usage" ;;
+    -*) fail "unknown option $1; $usage" ;;
+    '') fail "WORDS is empty; $usage" ;;
     *)
-      [ -z "$words" ] || fail "one search at a time, not \"$words\" and \"$1\" (quote several words); $usage"
+      [ -z "$words" ] || fail "WORDS given twice: \"$words\" and \"$1\" (quote several words); $usage"
       words=$1
       ;;
   esac
@@ -41,32 +41,32 @@ case $csv in
   *) csv=$PWD/$csv ;;
 esac
 [ -z "$csv" ] || { [ ! -d "$csv" ] && [ -d "$(dirname "$csv")" ] && [ -w "$(dirname "$csv")" ]; } || fail "cannot write $csv"
-load=$(cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo 0) # before the build adds its own
+load=$(cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo 0) # before the build
 cd "$(dirname "$0")/.."
 
-# A group is one process of a program: what its benchmarks take is measured in turns, so many times.
+# A group is one process; its benchmarks are measured in turns, REPETITIONS times.
 #   group PROGRAM REPETITIONS
-#   row   what; ours; the peer, its benchmarks (the best of several, between &); the limit, its benchmark
-#   row   what; ours, where @ is the number of threads
-#   row   what; ours, where % is a compiler and its level of optimisation
+#   row   description; our benchmark; peer; its benchmarks (best of several, separated by &); limit; its benchmark
+#   row   description; our benchmark, where @ is the number of threads
+#   row   description; our benchmark, where % is a compiler and its optimisation level
 rows() {
   at=points:10000/handles:25
   many=points:1000000/handles:25
   cgal="CGAL fast with edges"
   plain="plain loop, double; plain_mean_value_mesh"
-  in_double="writing them; limit_write_weights/again/points:8019/handles:112"
-  in_float="writing them; limit_write_weights/again/points:8019/handles:56" # of double, as many bytes
+  in_double="writing weights; limit_write_weights/again/points:8019/handles:112"
+  in_float="writing weights; limit_write_weights/again/points:8019/handles:56" # 56 doubles have as many bytes
   plane="multigrid<2>/n:1024/threads:1/real_time"
-  plane_moved="moving it once; limit_move_solution<2>/n:1024"
+  plane_moved="moving the solution once; limit_move_solution<2>/n:1024"
   eigen="Eigen, best layout; eigen_product<float"
   cat <<END
 group bind 9
-row mean value, plane, 10k x 25, double: weights alone; evaluate_mean_value<double>/$at; $cgal; mean_value_of_cgal/again/$at; writing them; limit_write_weights/again/$at
-row mean value, plane, 10k x 25, double: bind; bind_mean_value_again<double>/$at; $cgal; mean_value_of_cgal/again/$at; writing them; limit_write_weights/again/$at
+row mean value, plane, 10k x 25, double: weights alone; evaluate_mean_value<double>/$at; $cgal; mean_value_of_cgal/again/$at; writing weights; limit_write_weights/again/$at
+row mean value, plane, 10k x 25, double: bind; bind_mean_value_again<double>/$at; $cgal; mean_value_of_cgal/again/$at; writing weights; limit_write_weights/again/$at
 group bind 7
-row mean value, plane, 1M x 25, double: bind, memory in use; bind_mean_value_again<double>/$many; $cgal; mean_value_of_cgal/again/$many; writing them; limit_write_weights/again/$many
-row mean value, plane, 1M x 25, double: bind, new memory; bind_mean_value<double>/$many; $cgal, in use; mean_value_of_cgal/again/$many; writing them; limit_write_weights/new/$many
-row mean value, plane, 1M x 25, double: bind, new memory; bind_mean_value<double>/$many; $cgal, new; mean_value_of_cgal/new/$many; writing them; limit_write_weights/new/$many
+row mean value, plane, 1M x 25, double: bind, memory in use; bind_mean_value_again<double>/$many; $cgal; mean_value_of_cgal/again/$many; writing weights; limit_write_weights/again/$many
+row mean value, plane, 1M x 25, double: bind, new memory; bind_mean_value<double>/$many; $cgal, in use; mean_value_of_cgal/again/$many; writing weights; limit_write_weights/new/$many
+row mean value, plane, 1M x 25, double: bind, new memory; bind_mean_value<double>/$many; $cgal, new; mean_value_of_cgal/new/$many; writing weights; limit_write_weights/new/$many
 group bind 7
 row mean value, space, 8,019 x 112, double: weights alone; evaluate_mean_value_mesh<double>; $plain; $in_double
 row mean value, space, 8,019 x 112, double: bind; bind_mean_value_mesh<double>; $plain; $in_double
@@ -79,15 +79,15 @@ row solve in the plane, 1024^2 x 25; $plane; Eigen's LDLT; ldlt<2>/n:1024; $plan
 group grid 3
 row solve in the plane, 1024^2 x 25; $plane; CHOLMOD; cholmod<2>/n:1024; $plane_moved
 group grid 5
-row solve in space, 128^3 x 112; multigrid<3>/n:128/threads:1/real_time; papers' sweeps, to 5e-2; papers_sweeps<3>/n:128; moving it once; limit_move_solution<3>/n:128
+row solve in space, 128^3 x 112; multigrid<3>/n:128/threads:1/real_time; papers' sweeps, to 5e-2; papers_sweeps<3>/n:128; moving the solution once; limit_move_solution<3>/n:128
 group clone 11
-row clone, 1M x 25, float; clone_dense<float, 2>/$many; $eigen, 2, Eigen::RowMajor>/$many & eigen_product<float, 2, Eigen::ColMajor>/$many; its bytes; limit_move_bytes<float, 2>/$many
+row clone, 1M x 25, float; clone_dense<float, 2>/$many; $eigen, 2, Eigen::RowMajor>/$many & eigen_product<float, 2, Eigen::ColMajor>/$many; moving its bytes; limit_move_bytes<float, 2>/$many
 group clone 11
-row clone, 8,019 x 112, float; clone_dense<float, 3>/points:8019/handles:112; $eigen, 3, Eigen::RowMajor>/points:8019/handles:112 & eigen_product<float, 3, Eigen::ColMajor>/points:8019/handles:112; its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
+row clone, 8,019 x 112, float; clone_dense<float, 3>/points:8019/handles:112; $eigen, 3, Eigen::RowMajor>/points:8019/handles:112 & eigen_product<float, 3, Eigen::ColMajor>/points:8019/handles:112; moving its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
 group clone 11
-row transposed clone, 1M x 25, float; transposed_dense<float, 2>/$many; the clone; clone_dense<float, 2>/$many; its bytes; limit_move_bytes<float, 2>/$many
+row transposed clone, 1M x 25, float; transposed_dense<float, 2>/$many; the clone; clone_dense<float, 2>/$many; moving its bytes; limit_move_bytes<float, 2>/$many
 group clone 11
-row transposed clone, 8,019 x 112, float; transposed_dense<float, 3>/points:8019/handles:112; the clone; clone_dense<float, 3>/points:8019/handles:112; its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
+row transposed clone, 8,019 x 112, float; transposed_dense<float, 3>/points:8019/handles:112; the clone; clone_dense<float, 3>/points:8019/handles:112; moving its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
 group levels 7
 row level: clone, plane, dense, float; dense_plane/float/%
 row level: clone, plane, dense, double; dense_plane/double/%
@@ -109,26 +109,26 @@ row threads: mean value, plane, 1M x 25, double: bind; bind_mean_value_threads<d
 row threads: mean value, space, 8,019 x 112, double: bind; bind_mean_value_mesh_threads<double>/threads:@/real_time
 group clone 11
 row threads: clone, 1M x 25, float; clone_threads<float, 2>/$many/threads:@/real_time
-row threads: clone, 1M x 25, float: its bytes alone; limit_move_bytes_threads<float, 2>/$many/threads:@/real_time
+row threads: clone, 1M x 25, float: memory bandwidth; limit_move_bytes_threads<float, 2>/$many/threads:@/real_time
 row threads: clone, 100k x 112, float; clone_threads<float, 3>/points:100000/handles:112/threads:@/real_time
-row threads: clone, 100k x 112, float: its bytes alone; limit_move_bytes_threads<float, 3>/points:100000/handles:112/threads:@/real_time
+row threads: clone, 100k x 112, float: memory bandwidth; limit_move_bytes_threads<float, 3>/points:100000/handles:112/threads:@/real_time
 END
 }
 out=build/bench/results
 rm -rf $out
 mkdir -p $out
-# Only the rows wanted, and their groups; numbered.
+# Selected rows and their groups, numbered.
 rows | awk -v words="$words" '
   /^group/ { group = $0; next }
   index(tolower($0), tolower(words)) { if (group != "") { ++n; print group > "/dev/stderr"; group = "" } print n, substr($0, 5) }
 ' >$out/rows 2>$out/groups
 compile=
 [ -n "$count" ] || case "compile time" in *"$words"*) compile=yes ;; esac
-[ -s $out/rows ] || [ -n "$compile" ] || fail "no row has the words \"$words\"; there are mean value, solve, clone, threads, level, compile time"
+[ -s $out/rows ] || [ -n "$compile" ] || fail "no row matches \"$words\"; try mean value, solve, clone, threads, level, compile time"
 
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libbenchmark-dev
 sh cmake/install_packages.sh libcgal-dev libgmp-dev libmpfr-dev libsuitesparse-dev libopenblas0-serial ||
-  echo "Going on; rows beside what is missing say so." >&2
+  echo "Continuing; rows with a missing peer say so." >&2
 
 # ---- the machine
 read_file() { cat "$1" 2>/dev/null || echo unknown; }
@@ -138,14 +138,14 @@ folder=build/bench$compiled
 if [ -n "$count" ]; then
   sh cmake/install_packages.sh valgrind
   folder=build/count$compiled
-  [ "$(uname -m)" != x86_64 ] || flags="-O3 -march=x86-64-v3 -DNDEBUG" # callgrind knows no AVX-512
+  [ "$(uname -m)" != x86_64 ] || flags="-O3 -march=x86-64-v3 -DNDEBUG" # callgrind does not support AVX-512
 fi
-# Compilers that are here, and what the objects of bench/level.cpp are called.
+# Installed compilers, and names of the objects of bench/level.cpp.
 compilers=
 ! command -v g++ >$out/found || compilers="$compilers gxx"
 ! command -v clang++-19 >$out/found || compilers="$compilers clang"
 objects=$(for name in $compilers; do echo "$name-O3 $name-O2"; done)
-# For any processor of the kind, as programs are shipped.
+# Portable flags, as for shipped programs.
 compile_levels() {
   mkdir -p $folder/bench/levels
   for object in $objects; do
@@ -166,7 +166,7 @@ huge=$(sed -n 's/.*\[\(.*\)\].*/\1/p' /sys/kernel/mm/transparent_hugepage/enable
 echo "${cpu:-unknown processor}, family $(awk -F ': *' '/^cpu family/ { f = $2 } /^model\t/ { print f " model " $2; exit }' /proc/cpuinfo 2>/dev/null || true), $cores processors, ${simd:-$(uname -m)}$caches," \
   "pages of $(getconf PAGESIZE) bytes, huge ones: ${huge:-none}; $("$compiler" --version | head -n 1), $flags; load $load at the start"
 quiet=$(awk -v load="$load" 'BEGIN { print load < 0.3 ? "yes" : "no" }')
-[ $quiet = yes ] || echo "WARNING: the machine is not quiet; ratios within a row stay comparable, times do not."
+[ $quiet = yes ] || echo "WARNING: the machine is under load; ratios within a row remain comparable, times do not."
 echo
 
 # ---- build
@@ -193,7 +193,7 @@ if [ -n "$count" ]; then
       number == n && $2 ~ /%/ { parts = split(objects, of, /[ \n]+/); for (i = 1; i <= parts; ++i) { name = $2; sub(/%/, of[i], name); print name ";" $1 ": " of[i] } }
       number == n && $2 !~ /[@%]/ { print $2 ";" $1 }' $out/rows |
       while IFS=';' read -r name what; do
-        grep -qxF "$name" $out/counted 2>/dev/null && continue # beside another peer
+        grep -qxF "$name" $out/counted 2>/dev/null && continue # counted with another peer
         echo "$name" >>$out/counted
         valgrind --tool=callgrind --instr-atstart=no --collect-atstart=no --callgrind-out-file=/dev/null $folder/bench/bench_$program \
           "--benchmark_filter=^$name\$" --benchmark_min_time=0 >$out/$n.txt 2>&1 </dev/null || fail "callgrind failed: see $out/$n.txt"
@@ -204,12 +204,12 @@ if [ -n "$count" ]; then
 fi
 
 # ---- run
-# One thread for CHOLMOD too: it asks for several by itself, which wait for each other in a loop.
+# One thread for CHOLMOD: by default it starts several, which busy-wait.
 export OMP_THREAD_LIMIT=1 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 busy() { awk '/^cpu / { print $2 + $3 + $4 + $7 + $8, $9; exit }' /proc/stat 2>/dev/null || echo 0 0; }
-others=$out/others # jiffies of all programs and of ours, before and after
+others=$out/others # jiffies of all programs and of this script, before and after
 note() { times >$out/times && { busy; awk 'NR == 2' $out/times; date +%s; } | tr '\n' ' ' && echo; }
-pin= # the tables of one thread stay on one processor: their spread is a third then
+pin= # pinning cuts the spread of single-threaded rows to a third
 last=$((cores - 1))
 ! taskset -c $last true 2>/dev/null || pin="taskset -c $last"
 note >$others
@@ -244,8 +244,8 @@ awk -v tick="$(getconf CLK_TCK)" '
     wall = at[2] - at[1]
     if (wall < 1) exit
     other = (busy[2] - busy[1]) / wall
-    if (other > 0.1) printf "WARNING: other programs kept %.1f processors busy meanwhile.\n", other
-    if (taken[2] - taken[1] > 0.02 * wall) printf "WARNING: other machines on this hardware took %.0f %% of a processor meanwhile.\n", 100 * (taken[2] - taken[1]) / wall
+    if (other > 0.1) printf "WARNING: other programs used %.1f processors during the run.\n", other
+    if (taken[2] - taken[1] > 0.02 * wall) printf "WARNING: other virtual machines took %.0f %% of a processor during the run.\n", 100 * (taken[2] - taken[1]) / wall
   }' $others >$out/warnings
 [ ! -s $out/rows ] || awk -v csv="$csv" -v cores="$cores" -v quiet=$quiet -v warnings=$out/warnings -f bench/run.awk $out/rows $out/[0-9]*.json
 cat $out/warnings

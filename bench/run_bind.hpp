@@ -1,4 +1,4 @@
-// How the benchmarks of bench_bind bind and evaluate.
+// Binds and evaluations of bench_bind.
 #pragma once
 
 #include "counted.hpp"
@@ -10,7 +10,7 @@
 
 namespace cageform_bench {
 
-/// per_weight: the time over points · handles.
+/// per_weight: time / (points · handles).
 inline void finish(benchmark::State& state, std::size_t points, std::size_t handles) {
     using benchmark::Counter;
     state.counters["points/s"] = Counter(double(points), Counter::kIsIterationInvariantRate);
@@ -20,7 +20,7 @@ inline void finish(benchmark::State& state, std::size_t points, std::size_t hand
     state.SetComplexityN(std::int64_t(points));
 }
 
-/// `again` binds into the memory of the bind before, as an editor does; else every bind takes new memory.
+/// `again` reuses the memory of the last bind, as an editor does; otherwise each bind allocates.
 template <class Coordinates, class Points>
 void run_bind(benchmark::State& state, const Coordinates& coordinates, const Points& points,
               bool again = false, const cageform::Running& running = {}) {
@@ -39,8 +39,7 @@ void run_bind(benchmark::State& state, const Coordinates& coordinates, const Poi
 
 enum class Wanted { weights, gradients };
 
-/// Weights or gradients alone, into memory that is there: no checks of points, no report, no restored
-/// precision.
+/// Weights or gradients alone, into existing memory: no checks of points, no report, no restored precision.
 template <class C, class Points>
 void run_evaluate(benchmark::State& state, const C& coordinates, const Points& points,
                   Wanted wanted = Wanted::weights) {
@@ -56,7 +55,7 @@ void run_evaluate(benchmark::State& state, const C& coordinates, const Points& p
         for (std::size_t k = 0; k < D; ++k) rest_view(i, k) = T(points[std::min(i, points.size() - 1)][k]);
     }
     std::vector<cageform::PointState> states(points.size());
-    for (auto& lanes : results) lanes[0] = T(0); // the system hands out memory when it is first written
+    for (auto& lanes : results) lanes[0] = T(0); // touches the memory, so that its pages exist
     const Counted counted;
     for (auto _ : state) {
         const auto evaluation = wanted == Wanted::weights

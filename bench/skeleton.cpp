@@ -1,19 +1,19 @@
-// How near is a fitted skeleton to a motion, and in what time? Prints a row for each number and kind of
-// bones.
+// How close is a fitted skeleton to a motion, and how long does it take? Prints a row for each number and
+// kind of bones.
 //
 //     bench_skeleton MOTION [--bones 8,12,20,30] [--kind rigid|similar|stretched] [--influences K]
 //                           [--rounds 10] [--moves 8] [--threads N] [--every N] [--keys DISTANCE]
 //     bench_skeleton MOTION --planted SEED,… [--bones 12] [--rounds 10,60]
 //
-// MOTION is frames.npy of float32, #frames · #vertices · 3, whose first frame is the rest, with the faces in
-// frames_faces.npy of int32, #faces · 3; or the model of a game, .md3, whose first frame is the rest.
-// Distances are shares of the figure's size. Seconds are those of all processors, then as they elapsed.
-// --every takes each N-th frame; --keys makes keys that are so far off besides, and counts them.
+// MOTION is frames.npy (float32, #frames · #vertices · 3; the first frame is the rest pose) with faces in
+// frames_faces.npy (int32, #faces · 3), or a game model, .md3, whose first frame is the rest pose. Distances
+// are relative to the figure's size. Seconds are processor time, then elapsed time. --every uses each N-th
+// frame; --keys also makes keys within DISTANCE and counts them.
 //
-// --planted takes the rest of MOTION alone, and moves it by a skeleton that is known, one for each seed: 12
-// bones at random vertices; a vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40
-// frames a bone turns about two random axes, by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, and is shifted
-// by 0.05 of the size at random along each axis. So a fit of 12 bones could be exact.
+// --planted uses only the rest pose of MOTION and moves it by a known skeleton, one per seed: 12 bones at
+// random vertices; each vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40 frames
+// each bone rotates about two random axes by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, with a random shift
+// of 0.05 size along each axis. A fit of 12 bones can be exact.
 #include <cageform/parallel/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
@@ -50,7 +50,7 @@ Number number_at(const std::string& bytes, std::size_t at) {
     return result;
 }
 
-/// The numbers of a file of numpy, version 1, in the order of C, and its shape.
+/// Reads the numbers and the shape of a numpy file, version 1, C order.
 template <class Number>
 std::vector<Number> read_npy(const std::string& path, std::vector<std::size_t>& shape) {
     const std::string bytes = bytes_of(path);
@@ -59,7 +59,7 @@ std::vector<Number> read_npy(const std::string& path, std::vector<std::size_t>& 
     const std::string kind = std::is_same_v<Number, float> ? "<f4" : "<i4";
     const std::size_t at = head.find("'shape': (");
     if (head.substr(0, 6) != "\x93NUMPY" || head.find(kind) == std::string::npos || at == std::string::npos)
-        throw std::runtime_error(path + ": is no array of " + kind);
+        throw std::runtime_error(path + ": not an array of " + kind);
     std::istringstream sizes(head.substr(at + 10));
     shape.clear();
     for (std::size_t size = 0; sizes >> size; sizes.get()) shape.push_back(size);
@@ -72,7 +72,7 @@ Motion read_arrays(const std::string& path) {
     std::vector<std::size_t> shape;
     const auto places = read_npy<float>(path, shape);
     if (shape.size() != 3 || shape[2] != 3)
-        throw std::runtime_error(path + ": is not #frames · #vertices · 3");
+        throw std::runtime_error(path + ": not an array of #frames · #vertices · 3");
     for (std::size_t n = 0; n + 2 < places.size(); n += 3) {
         if (n % (3 * shape[1]) == 0) motion.frames.emplace_back();
         motion.frames.back().push_back({double(places[n]), double(places[n + 1]), double(places[n + 2])});
@@ -82,7 +82,7 @@ Motion read_arrays(const std::string& path) {
         motion.faces.push_back({faces[n], faces[n + 1], faces[n + 2]});
     return motion;
 }
-/// All surfaces of a vertex animation of Quake III, version 15.
+/// Reads all surfaces of a Quake III vertex animation, version 15.
 Motion read_md3(const std::string& path) {
     const std::string bytes = bytes_of(path);
     const auto word = [&](std::size_t at) { return std::size_t(number_at<std::uint32_t>(bytes, at)); };
@@ -110,12 +110,12 @@ Motion read_md3(const std::string& path) {
     return motion;
 }
 
-/// Rotates about an axis of length 1.
+/// Rotates about a unit axis.
 Point turned(const Point& p, const Point& axis, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return c * p + (s * cross(axis, p) + ((1 - c) * dot(axis, p)) * axis);
 }
-/// Moves the rest of a motion by twelve bones at random vertices.
+/// Moves the rest pose by twelve bones at random vertices.
 Motion planted(const Motion& of, std::uint32_t seed) {
     const std::vector<Point>& rest = of.frames[0];
     const double size = bounds_of(std::span<const Point>(rest)).diagonal();
@@ -150,7 +150,7 @@ Motion planted(const Motion& of, std::uint32_t seed) {
         std::sort(order.begin(), order.end());
         std::array<double, 4> weights;
         double sum = 0;
-        for (std::size_t k = 0; k < weights.size(); ++k) // the first one is 1, or all of them might be 0
+        for (std::size_t k = 0; k < weights.size(); ++k) // the first weight is 1, so that not all are 0
             sum += weights[k] = std::exp((order[0].first - order[k].first) / (2 * 0.12 * 0.12 * size * size));
         for (std::size_t t = 0; t < frame_count; ++t) {
             for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -169,7 +169,7 @@ Motion planted(const Motion& of, std::uint32_t seed) {
 
 std::size_t number_of(const std::string& word) {
     if (word.empty() || word.size() > 9 || word.find_first_not_of("0123456789") != std::string::npos)
-        throw std::runtime_error("\"" + word + "\" is no number");
+        throw std::runtime_error("\"" + word + "\" is not a number");
     return std::stoul(word);
 }
 std::vector<std::size_t> numbers_of(const std::string& list) {
@@ -231,7 +231,7 @@ void print_rows(const Motion& motion, const std::vector<Point>& rest, const Argu
 }
 
 int run(int argc, char** argv) {
-    if (argc < 2) throw std::runtime_error("give the file of a motion");
+    if (argc < 2) throw std::runtime_error("missing MOTION");
     const std::string path = argv[1];
     Arguments given;
     for (int n = 2; n < argc; n += 2) {
@@ -257,12 +257,12 @@ int run(int argc, char** argv) {
         else if (option == "--planted")
             given.seeds = numbers_of(value);
         else
-            throw std::runtime_error("there is no option " + option + " with " + value);
+            throw std::runtime_error("invalid option " + option + " " + value);
     }
-    if (given.every == 0) throw std::runtime_error("--every 0 takes no frame");
+    if (given.every == 0) throw std::runtime_error("--every must be at least 1");
     Motion motion =
         path.size() > 4 && path.substr(path.size() - 4) == ".md3" ? read_md3(path) : read_arrays(path);
-    if (motion.frames.empty()) throw std::runtime_error(path + ": holds no frame");
+    if (motion.frames.empty()) throw std::runtime_error(path + ": no frames");
     const std::vector<Point> rest = motion.frames[0];
     if (!given.seeds.empty()) {
         if (given.bones.empty()) given.bones = {12};

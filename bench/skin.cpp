@@ -1,15 +1,15 @@
-// How far off are harmonic weights in space next to the skin, and inside, by cage and accuracy?
-// References are walks on spheres (tests/support/walk_on_spheres.hpp), which --keep stores in a folder, as
-// examples/sources/tables/convergence.cpp reads them.
+// How large are the errors of harmonic weights in 3D next to the skin and inside, by cage and accuracy?
+// References are computed by walk on spheres (tests/support/walk_on_spheres.hpp); --keep stores them in a
+// folder, in the format of examples/sources/tables/convergence.cpp.
 //
 //     bench_skin [--cage NAME] [--obj FILE] [--points COUNT] [--walks COUNT] [--keep FOLDER] [ACCURACY…]
 //     bench_skin --obj CAGE --figure FILE --pose CAGE [ACCURACY…]
 //     bench_skin --obj CAGE --figure FILE --joints COUNT
 //
-// The second form prints how far the points of a posed figure move from those of the last accuracy. The third
-// twists the cage by 80 degrees about each axis, and prints what skins of so many joints a vertex lose: the
-// angle by which 99 % of the faces are turned wrongly at most, and the largest distance.
-// With -I of another version's headers it measures that version, at the same points.
+// The second form prints the distances of a posed figure's points from those at the last accuracy. The third
+// twists the cage by 80 degrees about each axis and prints the loss of skins with COUNT joints per vertex:
+// the 99th percentile of the faces' rotation errors, and the maximum distance. Compile with -I of another
+// version's headers to measure that version at the same points.
 #include "../tests/support/walk_on_spheres.hpp"
 #include "named_cages.hpp"
 
@@ -31,10 +31,10 @@ using Mesh = cageform::TriangleMesh<double>;
 
 using cageform_bench::NamedCage;
 
-/// Weights of points, row after row.
+/// Weights of points by rows.
 using Rows = std::vector<double>;
 
-/// Reads rows from lines x,y,z;handle:weight;…; returns nothing if the file is about other points or handles.
+/// Reads rows from lines x,y,z;handle:weight;…; returns nothing if the file has other points or handles.
 Rows kept_rows(const std::string& path, const std::vector<Point>& points, std::size_t handles) {
     Rows rows(points.size() * handles);
     std::ifstream file(path);
@@ -85,7 +85,7 @@ void print(const char* where, std::vector<double> of_points, double asked) {
                 errors.at(0.5), 100 * errors.share_beyond(asked));
 }
 
-/// Poses a figure by weights of every accuracy.
+/// Poses a figure with the weights of each accuracy.
 int print_poses(const NamedCage& cage, const cageform_bench::ObjMesh& figure,
                 const cageform_bench::ObjMesh& pose, const std::vector<double>& accuracies) {
     const double size = bounds_of(cage.mesh.vertices()).diagonal();
@@ -109,13 +109,13 @@ int print_poses(const NamedCage& cage, const cageform_bench::ObjMesh& figure,
             apart.push_back(cageform::detail::length(posed[k][n] - posed.back()[n]) / size);
         std::sort(apart.begin(), apart.end());
         std::printf(
-            "%s, accuracy %g: %.2f s, a posed point moves by %.1e of the cage at most, nine in ten by %.1e\n",
+            "%s, accuracy %g: %.2f s, posed points differ by %.1e of the cage at most, 90 %% by %.1e\n",
             cage.name.c_str(), accuracies[k], seconds[k], apart.back(), apart[apart.size() * 9 / 10]);
     }
     return 0;
 }
 
-/// A cage twisted about an axis, by 80 degrees from end to end.
+/// A cage twisted about an axis by 80 degrees from end to end.
 std::vector<Point> twisted(std::span<const Point> rest, std::size_t axis) {
     const auto bounds = cageform::bounds_of(rest);
     const double length = bounds.upper[axis] - bounds.lower[axis];
@@ -131,7 +131,7 @@ std::vector<Point> twisted(std::span<const Point> rest, std::size_t axis) {
     return pose;
 }
 
-/// Prints what skins lose in twists: of each vertex alone, and of all together.
+/// Prints the errors of skins in twists: fitted per vertex, and together.
 int print_skins(const NamedCage& cage, const cageform_bench::ObjMesh& figure, std::size_t joints) {
     const auto bound = cageform::bind(cageform::HarmonicCoordinates<double, 3>(cage.mesh), figure.vertices);
     const cageform::SkinWeightsOptions options{.influences = joints};
@@ -208,7 +208,7 @@ int main(int argc, char** argv) {
     if (!figure.vertices.empty() || !pose.vertices.empty()) {
         if (one && pose.vertices.size() == list[0].mesh.size())
             return print_poses(list[0], figure, pose, accuracies);
-        line.refuse("--figure and --pose need one cage, and a pose of as many vertices");
+        line.refuse("--figure and --pose need one cage, and a pose with the same number of vertices");
     }
     for (const NamedCage& cage : list) {
         auto points = cageform_tests::points_below_faces(cage.mesh, count, 17);
@@ -216,7 +216,7 @@ int main(int argc, char** argv) {
         points.insert(points.end(), deep.begin(), deep.end());
         const auto known = references(cage, points, walks, folder);
         std::printf("%s: %zu handles; standard error of a reference at most %.1e; max, 99 %%, 90 %%, median "
-                    "(share beyond what was asked)\n",
+                    "(share of points over the accuracy)\n",
                     cage.name.c_str(), cage.mesh.size(), 0.5 / std::sqrt(double(walks)));
         for (const double accuracy : accuracies) {
             const auto start = std::clock();

@@ -6,20 +6,21 @@
 // MEASURE is one of:
 //
 //     lines      Second differences of weights along random lines inside the cage, near its skin.
-//     sheet      Bends between neighbouring faces of flat sheets in a posed cube; by mean value coordinates too.
-//     weights    Differences to the weights of the last accuracy, below faces and anywhere inside.
-//     depths     Differences to the weights of a face, 0.01 to 0.0001 roots of its area below the face.
-//     plates     Nodes, time and memory of flat boxes. Differences to the weights of the last accuracy. Errors
-//                farther from the rim than four thicknesses, where the solution is known.
-//     gradients  Differences to the gradients of the last accuracy; steps of gradients along the lines.
-//     pack       The time to pack the points of a figure, or points near the skin.
-//     cost       The time to bind them, and to bind them again with the same solution.
+//     sheet      Angles between adjacent faces of flat sheets in a posed cube, also by mean value.
+//     weights    Differences to the weights at the last accuracy, below faces and at random points inside.
+//     depths     Differences to the weights on a face, at depths of 0.01 to 0.0001 square roots of its area.
+//     plates     Nodes, time and memory of flat boxes. Differences to the weights at the last accuracy.
+//                Errors farther from the rim than four thicknesses, where the solution is known.
+//     gradients  Differences to the gradients at the last accuracy; jumps of gradients along the lines.
+//     pack       Time to pack the points of a figure, or points near the skin.
+//     cost       Time to bind them, and to bind them again with the same solution.
 //
-// At half the step, second differences of a smooth function fall by four. Steps of its gradients fall by two.
-// Jumps do not fall. Lines where they do not fall by 2.5 or 1.6 are counted, unless they are below 1e-8. There
-// steps are made 4,096 times smaller, which leaves a jump as it is. Gradients are multiplied by the root of the
-// mean area of a face. --count is for lines and sheets. --turned turns everything by 0.7 about (1, 2, 3).
-// With -I of another version's headers the program measures that version, on the same lines and points.
+// At half the step, second differences of a smooth function fall by a factor of four, differences of its
+// gradients by two, and jumps not at all. Lines where they fall by less than 2.5 or 1.6 are counted, unless
+// the differences are below 1e-8, and measured again with steps 4,096 times smaller, which keeps only jumps.
+// Gradients are multiplied by the square root of the mean face area. --count is for lines and sheets.
+// --turned rotates everything by 0.7 radians about (1, 2, 3). Compile with -I of another version's headers to
+// measure that version on the same lines and points.
 #include "../tests/support/gradients.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
 #include "named_cages.hpp"
@@ -61,13 +62,13 @@ double seconds_since(std::clock_t start) {
     return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-/// Ends the program where a step of a row has failed.
+/// Ends the program if a step failed.
 void demand(Status status) {
     if (status == Status::ok) return;
     std::printf(" %s\n", to_string(status));
     std::exit(1);
 }
-/// Solves and keeps all functions; prints the cage, the accuracy and the number of nodes.
+/// Solves and keeps all functions; prints cage, accuracy and number of nodes.
 Harmonic solved(const NamedCage& cage, double accuracy) {
     std::printf("%s, accuracy %g:", cage.name.c_str(), accuracy);
     Harmonic coordinates(cage.mesh, {.accuracy = accuracy});
@@ -99,13 +100,14 @@ void end_row() {
     std::fflush(stdout);
 }
 
-/// A point below a face, and the face's own weights.
+/// A point below a face, and the weights of its foot on the face.
 struct Below {
     Point at;
     Facet<3> face;
     std::array<double, 3> weights;
 };
-/// The face is a share of all faces, the depth in roots of the face's area; s and t choose the place.
+/// `face` selects the face (a share of all faces), `depth` is in square roots of its area; s and t select the
+/// position.
 struct Choice {
     double face, depth, s, t;
 };
@@ -125,7 +127,7 @@ bool is_inside(const Mesh& mesh, const Point& p) {
     return locate(mesh, p, 0.0) == PointState::inside;
 }
 
-/// The figure, or points near the skin in the order of the faces, those outside the cage left out.
+/// The figure, or points near the skin in face order, without those outside the cage.
 Points figure_in(const Mesh& mesh, const Given& given) {
     Points points = given.turned(given.figure);
     for (std::size_t n = 0; n < given.points && given.figure.empty(); ++n) {
@@ -143,7 +145,7 @@ Points points_on(const Line& line, std::size_t steps) {
         points.push_back(line[0] + (double(n) / double(steps)) * (line[1] - line[0]));
     return points;
 }
-/// Lines inside the cage between random points near its skin; fewer where most lines leave it.
+/// Lines inside the cage between random points near its skin; fewer if most lines leave the cage.
 std::vector<Line> lines_near_skin(const Mesh& mesh, std::size_t count) {
     std::vector<Line> lines;
     for (std::size_t n = 0; lines.size() < count && n < 10000 * count; ++n) {
@@ -159,7 +161,7 @@ std::vector<Line> lines_near_skin(const Mesh& mesh, std::size_t count) {
     }
     return lines;
 }
-/// The largest difference of first or second order between neighbouring rows, and where it is.
+/// Maximum difference of first or second order between neighbouring rows, and its position.
 struct Largest {
     double value = 0;
     std::size_t row = 0;
@@ -176,8 +178,8 @@ Largest largest_difference(int order, std::size_t rows, std::size_t columns, con
     }
     return largest;
 }
-/// Prints what becomes of the largest differences along lines at half the step. Where they do not fall, steps
-/// about the place are divided by eight four times.
+/// Prints how the maximum differences along lines change at half the step. If they do not fall, divides the
+/// step near the maximum by eight four times.
 template <class Find>
 void print_lines(const std::vector<Line>& lines, double least, const Find& find) {
     double at_step = 0, at_half = 0, most = 0, left = 0;
@@ -227,7 +229,7 @@ void measure_gradients(const Given& given, const NamedCage& cage) {
     const auto lines = lines_near_skin(cage.mesh, given.count);
     const auto finest = gradients_of(solved(cage, given.accuracies.back()), points);
     demand(finest.evaluation.status);
-    std::printf(" taken as exact\n");
+    std::printf(" used as reference\n");
     for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
         const auto coordinates = solved(cage, given.accuracies[n]);
         const auto found = gradients_of(coordinates, points);
@@ -256,7 +258,7 @@ void measure_weights(const Given& given, const NamedCage& cage) {
     const auto inside = cageform_tests::points_anywhere(cage.mesh, given.points, 18);
     const auto finest = solved(cage, given.accuracies.back());
     const auto finest_skin = bound(finest, skin), finest_inside = bound(finest, inside);
-    std::printf(" taken as exact\n");
+    std::printf(" used as reference\n");
     for (std::size_t n = 0; n + 1 < given.accuracies.size(); ++n) {
         const auto coordinates = solved(cage, given.accuracies[n]);
         const auto print_errors = [&](const char* what, const Points& points, const auto& right) {
@@ -269,7 +271,7 @@ void measure_weights(const Given& given, const NamedCage& cage) {
             }
             print(what, std::move(errors));
         };
-        print_errors("below faces off by", skin, finest_skin);
+        print_errors("errors below faces", skin, finest_skin);
         print_errors("inside", inside, finest_inside);
         end_row();
     }
@@ -307,7 +309,7 @@ void measure_depths(const Given& given, const NamedCage& cage) {
     }
 }
 
-/// The bends in degrees between the faces of a sheet, two a square.
+/// Angles in degrees between the faces of a sheet, two per square.
 std::vector<double> bends(const Points& sheet, std::size_t side) {
     const auto normal = [&](std::size_t a, int upper) {
         const Point &p = sheet[a + 1], &q = sheet[a + side], &r = sheet[upper ? a + side + 1 : a];
@@ -363,9 +365,9 @@ void measure_sheet(const Given& given) {
     print_bends(cageform::MeanValueCoordinates(given.turned(cube)));
 }
 
-/// The weights far from the rim of a box whose floor and lid are cut along u = v: linear in u, v and |u - v|. In
-/// units of the thickness, |s| at z = 0 and 0 at z = 1 extends to |s| (1 - z) + sum 2/(n pi)^2 sin(n pi z)
-/// exp(-n pi |s|).
+/// Weights far from the rim of a box whose floor and lid are split along u = v: linear in u, v and |u - v|.
+/// In units of the thickness, the extension of |s| at z = 0 and 0 at z = 1 is |s| (1 - z) + sum 2/(n pi)^2
+/// sin(n pi z) exp(-n pi |s|).
 std::array<double, 8> weights_in_plate(const Point& size, const Point& p) {
     const double u = p[0] / size[0], v = p[1] / size[1];
     const double unit = std::hypot(size[0], size[1]) / (size[0] * size[1]) * size[2]; // |u - v| where |s| = 1
@@ -388,14 +390,14 @@ void measure_plates(const Given& given) {
     for (const Point& size : given.boxes) {
         const double x = size[0], y = size[1], z = size[2];
         Points points, turned;
-        for (std::size_t n = 0; n < given.points; ++n) { // anywhere, near the rim, near the cut
+        for (std::size_t n = 0; n < given.points; ++n) { // everywhere, near the rim, near the split
             WalkNumbers numbers(29, n);
             Point p{x * numbers.next(), y * numbers.next(), z * numbers.next()};
             if (n % 3 == 1) p[n % 2] *= (std::min)(1.0, 4 * z / size[n % 2]);
             if (n % 3 == 2) p[1] = y * p[0] / x + z * (2 * numbers.next() - 1);
             if (!(p[1] > 0 && p[1] < y)) continue;
             points.push_back(p);
-            turned.push_back(cageform_tests::turned_about_123(p, 1)); // as prisms are
+            turned.push_back(cageform_tests::turned_about_123(p, 1)); // like the prisms
         }
         const auto box = prism({{0, 0}, {x, 0}, {x, y}, {0, y}}, {{0, 1, 2}, {0, 2, 3}}, z);
         std::vector<std::array<double, 8>> last;
@@ -420,8 +422,8 @@ void measure_plates(const Given& given) {
                 if (last.size() == n) last.push_back(row);
                 apart.push_back(off(last[n]));
             }
-            print("far from the rim off by", std::move(errors));
-            if (k + 1 < given.accuracies.size()) print("from the last", std::move(apart));
+            print("errors far from the rim", std::move(errors));
+            if (k + 1 < given.accuracies.size()) print("difference to the last", std::move(apart));
             end_row();
         }
     }
@@ -457,7 +459,7 @@ void measure_cost(const Given& given, const NamedCage& cage) {
     }
 }
 
-/// A measure, with the numbers that it takes if none are given.
+/// A measure, with its default numbers.
 struct Measure {
     std::string name;
     std::size_t points, count;
@@ -502,7 +504,7 @@ int main(int argc, char** argv) {
     if (measure == measures.end()) {
         std::string names;
         for (const Measure& known : measures) names += ' ' + known.name;
-        line.refuse("name a measure, one of" + names);
+        line.refuse("missing measure, one of" + names);
     }
     if (given.points == 0) given.points = measure->points;
     if (given.count == 0) given.count = measure->count;

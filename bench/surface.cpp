@@ -1,11 +1,10 @@
-// How long does it take to make the weights of bones on a mesh?
+// How long do the weights of bones on a mesh take?
 //
-// A bumpy torus of 10,240 and 163,840 vertices, twenty bones along its core. Harmonic weights, bone heat
-// with and without the question what a vertex sees, the cotangents and flips alone. The equations of the
-// heat alone: ours, by Eigen's LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is
-// installed (OMP_THREAD_LIMIT=1 keeps it to one thread, as the others). And what no solver of this order of
-// elimination can do without: its multiplications, done by one product of dense matrices, and reading the
-// factors forwards and backwards for every 16 bones.
+// Bumpy tori with 10,240 and 163,840 vertices and twenty bones along the core. Measures harmonic weights,
+// bone heat with and without the visibility test, and cotangents and flips alone. Peers for the heat
+// equations: Eigen's LDLT (used by libigl's harmonic functions), and CHOLMOD if installed (single-threaded
+// with OMP_THREAD_LIMIT=1, like the others). Limits for any solver with this elimination order: its
+// multiplications as one dense matrix product, and reading the factors forwards and backwards per 16 bones.
 #include <cageform/fields/skin.hpp>
 #include <cageform/parallel/threads.hpp>
 
@@ -104,7 +103,7 @@ void heat_threads(benchmark::State& state) {
     }
 }
 
-/// Every vertex linked to the bone that its part of the torus has.
+/// Links each vertex to the bone of its part of the torus.
 struct HeatEquations {
     std::size_t vertices, nodes;
     std::vector<cageform::GraphLink> links;
@@ -163,9 +162,9 @@ void equations_by(benchmark::State& state) {
     state.counters["vertices"] = double(heat.vertices);
 }
 
-/// As many operations as the factors take: 0.05e9 and 5.8e9.
+/// As many operations as the factorisations: 0.05e9 and 5.8e9.
 void limit_multiply(benchmark::State& state) {
-    constexpr Eigen::Index size = 256; // 2 · 256³ operations a product
+    constexpr Eigen::Index size = 256; // 2 · 256³ operations per product
     const int products = state.range(0) > 200 ? 174 : 2;
     const Eigen::MatrixXd a = Eigen::MatrixXd::Random(size, size), b = Eigen::MatrixXd::Random(size, size);
     Eigen::MatrixXd product(size, size);
@@ -178,7 +177,7 @@ void limit_multiply(benchmark::State& state) {
     }
 }
 
-/// 51 numbers a vertex and 84 are in the factors of such meshes.
+/// The factors of these meshes have 51 and 84 numbers per vertex.
 void limit_read_factor(benchmark::State& state) {
     const std::size_t vertices = std::size_t(state.range(0) * (state.range(0) * 5 / 8));
     const std::size_t fill = vertices > 50000 ? 84 : 51;

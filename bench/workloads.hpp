@@ -1,4 +1,5 @@
-// Cages and points of the benchmarks, from formulas and seeds, so that other libraries can be fed the same.
+// Cages and points of the benchmarks, from formulas and seeds, so that other libraries can use the same
+// input.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -68,13 +69,13 @@ cageform::TriangleMesh<T> bumpy112() {
     return {vertices, faces};
 }
 
-/// A mesh of triangles as a file has it.
+/// A triangle mesh.
 struct ObjMesh {
     std::vector<cageform::Vec<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
 };
-/// Reads lines "v x y z" and "f a b c …" of a file, corners as "a/b/c" or numbers; larger faces are cut
-/// from their first corner. Empty without a file.
+/// Reads lines "v x y z" and "f a b c …" of an OBJ file, corners as "a/b/c" or numbers; triangulates larger
+/// faces as fans. Empty if the file cannot be read.
 inline ObjMesh read_obj(const char* name) {
     ObjMesh mesh;
     std::ifstream file(name != nullptr ? name : "");
@@ -95,8 +96,7 @@ inline ObjMesh read_obj(const char* name) {
     return mesh;
 }
 
-/// A box about the origin of cells of a given edge, its faces divided: 42 vertices of 2 × 2 × 4 cells, 300 of
-/// 4 × 7 × 11.
+/// A box about the origin, its faces divided into cells: 42 vertices for 2 × 2 × 4 cells, 300 for 4 × 7 × 11.
 template <class T>
 cageform::TriangleMesh<T> divided_box(std::array<int, 3> cells, double edge) {
     std::map<std::array<int, 3>, std::uint32_t> numbers;
@@ -128,7 +128,8 @@ cageform::TriangleMesh<T> divided_box(std::array<int, 3> cells, double edge) {
     return {vertices, faces};
 }
 
-/// `count` points inside a cage about the origin, uniform, three percent away from the boundary (SplitMix64).
+/// `count` uniform points inside a cage about the origin, at least three percent from the boundary
+/// (SplitMix64).
 template <class Cage>
 auto points_inside(const Cage& cage, std::size_t count, std::uint64_t seed) {
     const auto bounds = cageform::bounds_of(cage.vertices());
@@ -150,7 +151,7 @@ auto points_inside(const Cage& cage, std::size_t count, std::uint64_t seed) {
 inline std::vector<Point> points_inside(const std::vector<Point>& vertices, std::size_t count) {
     return points_inside(cageform::Polygon<double>(vertices), count, 1);
 }
-/// A vase of 112 vertices: 98 planar quadrilaterals in seven rings, floor and lid of 14 corners.
+/// A vase with 112 vertices: 98 planar quadrilaterals in seven rings, floor and lid with 14 corners.
 template <class T>
 cageform::PolyhedralMesh<T> vase112() {
     constexpr std::uint32_t rings = 8, around = 14;
@@ -172,7 +173,7 @@ cageform::PolyhedralMesh<T> vase112() {
     return {vertices, faces};
 }
 
-/// By faces as they are, or cut into triangles.
+/// With its faces, or triangulated.
 enum class VaseOf { polygons, triangles };
 template <VaseOf of, class T>
 auto vase() {
@@ -185,7 +186,7 @@ inline std::vector<cageform::Vec<double, 3>> points_inside_vase() {
     return points_inside(vase112<double>().triangles(), 8019, 2);
 }
 
-/// Those that go with BUMPY112.
+/// The points bound to BUMPY112.
 inline std::vector<cageform::Vec<double, 3>> points_inside_bumpy112() {
     return points_inside(bumpy112<double>(), 8019, 2);
 }

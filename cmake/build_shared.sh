@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds build/shared/libcageform.so: the C interface for other languages, which needs nothing but the C library. Some minutes
-# the first time.
+# Builds build/shared/libcageform.so, the C interface for other languages; it depends only on the C library. Takes some
+# minutes the first time.
 set -eu
 cd "$(dirname "$0")/.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev

@@ -1,8 +1,7 @@
 # cmake -DBUILD=… -DSOURCE=… -DWORK=… -DCOMPILER=… -DGENERATOR=… -P check_compiled.cmake
-# Installs a build with cageform::compiled, then builds and runs a client of the library, without Eigen, with the flags of that
-# build, and one by clang where it is installed. With flags for other registers the client must not link, whatever its
-# optimisation. A client in C links it too, by the package and by pkg-config, and as WORK/shared/libcageform.so, which is linked of
-# the same objects; others load it from there.
+# Installs a build with cageform::compiled, then builds and runs clients without Eigen: with the flags of the build, and
+# with clang if installed. With flags for other registers a client must not link, at any optimisation level. C clients
+# link the library by the package, by pkg-config, and as WORK/shared/libcageform.so, which other tests load.
 file(REMOVE_RECURSE ${WORK})
 file(STRINGS ${BUILD}/CMakeCache.txt flags REGEX "^CMAKE_CXX_FLAGS:")
 string(REGEX REPLACE "^CMAKE_CXX_FLAGS:[A-Z]*=(.*)$" "\\1" flags "${flags}")
@@ -26,28 +25,28 @@ endfunction()
 function(build_and_run client flags)
   build(${client} "${flags}" failed)
   if(failed)
-    message(FATAL_ERROR "the client ${client} does not build: ${output}")
+    message(FATAL_ERROR "client ${client} does not build: ${output}")
   endif()
   execute_process(COMMAND ${WORK}/${client}/client RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(failed)
-    message(FATAL_ERROR "the client ${client}: ${failed}, ${output}")
+    message(FATAL_ERROR "client ${client}: ${failed}, ${output}")
   endif()
 endfunction()
-build_and_run(debug "${flags} -O0 -g") # a debug build with asserts, of a library without
-# A program by another compiler than the library's: a clang from version 14 on that finds a C++ library.
+build_and_run(debug "${flags} -O0 -g") # a debug build with asserts; the library has none
+# A client by another compiler: clang 14 or later with a C++ library.
 find_program(clang NAMES clang++-19 clang++)
-set(why_no_clang "there is no clang++: install clang")
+set(why_no_clang "clang++ not found: install clang")
 if(clang)
   file(WRITE ${WORK}/has_library.cpp "#include <concepts>\n#include <vector>\nint main() { return std::vector<int>(1)[0]; }\n")
   execute_process(COMMAND ${clang} --version RESULT_VARIABLE failed OUTPUT_VARIABLE version ERROR_QUIET)
   if(failed OR NOT version MATCHES "clang version ([0-9.]+)")
-    set(why_no_clang "${clang} does not run: install clang again")
+    set(why_no_clang "${clang} does not run: reinstall clang")
   elseif(CMAKE_MATCH_1 VERSION_LESS 14)
-    set(why_no_clang "${clang} is version ${CMAKE_MATCH_1}: install one from version 14 on")
+    set(why_no_clang "${clang} is version ${CMAKE_MATCH_1}: install version 14 or later")
   else()
     execute_process(COMMAND ${clang} -std=c++20 ${WORK}/has_library.cpp -o ${WORK}/has_library RESULT_VARIABLE failed
                     OUTPUT_QUIET ERROR_QUIET)
-    set(why_no_clang "${clang} finds no C++ library: install libstdc++-dev of the newest gcc that is there")
+    set(why_no_clang "${clang} finds no C++ library: install libstdc++-dev of the newest installed gcc")
     if(NOT failed)
       unset(why_no_clang)
     endif()
@@ -63,7 +62,7 @@ else()
 endif()
 build(registers "${flags} -DCAGEFORM_REGISTER_BYTES=0" failed)
 if(NOT failed OR NOT output MATCHES "undefined reference|undefined symbol")
-  message(FATAL_ERROR "a client for other registers: ${failed}, ${output}")
+  message(FATAL_ERROR "client for other registers: ${failed}, ${output}")
 endif()
 
 function(run)
@@ -100,11 +99,11 @@ if(CMAKE_HOST_SYSTEM_NAME STREQUAL "Linux" AND archive)
       -Wl,-rpath,${WORK}/shared)
   run(${WORK}/c/shared)
   find_program(nm NAMES nm)
-  if(nm) # no name of another library is visible in it
+  if(nm) # exports only names of cageform
     execute_process(COMMAND ${nm} -D --defined-only ${WORK}/shared/libcageform.so OUTPUT_VARIABLE names)
     string(REGEX REPLACE "[^\n]*cageform[^\n]*\n" "" others "${names}")
     if(NOT names MATCHES " cageform_clone\n" OR NOT others STREQUAL "")
-      message(FATAL_ERROR "names that the shared library shows: ${others}")
+      message(FATAL_ERROR "unexpected exported names: ${others}")
     endif()
   endif()
 endif()

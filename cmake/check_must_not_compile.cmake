@@ -1,9 +1,9 @@
 # cmake -DCOMPILER=… -DSOURCE=… -DINCLUDES=… -P check_must_not_compile.cmake
-# The file must compile as it is, and with -DBROKEN fail with the message named in its first line,
-# "// BROKEN: <regular expression>", or "// BROKEN IN ONE LINE: …" where the first line that says error has to have it.
+# SOURCE must compile, and with -DBROKEN fail with the message given in its first line,
+# "// BROKEN: <regular expression>", or "// BROKEN IN ONE LINE: …" if the first error line must match.
 file(STRINGS ${SOURCE} first LIMIT_COUNT 1)
 if(NOT first MATCHES "^// BROKEN( IN ONE LINE)?: (.+)$")
-  message(FATAL_ERROR "${SOURCE}: the first line names no message")
+  message(FATAL_ERROR "${SOURCE}: no message in the first line")
 endif()
 set(in_one_line "${CMAKE_MATCH_1}")
 set(expected ${CMAKE_MATCH_2})
@@ -11,16 +11,16 @@ list(TRANSFORM INCLUDES PREPEND -isystem)
 set(command ${COMPILER} -std=c++20 -fsyntax-only -Werror=unused-result ${INCLUDES})
 execute_process(COMMAND ${command} ${SOURCE} RESULT_VARIABLE failed ERROR_VARIABLE errors)
 if(failed)
-  message(FATAL_ERROR "the twin that should compile does not:\n${errors}")
+  message(FATAL_ERROR "does not compile without -DBROKEN:\n${errors}")
 endif()
 execute_process(COMMAND ${command} -DBROKEN ${SOURCE} RESULT_VARIABLE failed ERROR_VARIABLE errors)
 if(NOT failed)
-  message(FATAL_ERROR "compiles, and should not")
+  message(FATAL_ERROR "compiles with -DBROKEN")
 endif()
 set(searched "${errors}")
 if(in_one_line)
   string(REGEX MATCH "error:[^\n]*" searched "${errors}")
 endif()
 if(NOT searched MATCHES "${expected}")
-  message(FATAL_ERROR "fails without saying \"${expected}\":\n${errors}")
+  message(FATAL_ERROR "no message \"${expected}\":\n${errors}")
 endif()

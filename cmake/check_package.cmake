@@ -1,6 +1,6 @@
 # cmake -DBUILD=… -DSOURCE=… -DCOMPILER=… -DGENERATOR=… -DMAKE_PROGRAM=… -DEIGEN_INCLUDE=… -P check_package.cmake
-# Installs the project into a folder of its own, then configures, builds and runs clients of it: one that binds, one that only
-# plays back, on a machine without Eigen, and libraries that export what they link. Run by an old CMake, it shows that one works.
+# Installs the project into a separate folder, then configures, builds and runs clients: one that binds, one that only plays
+# back without Eigen, and libraries that export their dependency. Run with an old CMake, it tests that version.
 set(work ${BUILD}/package)
 file(REMOVE_RECURSE ${work})
 set(prefix ${work}/prefix)
@@ -13,7 +13,7 @@ function(run)
   endif()
 endfunction()
 
-# Installed alone, and beside packages of Eigen by the version rules of its releases, around the headers that are there.
+# Installed alone, and together with Eigen packages of several versions, which use the installed headers.
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 include(CMakePackageConfigHelpers)
 foreach(version IN ITEMS 3.3.9 5.0.1 6.0.0)
@@ -25,7 +25,7 @@ set_target_properties(Eigen3::Eigen PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${E
   write_basic_package_version_file(${eigen}/Eigen3ConfigVersion.cmake VERSION ${version} COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
 endforeach()
 
-# The clients: of the package with the Eigen that is there, with Eigen 5 and without one, and of the sources.
+# Clients: of the package with the installed Eigen, with Eigen 5 and without Eigen, and of the sources.
 set(sources -DCAGEFORM_SOURCE=${SOURCE}/../..)
 set(eigen_5 -DCMAKE_PREFIX_PATH=${work}/eigen_5.0.1)
 foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${prefix}" "client_eigen_5;client_runtime;${eigen_5}" "client_sources;client;${sources};${eigen_5}"
@@ -38,20 +38,20 @@ foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${pre
   if(client MATCHES "eigen_5")
     file(STRINGS ${client_build}/CMakeCache.txt found REGEX "^Eigen3_DIR:" ENCODING UTF-8)
     if(NOT found MATCHES "eigen_5\\.0\\.1")
-      message(FATAL_ERROR "${folder}: not the Eigen that comes first, but ${found}")
+      message(FATAL_ERROR "${folder}: found ${found} instead of the first Eigen")
     endif()
   endif()
 endforeach()
 
-# A project that has the sources in it installs none of them unless it asks for that.
+# A sub-project is not installed by default.
 run(${CMAKE_COMMAND} --build ${work}/client_sources --target client_runtime)
 run(${CMAKE_COMMAND} --install ${work}/client_sources --prefix ${work}/sources_installed)
 file(GLOB_RECURSE installed RELATIVE ${work}/sources_installed ${work}/sources_installed/*)
 if(NOT installed STREQUAL "bin/client_runtime")
-  message(FATAL_ERROR "installed beside the client: ${installed}")
+  message(FATAL_ERROR "unexpected installed files: ${installed}")
 endif()
 
-# An Eigen that is too old or not known yet is refused by its version; of the sources the rest is there.
+# Rejects an Eigen that is too old or too new; the sources can be configured without Eigen.
 foreach(version IN ITEMS 3.3.9 6.0.0)
   set(refused ${configure} -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF -DCMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH=OFF
               -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_MAKE_PROGRAM=${MAKE_PROGRAM})
@@ -62,20 +62,20 @@ foreach(version IN ITEMS 3.3.9 6.0.0)
                   RESULT_VARIABLE sources_failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
   foreach(text IN ITEMS "${errors}" "${output}")
     string(REGEX REPLACE "[ \n]+" " " text "${text}") # CMake breaks lines
-    if(NOT failed OR sources_failed OR NOT text MATCHES "no Eigen of a version from 3.4 to below 6, only ${version} ")
+    if(NOT failed OR sources_failed OR NOT text MATCHES "no Eigen >= 3.4 and < 6, only ${version} ")
       message(FATAL_ERROR "Eigen ${version}: ${failed}, ${sources_failed}\n${text}")
     endif()
   endforeach()
 endforeach()
 
-# A component that there is not is refused with the reason.
+# Rejects an unknown component.
 execute_process(COMMAND ${configure} -S ${SOURCE}/consumer -B ${work}/nonsense -DCMAKE_PREFIX_PATH=${prefix} -DCOMPONENT=nonsense
                 RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE errors)
 if(NOT failed OR NOT errors MATCHES "no component \"nonsense\"")
   message(FATAL_ERROR "COMPONENTS nonsense: ${failed}\n${errors}")
 endif()
 
-# Libraries that link the runtime, by each way to have it: installed, exported and found again.
+# Libraries that link the runtime: installed, exported and found again.
 foreach(from IN ITEMS package subdirectory fetch)
   set(library ${work}/${from})
   run(${with_compiler} -S ${SOURCE}/library -B ${library} -DCAGEFORM_FROM=${from} -DCAGEFORM_SOURCE=${SOURCE}/../..
@@ -89,7 +89,7 @@ foreach(from IN ITEMS package subdirectory fetch)
   run(${configure} -S ${SOURCE}/consumer -B ${library}/consumer "-DCMAKE_PREFIX_PATH=${found_in}")
 endforeach()
 
-# pkg-config, of a prefix that was moved.
+# pkg-config with a moved prefix.
 find_program(PKG_CONFIG NAMES pkg-config pkgconf)
 if(PKG_CONFIG)
   file(RENAME ${prefix} ${work}/moved)

@@ -1,13 +1,13 @@
 # cmake -DCOMPILER=… -DINCLUDE=… -DHEADER=… -DLIMIT=… -P check_size.cmake
-# Counts the preprocessed lines of a header, which every file that includes it pays; they may not pass the limit. Most of them
-# are the standard library's: limits hold for libstdc++ 12, and that of GNU 14 alone has up to a fifth more.
+# Limits the preprocessed lines of a header. Most lines are the standard library's; limits are for libstdc++ 12
+# (libstdc++ 14: up to 20 % more).
 string(MAKE_C_IDENTIFIER ${HEADER} stem)
 set(source check_size_${stem}.cpp)
 file(WRITE ${source} "#include <${HEADER}>\n")
 set(compile ${COMPILER} -std=c++20 -I${INCLUDE} ${source})
 execute_process(COMMAND ${compile} -E -dM OUTPUT_VARIABLE macros RESULT_VARIABLE failed)
 if(NOT failed AND NOT macros MATCHES "#define _GLIBCXX_RELEASE 12\n")
-  message(STATUS "skipped: the limits count lines of libstdc++ 12 (install g++-12 and configure a new build with CXX=g++-12)")
+  message(STATUS "skipped: the limits are for libstdc++ 12 (install g++-12 and configure a new build with CXX=g++-12)")
   return()
 endif()
 execute_process(COMMAND ${compile} -E OUTPUT_VARIABLE text RESULT_VARIABLE failed)

@@ -1,6 +1,6 @@
 # cmake -DNM=<nm> -DOBJECT=<object file> -P check_symbols.cmake
-# Checks the object code of the functions called every frame: no exception thrown, no type information, no stream, no allocation,
-# and no memory that is written to but that of the caller.
+# Checks the object code of functions called every frame: no exceptions, type information, streams or allocations; only
+# memory of the caller is written.
 execute_process(COMMAND ${NM} --format=sysv ${OBJECT} OUTPUT_VARIABLE text RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "${NM} cannot read ${OBJECT}")
@@ -21,7 +21,7 @@ foreach(line IN LISTS lines)
     math(EXPR functions "${functions} + 1")
   endif()
   if(name MATCHES "^DW\\.ref\\.")
-    continue() # clang's way to the personality routine, which `noexcept` needs
+    continue() # clang's reference to the personality routine, needed by `noexcept`
   endif()
   if(name MATCHES "^(__cxa_(throw|rethrow|allocate_exception|guard|atexit)|_ZT[ISV]|_ZNSt8ios_base|_ZSt4c(out|err|log|in)$|_ZSt[0-9]+__throw|_Zn[wa]|_Zd[la]|(malloc|calloc|realloc|aligned_alloc|free)$|_GLOBAL__)")
     message(SEND_ERROR "a run-time function needs ${name}")
@@ -30,6 +30,6 @@ foreach(line IN LISTS lines)
   endif()
 endforeach()
 if(functions LESS 5)
-  message(FATAL_ERROR "only ${functions} functions found: this check checks nothing")
+  message(FATAL_ERROR "only ${functions} functions found: the check does not work")
 endif()
-message(STATUS "${functions} functions, no global, no allocation, nothing thrown")
+message(STATUS "${functions} functions, no globals, allocations or exceptions")

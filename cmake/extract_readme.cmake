@@ -1,6 +1,6 @@
 # cmake -DREADME=… -DOUT=<stem> [-DONLY=ON] -P extract_readme.cmake
-# The first ```cpp block of a README or of a page of the site becomes <stem>.cpp, the ```text block after it
-# <stem>.txt. With ONLY the file may have no other ```cpp block: none goes uncompiled.
+# Writes the first ```cpp block of a document to <stem>.cpp and the following ```text block to <stem>.txt. With ONLY, fails
+# if there is another ```cpp block, which would not be compiled.
 file(READ ${README} text)
 if(ONLY)
   string(REGEX MATCHALL "```cpp\n" blocks "${text}")

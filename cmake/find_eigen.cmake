@@ -1,10 +1,10 @@
-# Finds Eigen 3.4 or later, below 6, as find_package(Eigen3) does. Where there is none, Eigen3_FOUND is false and
-# cageform_no_eigen says why.
+# Finds Eigen >= 3.4 and < 6 like find_package(Eigen3). If there is none, Eigen3_FOUND is false and cageform_no_eigen has
+# the reason.
 #
-# No single find_package can ask for it: a version file of Eigen denies to be of another major version, and to be in a range that
-# spans two. So a version that there is not is asked for first: that takes none and names all there are, in the order of the search.
+# A single find_package cannot do this: version files of Eigen reject other major versions, and ranges that span two. So a
+# nonexistent version is requested first, which lists all installed versions in search order.
 find_package(Eigen3 999 QUIET NO_MODULE)
-set(cageform_no_eigen "there is no Eigen of a version from 3.4 to below 6")
+set(cageform_no_eigen "there is no Eigen >= 3.4 and < 6")
 foreach(cageform_config cageform_version IN ZIP_LISTS Eigen3_CONSIDERED_CONFIGS Eigen3_CONSIDERED_VERSIONS)
   if(NOT cageform_version VERSION_LESS 3.4 AND cageform_version VERSION_LESS 6)
     get_filename_component(cageform_config ${cageform_config} DIRECTORY)

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Usage: sh cmake/install_packages.sh PACKAGE…
-# Installs the Debian packages that are missing; does nothing if all are installed. Without root or sudo it
-# prints the command that installs them, and fails.
+# Installs missing Debian packages. Without root or sudo, prints the command to run and fails.
 set -eu
 
 missing=
@@ -11,7 +10,7 @@ if command -v dpkg-query >/dev/null 2>&1; then
     [ "$status" = 'install ok installed' ] || missing="$missing $package"
   done
 else
-  # Not a Debian machine: trust it when the compiler and cmake are there; cmake names libraries it lacks.
+  # Not Debian: only check for the compiler and cmake; cmake reports missing libraries.
   for tool in c++ cmake; do
     command -v "$tool" >/dev/null 2>&1 || missing="$*"
   done
@@ -27,7 +26,7 @@ if [ "$(id -u)" -ne 0 ]; then
   fi
 fi
 if ! command -v apt-get >/dev/null 2>&1; then
-  echo "Please install what these packages of Debian hold:$missing" >&2
+  echo "Please install the equivalents of these Debian packages:$missing" >&2
   exit 1
 fi
 if [ "$as_root" = no ]; then
@@ -38,8 +37,8 @@ fi
 
 echo "Installing:$missing"
 export DEBIAN_FRONTEND=noninteractive
-# Another apt may hold a lock (unattended upgrades): wait for it. Only dpkg's lock has an option for that.
-# Its output is of use where it fails.
+# Another apt may hold a lock (unattended upgrades): wait for it. Only dpkg's lock has an option for this.
+# Prints the output only on failure.
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 apt_get() {
@@ -51,5 +50,5 @@ until apt_get update; do
   tries=$((tries + 1))
   sleep 10
 done
-# shellcheck disable=SC2086  # the list is meant to be split
+# shellcheck disable=SC2086  # the list is split into words
 apt_get install -y --no-install-recommends $missing

@@ -129,7 +129,7 @@ step "a leaf in a cage of curves"
 "$programs/leaf_cages" "$data/leaf.svg" --cage "$data/leaf_cage.svg" --pose "$data/leaf_pose.svg" -o out/leaf_cages.svg --png --seconds >>$report
 set -- --turn 6:40 --curve 0:4:0,-60
 "$programs/pose_cage" "$data/leaf_cage.svg" "$@" --figure "$data/leaf.svg" --picture out/leaf_numbers.svg >>$report
-set -- "$data/leaf.svg" --cage "$data/leaf_cage.svg" --coordinates curved --show-cage-lines "$@"
+set -- "$data/leaf.svg" --cage "$data/leaf_cage.svg" --coordinates curved-green --show-cage-lines "$@"
 "$programs/deform_svg" "$@" -o out/leaf_curved.svg
 "$programs/deform_svg" "$@" --disk -o out/leaf_disk.svg
 "$programs/contact_sheet" -o out/leaf.svg --columns 3 --png --png-width 1800 "control points" out/leaf_numbers.svg \
@@ -423,7 +423,7 @@ grid grid_hand out/hand_cage.obj --figure out/hand.obj --accuracy 0.005 --slice 
 # Every grid point of the biped's cage, as numbers.
 awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print x "," y }' >out/biped_points.csv
 "$programs/cage_weights" --cage "$data/biped_cage.svg" --points out/biped_points.csv --coordinates mean-value \
-  --outside keep --report -o out/biped_weights.csv >out/biped_report.txt
+  --outside keep-in-place --report -o out/biped_weights.csv >out/biped_report.txt
 
 step "electrons as waves"
 # One process for each processor: the waves take a third of the time of all pictures. Shadow and spin need the larger lattice.

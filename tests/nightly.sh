@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: sh tests/nightly.sh
-# Runs for hours: all tests, the tables of waves among them; a check of each header alone; all rooms under sanitizers;
-# thousands of icons; drawings in Chromium and Inkscape; 200 mutants of the headers. Prints the commands that failed, and
-# then exits with 1.
+# Runs for hours: all tests, including the tables of waves; a check of each header alone; all rooms under
+# sanitizers; thousands of icons; drawings in Chromium and Inkscape; 200 mutants of the headers. Prints the
+# commands that failed; the exit code is then 1.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 failed=
@@ -11,7 +11,7 @@ campaign() { # COMMAND…
   "$@" || failed="$failed
   $*"
 }
-export CAGEFORM_NIGHTLY=1 # example_tools then prints the tables of waves, which take half a minute
+export CAGEFORM_NIGHTLY=1 # example_tools then prints the tables of waves (30 s)
 campaign sh tests/run.sh nightly
 campaign sh tests/run.sh asan
 campaign sh tests/icons/run.sh

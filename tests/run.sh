@@ -1,14 +1,15 @@
 #!/bin/sh
 # Usage: sh tests/run.sh [PRESET [ROOM…]]
-# Installs what the tests need (Debian 12 and 13), builds and runs them through ctest. PRESET is one of
-#   dev      all tests with g++ and portable flags, and the example programs as a newcomer runs them (the default)
-#   asan     all tests of the library and of the example programs' parsers with clang under the address and undefined
-#            behaviour sanitizers; for line numbers in reports, slower to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
-#   native   the kernels' tests for this processor's registers, with clang
-#   release  what dev tests, and the benchmarks, with the flags that figures are taken with
-#   nightly  what dev tests, with a check of each header alone, as tests/nightly.sh runs it
-# ROOM is a folder in both tests/ and include/cageform/, as clone: only the tests of the given rooms are built and run.
-# One test: ctest --test-dir build -R 'clone_tests:.*rest'. Other presets build in build/PRESET. -N lists tests only.
+# Installs what the tests need (Debian 12 and 13), builds them and runs ctest. PRESET is one of
+#   dev      all tests with g++ and portable flags, and the example programs as a new user runs them (default)
+#   asan     all tests of the library and of the programs' parsers with clang, address and undefined behaviour
+#            sanitizers; for line numbers in reports: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
+#   native   kernel tests with clang and the registers of this processor
+#   release  as dev, with benchmarks, and with the flags of published results
+#   nightly  as dev, with a check of each header alone; used by tests/nightly.sh
+# ROOM is a folder of both tests/ and include/cageform/, such as clone: builds and runs only the tests of
+# these rooms. One test: ctest --test-dir build -R 'clone_tests:.*rest'. Other presets build in build/PRESET.
+# -N lists tests.
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
@@ -50,7 +51,7 @@ case $preset in
       libmpfr-dev"
     ;;
 esac
-# shellcheck disable=SC2086 # the list is meant to be split
+# shellcheck disable=SC2086 # the list is split into words
 sh cmake/install_packages.sh $packages
 cmake --preset "$preset" >/dev/null
 targets='' filter=''
@@ -60,7 +61,7 @@ for room in "$@"; do
 done
 # shellcheck disable=SC2086
 cmake --build "$build" ${targets:+--target $targets}
-# ctest runs the tests. Reasons of skipped tests and commands that repeat failed tests follow.
+# Reasons for skipped tests and commands to repeat failed tests follow the output of ctest.
 code=0
 ctest --test-dir "$build" --no-tests=error --output-on-failure -j "$(nproc 2>/dev/null || echo 2)" ${filter:+-R "$filter"} || code=$?
 sed -n 's/^\(-- \)\{0,1\}skipped: /Skipped: /p' "$build/Testing/Temporary/LastTest.log" | sort -u

@@ -1,4 +1,4 @@
-// Compiles `clone`, so that a debug build of a game plays at the speed of a release.
+// Compiles `clone`, so that debug builds play at release speed.
 #include "instantiate.hpp"
 
 #include <cageform/clone/clone.hpp>

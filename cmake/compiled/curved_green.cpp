@@ -1,4 +1,4 @@
-// Compiles Green coordinates of curved cages, in the plane.
+// Compiles Green coordinates of curved cages (2D).
 #include "instantiate.hpp"
 
 #if CAGEFORM_D == 2

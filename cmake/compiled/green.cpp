@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI {
     CAGEFORM_EVALUATION(T, detail::GreenEvaluation<Cage>)                                                    \
     CAGEFORM_COMPILE auto detail::GreenEvaluation<Cage>::nearest_boundary(const Vec<T, D>&, std::span<T>)    \
         const->Vec<T, D>;                                                                                    \
-    CAGEFORM_COMPILE void detail::GreenEvaluation<Cage>::prepare();
+    CAGEFORM_COMPILE Status detail::GreenEvaluation<Cage>::prepare();
 CAGEFORM_FOR_CAGES(CAGEFORM_GREEN)
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -8,7 +8,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 #define CAGEFORM_MEAN_VALUE(Cage, T, D)                                                                      \
     CAGEFORM_EVALUATION(T, detail::MeanValueEvaluation<Cage>)                                                \
-    CAGEFORM_COMPILE void detail::MeanValueEvaluation<Cage>::prepare();
+    CAGEFORM_COMPILE Status detail::MeanValueEvaluation<Cage>::prepare();
 CAGEFORM_FOR_CAGES(CAGEFORM_MEAN_VALUE)
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,6 +1,6 @@
-# How gdb prints what cageform holds. In ~/.gdbinit or at its prompt:
+# Pretty printers of cageform for gdb. In ~/.gdbinit or at the gdb prompt:
 #     source PREFIX/share/cageform/cageform_gdb.py
-# Types are known by their names without the inline namespace, so that files of any settings are read.
+# Types are matched without the inline namespace, so that all settings work.
 import re
 
 import gdb
@@ -8,7 +8,7 @@ import gdb.printing
 
 
 def short(value):
-    """The name of an enumerator without its namespaces; the number where there is none."""
+    """Returns the name of an enumerator without namespaces, or its number if it has no name."""
     for field in value.type.strip_typedefs().fields():
         if field.enumval == int(value):
             return field.name.rsplit("::", 1)[-1]
@@ -79,7 +79,7 @@ class StridedPoints:
 
 
 class Bound:
-    """Prints a value that has as many points and handles as `counts` of the types below says."""
+    """Prints a value by the numbers of its points and handles; `counts` of the types below computes them."""
 
     def __init__(self, value):
         self.value = value

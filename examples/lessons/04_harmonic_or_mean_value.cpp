@@ -33,7 +33,7 @@ int main() {
     // Harmonic coordinates are solved on a grid. Long solves report progress and can be cancelled.
     cageform::HarmonicOptions options;
     options.resolution = 96;
-    const cageform::UniformHarmonicCoordinates harmonic(cage, options);
+    const cageform::HarmonicCoordinates harmonic(cage, options, cageform::UniformGrid{});
     report_weights("harmonic", harmonic);
 
     const cageform::Running impatient{.progress = [](double done) { return done < 0.3; }};

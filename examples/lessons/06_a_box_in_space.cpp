@@ -14,7 +14,7 @@ int main() {
 
     cageform::HarmonicOptions options;
     options.resolution = 32; // cells along z
-    cageform::UniformHarmonicCoordinates coordinates(cage, options);
+    cageform::HarmonicCoordinates coordinates(cage, options, cageform::UniformGrid{});
     if (coordinates.solve().status != cageform::Status::ok) return 1; // stored: used twice below
     const auto [binding, report] = cageform::bind(coordinates, points);
     std::printf("%zu handles: %s, %zu cycles\n", binding.handle_count(), cageform::to_string(report.status),

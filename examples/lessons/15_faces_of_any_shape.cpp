@@ -27,8 +27,9 @@ int main() {
     std::puts("weights of the lid's corners:");
     cageform::HarmonicOptions options;
     options.resolution = 32;
-    print("harmonic, quads", cageform::UniformHarmonicCoordinates(cage, options));
-    print("harmonic, triangles", cageform::UniformHarmonicCoordinates(cage.triangles(), options));
+    print("harmonic, quads", cageform::HarmonicCoordinates(cage, options, cageform::UniformGrid{}));
+    print("harmonic, triangles",
+          cageform::HarmonicCoordinates(cage.triangles(), options, cageform::UniformGrid{}));
     print("mean value, quads",
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));

@@ -376,7 +376,7 @@ def native_curves(page, folder, *options):
     cage, pose, (points, _), rest = page.saved('#save-cage', 'cat_cage.svg'), pairs(page.pose()), places(page), pairs(rest_of(page))
     table, out = os.path.join(folder, 'points.csv'), os.path.join(folder, 'weights.csv')
     write_points(table, points)
-    subprocess.run([PROGRAMS + 'cage_weights', '--cage', cage, '--points', table, '-o', out, '--coordinates', 'curved', *options],
+    subprocess.run([PROGRAMS + 'cage_weights', '--cage', cage, '--points', table, '-o', out, '--coordinates', 'curved-green', *options],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     with open(out) as file:
         rows = [[float(w) for w in row[1:]] for row in list(csv.reader(file))[1:]]
@@ -476,11 +476,11 @@ def test_curved(page, folder):
         error = farthest(places(page)[1], native_curves(page, folder))
         check(error < 1e-9, 'the figure is where cage_weights has it: %.1e off' % error)
         mine, native = page.saved('#save-svg', 'cat_posed.svg'), os.path.join(folder, 'native.svg')
-        subprocess.run([PROGRAMS + 'deform_svg', DATA + 'cat.svg', '--cage', cage, '--pose', saved, '--coordinates', 'curved', '-o', native],
+        subprocess.run([PROGRAMS + 'deform_svg', DATA + 'cat.svg', '--cage', cage, '--pose', saved, '--coordinates', 'curved-green', '-o', native],
                        check=True, stderr=subprocess.DEVNULL)
         page.run('page.timeline.setTime(1.2)')
         page.click('#key')
-        error = off_animation(page, folder, cage, places(page)[1], '--coordinates', 'curved')
+        error = off_animation(page, folder, cage, places(page)[1], '--coordinates', 'curved-green')
         check(error < 0.08, 'animate_svg plays key frames of the curves: %.3f off, it writes one digit' % error)
         page.key('z', 'KeyZ', modifiers=2)
         difference = compare_pictures(page, open(mine).read(), open(native).read(), same_view=True)

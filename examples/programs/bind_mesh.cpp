@@ -30,6 +30,7 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/binding/pose_samples.hpp>
 
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -67,8 +68,8 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
     return normals;
 }
 
-/// The curves of x, y and z of every vertex. Fails if they exceed single precision.
-Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip& clip) {
+/// The motion, packed exactly and periodic. Fails if it exceeds single precision.
+Expected<cageform::PackedClip<float, 3>> packed_clip(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
     for (std::size_t n = 0; n < 3 * clip.keys[0].places.size(); ++n) {
@@ -85,7 +86,8 @@ Expected<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip&
         }
         curves.emplace_back(std::move(pieces), float(clip.length));
     }
-    return curves;
+    constexpr auto cycle = cageform::Extrapolation::cycle;
+    return cageform::PackedClip<float, 3>(cageform::CageClip<float, 3>(curves, cycle, cycle).view());
 }
 
 constexpr double of_vectors =
@@ -142,10 +144,10 @@ packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector
     return std::move(packed.value);
 }
 
-/// A motion of the cage: its clip, the curves that are packed, and the poses that --max-distance tests.
+/// A motion of the cage: its clip, the packed clip, and the poses that --max-distance tests.
 struct Motion {
     PoseClip clip;
-    std::vector<cageform::PiecewiseCubic<float>> curves;
+    cageform::PackedClip<float, 3> packed;
     SampledPoses poses;
 };
 
@@ -155,9 +157,9 @@ Expected<Motion> motion_of(const Arguments& given, const ObjFile& cage) {
     Motion motion;
     if (clip->keys.empty()) return motion;
     for (PoseKey& key : clip->keys) key.places = counted_from(given.outside.origin, key.places);
-    auto curves = curves_of(*clip);
-    if (!curves) return curves.error();
-    motion = {std::move(*clip), std::move(*curves), {}};
+    auto packed = packed_clip(*clip);
+    if (!packed) return packed.error();
+    motion = {std::move(*clip), std::move(*packed), {}};
     motion.poses = sample_poses(motion.clip);
     return motion;
 }
@@ -250,7 +252,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
     options.weights.tolerance = given.weights.distance * size_of(figure);
-    const std::vector<std::byte> clip = clip_part(motion->curves);
+    const std::string clip_name = std::filesystem::path(motion->clip.name).stem().string();
+    const cageform::FigureClipData clips[] = {{clip_name, motion->packed.bytes()}};
+    if (!motion->packed.bytes().empty()) options.clips = clips;
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
         auto packed = packed_samples(coordinates, cage.name, given.report);
@@ -271,7 +275,6 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
              detail::short_number(origin[2]) + ", for single precision; clone_figure adds this origin");
     }
     const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
-                                              {"CLIP", clip},
                                               {"PINS", samples.bytes()},
                                               {"NRM1", across.bytes()},
                                               {"ORIG", place}};
@@ -329,9 +332,6 @@ int run_program(int argc, char** argv) {
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals need mean-value, harmonic or green");
-    if (given.choice.name == "harmonic" &&
-        given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
-        return fail("--solver averaging-pyramid: normals need the multigrid solver");
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);
 

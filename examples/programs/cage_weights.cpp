@@ -106,13 +106,13 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
         is_extended ? cageform::OutsidePoints::extend : cageform::OutsidePoints::nearest_boundary;
     options.falloff = settings.falloff;
     if (options.falloff > 0 && settings.outside == "extend" && !is_extended)
-        return fail("--falloff: these coordinates are not defined outside: give --outside nearest");
+        return fail("--falloff: these coordinates are not defined outside: give --outside nearest-boundary");
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
     warn_of_closed_gaps(settings.cage_path, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
-    const bool weights_outside = settings.outside == "nearest" || is_extended;
+    const bool weights_outside = settings.outside == "nearest-boundary" || is_extended;
     const double tolerance = coordinates.boundary_tolerance();
     const auto bounds = point_bounds(coordinates.handles());
     ProgressBar bar("binding");
@@ -304,8 +304,9 @@ int run_program(int argc, char** argv) {
                     labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
     line.add("--outside", settings.outside,
-             "treatment of points outside: extend (if the coordinates are defined there), keep or nearest")
-        .one_of({"extend", "keep", "nearest"})
+             "treatment of points outside: extend (if the coordinates are defined there), keep-in-place or "
+             "nearest-boundary")
+        .one_of(outside_words())
         .show_default();
     OutsideChoice::add_falloff(line, settings.falloff);
     line.add("--linear-precision", settings.linear_precision,
@@ -320,8 +321,8 @@ int run_program(int argc, char** argv) {
     settings.choice.in_space = true;
     settings.choice.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (settings.falloff > 0 && settings.outside == "keep")
-        return fail("--falloff: with --outside keep no point outside moves");
+    if (settings.falloff > 0 && settings.outside == "keep-in-place")
+        return fail("--falloff: with --outside keep-in-place no point outside moves");
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);
 }
 

@@ -6,6 +6,7 @@
 //     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface
 //     surface.png
 
+#include "averaging/averaged_coordinates.hpp"
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -15,8 +16,6 @@
 #include "io/messages.hpp"
 #include "pictures/field_plot.hpp"
 
-#include <cageform/papers/detail/rasterise.hpp>
-
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -24,6 +23,8 @@
 namespace {
 
 using namespace cageform_support;
+namespace averaging = cageform_sources::averaging;
+using cageform_sources::averaged_coordinates;
 
 struct Arguments {
     std::string cage, out, zoom, classes;
@@ -32,6 +33,7 @@ struct Arguments {
     bool is_coordinate = true;
     bool y_up = false;
     bool is_lattice = false;
+    bool is_averaged = false; // harmonic: by the papers' solver
     FieldStyle style;
     SurfaceView view;
     CoordinatesChoice choice;
@@ -73,7 +75,9 @@ Expected<std::vector<double>> parse_values(const std::string& text, const CageFi
 class CoordinateField {
 public:
     CoordinateField(const Arguments& given, const CageFile& cage)
-        : coordinates_(make_coordinates<double>(given.choice, cage)) {
+        : coordinates_(given.is_averaged && given.choice.name == "harmonic"
+                           ? averaged_coordinates(given.choice, cage)
+                           : make_coordinates<double>(given.choice, cage)) {
         for (std::size_t i = 0; i < given.values.size(); ++i) {
             if (given.values[i] != 0) terms_.emplace_back(i, given.values[i]);
         }
@@ -241,8 +245,8 @@ Expected<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, 
 Picture draw_classes(const Arguments& given, const CageFile& cage) {
     const auto polygon = cage.polygon<double>();
     const std::size_t resolution = given.choice.resolution != 0 ? given.choice.resolution : 128;
-    const auto domain = cageform::grid::rasterise(
-        polygon, cageform::grid::lattice_about(cageform::bounds_of(polygon.vertices()), resolution));
+    const auto domain = averaging::rasterise(
+        polygon, averaging::lattice_about(cageform::bounds_of(polygon.vertices()), resolution));
     const auto& [columns, rows] = domain.lattice.cells;
     const double scale =
         2 * double(given.style.size) / double(std::max(columns, rows)); // pixels per cell, supersampled
@@ -258,7 +262,7 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
         const std::size_t row = std::min(std::size_t((from_below + 0.5) / scale), rows - 1);
         for (std::size_t x = 0; x < fine.width(); ++x) {
             const std::size_t column = std::min(std::size_t((double(x) + 0.5) / scale), columns - 1);
-            using Tag = cageform::grid::CellTag;
+            using Tag = averaging::CellTag;
             const Tag tag = domain.tags[row * columns + column];
             fine.at(x, y) = tag == Tag::boundary   ? Colour{0.95f, 0.65f, 0.25f}
                             : tag == Tag::interior ? Colour{0.68f, 0.82f, 0.95f}
@@ -316,6 +320,16 @@ int run_program(int argc, char** argv) {
     given.view.add_options(line);
     given.choice.in_plane = given.choice.with_normals = true;
     given.choice.add_options(line);
+    line.add_text(
+            "--solver", [&](const std::string& word) { given.is_averaged = word == "averaging-pyramid"; },
+            "harmonic: averaging-pyramid, the solver of the papers on a uniform grid, as a baseline")
+        .check([](const std::string& word) {
+            return word == "multigrid" || word == "averaging-pyramid"
+                       ? std::string()
+                       : "\"" + word + "\" is not one of multigrid, averaging-pyramid";
+        })
+        .show_default("multigrid")
+        .rarely_needed();
     line.set_footer(cage_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -5,6 +5,7 @@
 //     pose_cage character_cage.obj --bend 'x>0:xy,0.2,0.3,-60' -o pose.obj --picture pose.png
 
 #include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "io/atomic_file.hpp"
@@ -59,9 +60,9 @@ Expected<ViewBox> view_of(const CageFile& cage) {
 }
 
 int pose_in_plane(const Arguments& given) {
-    const auto cage = load_cage(given.cage, given.coordinates.empty()       ? CageEdges::as_drawn
-                                            : given.coordinates == "curved" ? CageEdges::curves
-                                                                            : CageEdges::lines);
+    const auto cage = load_cage(given.cage, given.coordinates.empty()             ? CageEdges::as_drawn
+                                            : given.coordinates == "curved-green" ? CageEdges::curves
+                                                                                  : CageEdges::lines);
     if (!cage) return fail(to_string(cage.error()));
     if (ending_of(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
@@ -103,8 +104,8 @@ int pose_in_space(const Arguments& given) {
         return fail("-o " + given.out + ": the cage lies in space: write .obj");
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
-    if (given.coordinates == "curved")
-        return fail("--coordinates curved: " + given.cage + " lies in space, and curves in the plane");
+    if (given.coordinates == "curved-green")
+        return fail("--coordinates curved-green: " + given.cage + " lies in space, and curves in the plane");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     const auto parts = cage_parts(*cage);
     const auto pose = posed<3>(given, cage->vertices, cage->lattice, nullptr, &parts);
@@ -125,12 +126,12 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("cage", given.cage, "an SVG or CSV file, in space an OBJ file, or a .lattice.json file")
         .required();
+    CoordinatesChoice of_coordinates;
+    of_coordinates.in_plane = of_coordinates.with_normals = true;
     line.add("--coordinates", given.coordinates,
-             "the coordinates of the pose: with curved the edges of a polygon are posed as cubics "
-             "too, "
-             "with others a path with curves is refused")
-        .one_of(
-            {"barycentric", "mean-value", "harmonic", "wachspress", "discrete-harmonic", "green", "curved"});
+             "the coordinates of the pose: with curved-green the edges of a polygon are posed as "
+             "cubics too, with others a path with curves is refused")
+        .one_of(of_coordinates.names());
     given.choice.in_plane = true;
     given.choice.add_options(line);
     line.add("-o,--output", given.out, "the pose to write: .svg or .csv; in space .obj")

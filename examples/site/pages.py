@@ -28,16 +28,9 @@ ROOMS = {
     "pose": "pins on the figure move the cage",
     "fields": "the same solvers for your own data",
     "exchange": "curves of other programs",
-    "papers": "the historical baseline",
     "skeleton": "bones found in any sequence of meshes",
 }
-SOLVERS = ("grid/", "papers/")  # what their public headers need of their machinery is no user's concern
-# The coordinate types in the order of the menu: the page's file and its name there.
-TYPES = [
-    ("barycentric", "Barycentric"), ("mean_value", "Mean value"), ("three_point", "Wachspress and family"),
-    ("harmonic", "Harmonic"), ("green", "Green"), ("curved_green", "Cages of curves"), ("sibson", "Natural neighbours"), ("lattice", "Lattices"), ("blended", "Blended"),
-]
-
+SOLVERS = ("grid/",)  # what their public headers need of their machinery is no user's concern
 # Other languages and programs in the order of the menu: the page, its name there, and the README that it shows.
 LANGUAGES = [
     ("c", "C", "include/cageform/c/README.md"), ("python", "Python", "examples/bindings/python/README.md"),
@@ -54,6 +47,12 @@ def read(path):
 def files(folder, ending):
     path = os.path.join(ROOT, folder)
     return sorted(name for name in os.listdir(path) if name.endswith(ending)) if os.path.isdir(path) else []
+
+
+def types():
+    """The headers of coordinate types, which are the names of their pages too, with the titles of these."""
+    headers = re.findall(r"#include <cageform/coordinates/(\w+)\.hpp>", read("include/cageform/coordinates/types.hpp"))
+    return [(header, re.match(r"# (.*)", read("%s/%s.md" % (SITE, header)))[1].replace(" coordinates", "")) for header in headers]
 
 
 # ---- headers -----------------------------------------------------------------------------------
@@ -127,14 +126,16 @@ def in_room(text, room):
     return re.sub(r"^} // namespace [\w:]+$", lambda m: "/// @}\n" + m[0], text, flags=re.M)
 
 
-def statuses(text):
-    """The enumerators of Status, which a macro lists, with what `to_string` says of them."""
-    named = re.findall(r"X\((\w+),\s*\"([^\"]*)\"\)", text)
-    body = "\n".join("    %s, ///< %s" % (name, escaped(says)) for name, says in named)
-    macro = r"// clang-format off\n#define CAGEFORM_DETAIL_STATUSES.*?// clang-format on\n"
-    text = re.sub(macro, "", text, flags=re.S)
-    return re.sub(r"(enum class \[\[nodiscard\]\] Status : std::uint8_t) *\{.*?\n};",
-                  lambda m: m[1] + " {\n" + body + "\n};", text, count=1, flags=re.S)
+def enumerators(text):
+    """The enumerators that a macro lists, with what the list says of them."""
+    macros = dict(re.findall(r"#define (CAGEFORM_\w+)\(X\)(.*?)// clang-format on", text, flags=re.S))
+
+    def body(found):
+        named = re.findall(r"X\((\w+),[^\"]*\"([^\"]*)\"", macros[found[2]])
+        return found[1] + " {\n" + "\n".join("    %s, ///< %s" % (name, escaped(says)) for name, says in named) + "\n};"
+
+    text = re.sub(r"(enum class (?:\[\[nodiscard\]\] )?\w+ : std::uint\d+_t) *\{\n#define .*?\n +(CAGEFORM_\w+)\(.*?\n};", body, text, flags=re.S)
+    return re.sub(r"(?://[^\n]*\n)*// clang-format off\n#define CAGEFORM_\w+\(X\).*?// clang-format on\n", "", text, flags=re.S)
 
 
 def without_machinery(text):
@@ -149,8 +150,8 @@ def without_machinery(text):
 
 def doxygen_header(path):
     text = read("include/cageform/" + path)
-    if "CAGEFORM_DETAIL_STATUSES(X)" in text:
-        text = statuses(text)
+    if "(X) " in text:
+        text = enumerators(text)
     text = without_machinery(text)
     out, lines = [], text.split("\n")
     n = 0
@@ -200,7 +201,8 @@ def public_headers():
     for folder, _, names in sorted(os.walk(root)):
         for name in sorted(names):
             path = os.path.relpath(os.path.join(folder, name), root)
-            if name.endswith(".hpp") and path not in public and not path.startswith(SOLVERS):
+            if name.endswith(".hpp") and path not in public and (
+                    "/types/" in path or not path.startswith(SOLVERS)):
                 text = without_machinery(read("include/cageform/" + path))
                 declared = re.findall(r"^(?:enum class|struct|class) (\w+)[^;\n]*\{", text, flags=re.M)
                 if used.intersection(declared):
@@ -276,6 +278,17 @@ def readme_code():
     code = re.search(r"```cpp\n.*?```", text, flags=re.S)[0]
     printed = re.search(r"```text\n.*?```", text[text.index(code):], flags=re.S)[0]
     return code + "\n\nprints\n\n" + printed
+
+
+def type_table():
+    """The README's table of coordinate types, with links to their pages."""
+    table = re.search(r"\| type \| cage \|.*?\n\n", read("README.md"), flags=re.S)[0]
+    for header, title in types():
+        name = "`%sCoordinates`" % "".join(word.capitalize() for word in header.split("_"))
+        if name not in table:
+            sys.exit("README.md: the table of coordinate types has no " + name)
+        table = table.replace(name, "\\ref %s \"%s\"" % (header, title))
+    return table
 
 
 def play():
@@ -377,7 +390,7 @@ def layout(lessons):
         return "".join(tab % (url, title.replace("&", "&amp;")) for url, title in entries)
     menu = "<tab type=\"mainpage\" visible=\"no\"/>"
     menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
-        [("coordinates", "Which one?")] + TYPES)
+        [("coordinates", "Which one?")] + types())
     menu += "<tab type=\"usergroup\" url=\"@ref lessons\" title=\"Lessons\">%s</tab>" % tabs(lessons)
     menu += tabs([("gallery", "Gallery"), ("programs", "Programs"), ("sources", "Sources"), ("play", "Play"), ("speed", "Speed")])
     menu += "<tab type=\"usergroup\" url=\"@ref rooms\" title=\"Reference\">%s%s</tab>" % (
@@ -445,7 +458,7 @@ def main(out):
     for path in ["CHANGELOG.md"] + [SITE + "/" + name for name in files(SITE, ".md")]:
         check_paths(path, read(path))
         text = relinked(read(path), os.path.dirname(path), headers).replace("@README_CODE@", readme_code())
-        text = text.replace("@PLAY@", play())
+        text = text.replace("@PLAY@", play()).replace("@TYPES@", type_table())
         write_page(label_of(path), text)
     write("layout.xml", layout(entries))
     print("%d public headers, %d of the machinery, %d lessons" % (len(public), len(more), len(names)))

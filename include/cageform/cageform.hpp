@@ -6,6 +6,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/compose.hpp>
+#include <cageform/binding/make_coordinates.hpp>
 #include <cageform/binding/pose_samples.hpp>
 #include <cageform/cage/box_mesh.hpp>
 #include <cageform/cage/control_points.hpp>
@@ -16,16 +17,8 @@
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/blended.hpp>
-#include <cageform/coordinates/curved_green.hpp>
-#include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/lattice/refine.hpp>
-#include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/sibson.hpp>
-#include <cageform/coordinates/three_point.hpp>
+#include <cageform/coordinates/types.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/fields/dirichlet.hpp>
 #include <cageform/fields/strokes.hpp>

@@ -204,7 +204,7 @@ TEMPLATE_TEST_CASE("a clip far from time zero plays as near it, also from its by
     CHECK(same);
 }
 
-TEST_CASE("a cursor with memory of its own is copied with it; one in the caller's shares it",
+TEST_CASE("a cursor with memory of its own is copied with it, one in the caller's shares it",
           "[animate][clip_blob]") {
     Random random(4);
     const auto clip = random_clip<double, 2>(random, 9);

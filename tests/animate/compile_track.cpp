@@ -278,7 +278,7 @@ TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][
     }
 }
 
-TEST_CASE("automatic: Fritsch and Butland's slopes; the chord's into a hold", "[animate][track][kinds]") {
+TEST_CASE("automatic: Fritsch and Butland's slopes, the chord's into a hold", "[animate][track][kinds]") {
     const std::array keys{key(0, 0), key(1, 2), key(4, 3, KeyKind::automatic), key(6, 7, KeyKind::hold),
                           key(7, 0)};
     const auto compiled = compile<double>(keys);

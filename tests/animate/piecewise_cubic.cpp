@@ -294,7 +294,7 @@ TEMPLATE_TEST_CASE("a quantised curve is within its bound", "[animate][quantised
     }
 }
 
-TEST_CASE("a constant is quantised without a loss; none is no curve", "[animate][quantised]") {
+TEST_CASE("a constant is quantised without a loss, none is no curve", "[animate][quantised]") {
     const QuantisedCubic<double> constant(PiecewiseCubic<double>({{1, 0.3, 0, 0, 0}}, 4));
     CHECK(constant(-1) == 0.3);
     CHECK(constant(2) == 0.3);

@@ -1,4 +1,5 @@
 // From a coordinate type and points to a binding, and whether the report tells the truth.
+#include "averaging/pyramid_solver.hpp"
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -11,7 +12,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <array>
@@ -28,6 +29,8 @@ using cageform::epsilon;
 using cageform::LinearPrecision;
 using cageform::OutsidePoints;
 using cageform::Polygon;
+using cageform::UniformGrid;
+using cageform_sources::averaging::AveragingSolver;
 
 namespace {
 
@@ -38,14 +41,11 @@ using Mean = cageform::MeanValueCoordinates<T, 2>;
 /// Harmonic coordinates on a coarse grid unless told otherwise, by the solver that leaves something to
 /// restore.
 template <class T>
-struct Harmonic : cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid> {
+struct Harmonic : cageform::HarmonicCoordinates<T, 2> {
     template <class Cage>
-    explicit Harmonic(
-        const Cage& cage,
-        const cageform::HarmonicOptions& options = {.solver = cageform::HarmonicSolver::averaging_pyramid,
-                                                    .resolution = 32,
-                                                    .averaging = {.tolerance = 1e-6}})
-        : Harmonic::HarmonicCoordinates(cage, options) {}
+    explicit Harmonic(const Cage& cage, const cageform::HarmonicOptions& options = {.resolution = 32},
+                      const typename Harmonic::Solver& solver = AveragingSolver{})
+        : Harmonic::HarmonicCoordinates(cage, options, solver) {}
 };
 
 using Indices = std::vector<std::size_t>;
@@ -265,23 +265,20 @@ TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[
 TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", "[binding][status]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto status_of = [](const cageform::HarmonicOptions& options) {
-        const auto result = cageform::bind(Harmonic<T>(square<T>, options), Points2<T>{{1, 1}});
+    const auto status_of = [](const cageform::HarmonicOptions& options, const auto& solver) {
+        const auto result = cageform::bind(Harmonic<T>(square<T>, options, solver), Points2<T>{{1, 1}});
         CHECK(result.value.point_count() == 0);
         CHECK(result.report.cage.status == Status::ok);
         return result.report.status;
     };
-    CHECK(status_of({.resolution = 4}) == Status::resolution_not_supported);
-    CHECK(status_of({.resolution = 32, .multigrid = {.tolerance = 0}}) == Status::tolerance_not_positive);
-    CHECK(status_of({.resolution = 32, .multigrid = {.tolerance = 1e-300, .max_cycles = 1}}) ==
-          Status::not_converged);
-    constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
-    CHECK(status_of({.solver = pyramid, .resolution = 32, .averaging = {.tolerance = 0}}) ==
+    CHECK(status_of({.resolution = 4}, UniformGrid{}) == Status::resolution_not_supported);
+    CHECK(status_of({.resolution = 32, .multigrid = {.tolerance = 0}}, UniformGrid{}) ==
           Status::tolerance_not_positive);
-    CHECK(status_of({.solver = pyramid, .resolution = 32, .averaging = {.max_sweeps = 1}}) ==
+    CHECK(status_of({.resolution = 32, .multigrid = {.tolerance = 1e-300, .max_cycles = 1}}, UniformGrid{}) ==
           Status::not_converged);
 
-    const auto result = cageform::bind(Harmonic<T>(square<T>, {.resolution = 32}), Points2<T>{{1, 1}});
+    const auto result =
+        cageform::bind(Harmonic<T>(square<T>, {.resolution = 32}, UniformGrid{}), Points2<T>{{1, 1}});
     REQUIRE(result.report.status == Status::ok);
     CHECK(result.report.solver.solves == 4);
     CHECK(result.report.solver.cells > 0);

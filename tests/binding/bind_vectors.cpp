@@ -3,6 +3,7 @@
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
 #include "../support/figures.hpp"
+#include "../support/uniform_harmonic.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/any_coordinates.hpp>
@@ -10,7 +11,6 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <cstring>
@@ -31,10 +31,7 @@ using Bary = cageform::BarycentricCoordinates<T, D>;
 template <class T, std::size_t D>
 using Mean = cageform::MeanValueCoordinates<T, D>;
 template <class T>
-struct Harmonic : cageform::UniformHarmonicCoordinates<T, 2> {
-    explicit Harmonic(const Polygon<T>& cage)
-        : cageform::UniformHarmonicCoordinates<T, 2>(cage, {.resolution = 64}) {}
-};
+using Harmonic = cageform_tests::UniformHarmonic<T, 2>;
 
 /// A coordinate type over a random cage, and points inside and on it.
 template <class C>

@@ -3,6 +3,7 @@
 #include "../support/bindings.hpp"
 #include "../support/effort.hpp"
 #include "../support/figures.hpp"
+#include "../support/uniform_harmonic.hpp"
 
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/clone/folds.hpp>
@@ -13,7 +14,6 @@
 #include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 
 #include <cstring>
 
@@ -40,10 +40,7 @@ using Curved = cageform::CurvedGreenCoordinates<T>;
 template <class T, std::size_t D>
 using Sibson = cageform::SibsonCoordinates<T, D>;
 template <class T>
-struct Harmonic : cageform::UniformHarmonicCoordinates<T, 2> {
-    explicit Harmonic(const Polygon<T>& cage)
-        : cageform::UniformHarmonicCoordinates<T, 2>(cage, {.resolution = 64}) {}
-};
+using Harmonic = cageform_tests::UniformHarmonic<T, 2>;
 
 /// A lattice whose axes are neither as long nor at right angles.
 template <class T, std::size_t D>

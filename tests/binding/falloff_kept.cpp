@@ -3,6 +3,7 @@
 #include "../support/bindings.hpp"
 #include "../support/figures.hpp"
 #include "../support/packed.hpp"
+#include "../support/uniform_harmonic.hpp"
 
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/binding/compose.hpp>
@@ -12,7 +13,6 @@
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 
 #include <cstring>
 
@@ -53,8 +53,8 @@ Points2<T> points_in_and_out(const Polygon<T>& cage, std::size_t count, std::uin
 }
 
 /// A solver that must not be asked: its `solve` fails the test.
-struct Unsolvable : cageform::UniformHarmonicCoordinates<double, 2> {
-    using cageform::UniformHarmonicCoordinates<double, 2>::UniformHarmonicCoordinates;
+struct Unsolvable : cageform_tests::UniformHarmonic<double, 2> {
+    using cageform_tests::UniformHarmonic<double, 2>::UniformHarmonic;
     cageform::Evaluation solve(const cageform::Running& = {}) {
         FAIL_CHECK("nothing is solved for a bind that is refused");
         return {};

@@ -220,11 +220,11 @@ TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harm
     Random random(4);
     Points2<double> points;
     for (int n = 0; n < 40; ++n) points.push_back(random_inside(cage, random));
-    check(cageform::UniformHarmonicCoordinates<double, 2>(cage, {.resolution = 64}), points,
+    check(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64}, cageform::UniformGrid{}), points,
           random_directions<double, 2>(40, 4));
     const auto mesh = sphere(1).mesh<float>();
-    check(cageform::UniformHarmonicCoordinates<float, 3>(mesh, {.resolution = 16}), points_in(mesh, 40, 4),
-          random_directions<float, 3>(40, 4));
+    check(cageform::HarmonicCoordinates<float, 3>(mesh, {.resolution = 16}, cageform::UniformGrid{}),
+          points_in(mesh, 40, 4), random_directions<float, 3>(40, 4));
 }
 
 TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[figure][status]") {
@@ -251,7 +251,7 @@ TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[fig
     CHECK(faulty.report.status == Status::cage_self_crossing);
     CHECK(faulty.report.points.cage.status == Status::cage_self_crossing);
     const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    const cageform::UniformHarmonicCoordinates<double, 2> coarse(square, {.resolution = 2});
+    const cageform::HarmonicCoordinates<double, 2> coarse(square, {.resolution = 2}, cageform::UniformGrid{});
     const auto refused = cageform::bind(coarse, FigurePoints{one, one});
     CHECK(refused.report.status == Status::resolution_not_supported);
     CHECK(refused.report.points.status == Status::resolution_not_supported);
@@ -283,9 +283,9 @@ TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") 
         CHECK(told.back() == Approx(1));
         told.clear();
     };
-    const auto [figure, report] =
-        cageform::bind(cageform::UniformHarmonicCoordinates<float, 3>(mesh, {.resolution = 16}),
-                       FigurePoints{points, normals}, {}, running);
+    const auto [figure, report] = cageform::bind(
+        cageform::HarmonicCoordinates<float, 3>(mesh, {.resolution = 16}, cageform::UniformGrid{}),
+        FigurePoints{points, normals}, {}, running);
     check();
     REQUIRE(cageform::pack(figure, {.weights = {.largest = 6}}, running).report.status == Status::ok);
     check();

@@ -238,7 +238,7 @@ TEST_CASE("a clip of a cage whose handles are also vectors is of its vertices", 
     }
 }
 
-TEST_CASE("figures without clips and levels are of version 1; parts of its users keep their tags",
+TEST_CASE("figures without clips and levels are of version 1, parts of its users keep their tags",
           "[figure][clips][version]") {
     const auto& figure = small_figure();
     const auto bare = cageform::pack(figure);

@@ -187,7 +187,7 @@ TEST_CASE("affine displacements come back for every smoothness, from few points 
     }
 }
 
-TEST_CASE("no other pose follows better; frozen handles stay", "[binding][lattice][property]") {
+TEST_CASE("no other pose follows better, frozen handles stay", "[binding][lattice][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
     RandomFigure<double, 2> figure(seed, 200);
@@ -319,7 +319,7 @@ TEST_CASE("handles without points are listed, and placed by smoothness alone", "
           Status::fit_not_determined);
 }
 
-TEST_CASE("input that a fit cannot use is refused by name; points that are not finite are skipped",
+TEST_CASE("input that a fit cannot use is refused by name, points that are not finite are skipped",
           "[binding][lattice][faults]") {
     RandomFigure<double, 2> figure(3, 50);
     const auto displacements = figure.displacements(figure.random_pose());

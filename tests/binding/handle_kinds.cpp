@@ -501,7 +501,7 @@ TEMPLATE_TEST_CASE("bones that cannot be bound are refused by number", "[handle_
     CHECK(sound.bind(sound.shares, {}, running).report.status == Status::cancelled);
 }
 
-TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone; collapsed faces are counted",
+TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone, collapsed faces are counted",
                    "[handle_kinds][status]", Double2, Float3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;

@@ -59,7 +59,7 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
     const Points2<double> square{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}};
     const Points2<double> points{{0.5, 0.5}, {1.5, 0.7}, {1, 0}, {3, 1}, {0.5, 1.5}};
     const cageform::MeanValueCoordinates<double, 2> mean_value(square);
-    cageform::UniformHarmonicCoordinates<double, 2> harmonic(square, {.resolution = 8});
+    cageform::HarmonicCoordinates<double, 2> harmonic(square, {.resolution = 8}, cageform::UniformGrid{});
     for (const auto outside : {cageform::OutsidePoints::extend, cageform::OutsidePoints::nearest_boundary}) {
         const BindOptions options{.outside = outside};
         fail_in_turn("bind", [&] { return bind(mean_value, points, options).report.status; });
@@ -74,7 +74,7 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
                      [&] { return bind_vectors(mean_value, points, points, fading).report.status; });
     }
     fail_in_turn("solve", [&] {
-        cageform::UniformHarmonicCoordinates<double, 2> fresh = harmonic;
+        cageform::HarmonicCoordinates<double, 2> fresh = harmonic;
         return fresh.solve().status;
     });
     REQUIRE(harmonic.solve().status == Status::ok);
@@ -101,9 +101,9 @@ TEST_CASE("every allocation that fails in space is a status", "[binding][status]
     const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     const std::vector<Point> points{{0.2f, 0.2f, 0.2f}, {0.1f, 0.3f, 0.2f}};
     const cageform::MeanValueCoordinates<float, 3> mean_value(vertices, faces);
-    const cageform::UniformHarmonicCoordinates<float, 3> harmonic(
+    const cageform::HarmonicCoordinates<float, 3> harmonic(
         cageform::TriangleMesh<float>(std::vector<Point>(vertices.begin(), vertices.end() - 1), faces),
-        {.resolution = 8});
+        {.resolution = 8}, cageform::UniformGrid{});
     fail_in_turn("bind", [&] { return bind(mean_value, points).report.status; });
     fail_in_turn("bind harmonic", [&] { return bind(harmonic, points).report.status; });
 }
@@ -120,7 +120,8 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
     fail_in_turn("mean value",
                  [&] { return cageform::MeanValueCoordinates<double, 2>(square).cage_report().status; });
     fail_in_turn("harmonic", [&] {
-        const cageform::UniformHarmonicCoordinates<double, 2> coordinates(square, {.resolution = 8});
+        const cageform::HarmonicCoordinates<double, 2> coordinates(square, {.resolution = 8},
+                                                                   cageform::UniformGrid{});
         CHECK((coordinates.handles().size() == 5 || coordinates.cage_report().status != Status::ok));
         return coordinates.cage_report().status;
     });
@@ -179,7 +180,7 @@ TEMPLATE_TEST_CASE("coordinates that were moved from bind nothing, and say so, o
     // NOLINTBEGIN(bugprone-use-after-move): what is tested
     CHECK(bind(mean_value, points).report.status == Status::coordinates_empty);
     CHECK(bind_vectors(mean_value, points, points).report.status == Status::coordinates_empty);
-    cageform::UniformHarmonicCoordinates<T, 2> harmonic(square, {.resolution = 8});
+    cageform::HarmonicCoordinates<T, 2> harmonic(square, {.resolution = 8}, cageform::UniformGrid{});
     const auto shared = std::move(harmonic);
     CHECK(bind(shared, points).report.status == Status::ok);
     CHECK(bind(harmonic, points).report.status == Status::ok);

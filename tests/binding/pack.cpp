@@ -549,7 +549,7 @@ TEMPLATE_TEST_CASE("without poses a tolerance holds for all that bend no farther
 }
 
 TEST_CASE(
-    "eight weights of a bent box are a tenth of it off, and the report says so; a tolerance takes fewer",
+    "eight weights of a bent box are a tenth of it off, and the report says so, a tolerance takes fewer",
     "[pack][tolerance]") {
     // A box of 2 by 2 by 4 faces, 42 vertices, bent by a right angle.
     const cageform_tests::MeshData box = divided_box({2, 2, 4}, 0.5);

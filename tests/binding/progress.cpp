@@ -74,8 +74,10 @@ TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[co
     check_bind("Wachspress", cageform::WachspressCoordinates<double>(cageform::Polygon<double>(triangle)),
                points);
     using Harmonic = cageform::HarmonicCoordinates<double, 2>;
-    check_binds("harmonic, uniform",
-                cageform::UniformHarmonicCoordinates<double, 2>(polygon, {.resolution = 32}), points);
+    check_binds(
+        "harmonic, uniform",
+        cageform::HarmonicCoordinates<double, 2>(polygon, {.resolution = 32}, cageform::UniformGrid{}),
+        points);
     check_bind("harmonic, adaptive", Harmonic(polygon, {.accuracy = 0.05}), points);
 
     const auto fine = cageform::bind(plane, points).value, coarse = cageform::bind(simple, star).value;
@@ -105,7 +107,8 @@ TEST_CASE("progress never falls and ends with 1: in space", "[core][running][pro
     const cageform::MeanValueCoordinates<double, 3> closed_form(mesh);
     check_bind("mean value, space", closed_form, points);
     check_binds("harmonic, uniform",
-                cageform::UniformHarmonicCoordinates<double, 3>(mesh, {.resolution = 16}), points);
+                cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 16}, cageform::UniformGrid{}),
+                points);
     const auto figure = cageform::bind(closed_form, cageform::FigurePoints{points, points}).value;
     check_progress("pack, a figure", [&](const Running& r) { return cageform::pack(figure, {}, r); });
     check_progress("rebind_cage",

@@ -220,9 +220,10 @@ TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
     Random random(4);
     Points2<double> inside;
     for (int i = 0; i < 20; ++i) inside.push_back(random_inside(cage, random, 0.01));
-    const auto harmonic =
-        cageform::bind(cageform::UniformHarmonicCoordinates<double, 2>(cage, {.resolution = 64}), inside)
-            .value;
+    const auto harmonic = cageform::bind(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64},
+                                                                                  cageform::UniformGrid{}),
+                                         inside)
+                              .value;
     const auto all = cageform::skin_weights(harmonic, {.influences = harmonic.handle_count()});
     CHECK(all.report.weight_error.value <= 1e-5);
 }

@@ -28,13 +28,13 @@ namespace {
 
 using Sizes = std::vector<std::size_t>;
 
-/// The faults of a report without regard to their order.
+/// The faults of a report, regardless of their order.
 using Faults = std::set<std::tuple<CageFaultKind, std::size_t, std::size_t>>;
 
 Faults faults_of(const CageReport& report) {
     Faults faults;
     for (const auto& fault : report.faults) faults.emplace(fault.kind, fault.a, fault.b);
-    CHECK(faults.size() == report.faults.size()); // each is reported once
+    CHECK(faults.size() == report.faults.size()); // no duplicates
     return faults;
 }
 
@@ -69,7 +69,7 @@ Points2<T> transformed(Points2<T> points, T scale, Vec<T, 2> move) {
     return points;
 }
 
-// ---- polygons with small integer coordinates, for which everything can be decided exactly ----
+// ---- polygons with small integer coordinates, with an exact reference ---------------------------
 
 using Corner = std::array<int, 2>;
 
@@ -113,11 +113,41 @@ IntegerPolygon random_integer_polygon(Random& random) {
     return polygon;
 }
 
-/// Every pair of edges and every vertex, in whole numbers.
+struct Edge {
+    std::size_t i, j;
+};
+
+/// The warnings of a polygon without faults.
+Faults warnings_of(const IntegerPolygon& polygon, const std::vector<Edge>& edges) {
+    Faults faults;
+    const auto& p = polygon.corners;
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k < polygon.sizes.size(); begin += polygon.sizes[k++]) {
+        const std::size_t size = polygon.sizes[k];
+        int area = 0;
+        for (std::size_t n = 0; n < size; ++n) {
+            const auto& a = p[begin + (n + size - 1) % size];
+            const auto& b = p[begin + n];
+            const auto& c = p[begin + (n + 1) % size];
+            if (turn(a, b, c) == 0) faults.emplace(CageFaultKind::collinear_vertex, begin + n, 0);
+            area += b[0] * c[1] - b[1] * c[0];
+        }
+        // For at most two loops: a loop is a hole if the other one winds around its first vertex.
+        double winding = 0;
+        for (const Edge& e : edges) {
+            if (e.i >= begin && e.i < begin + size) continue;
+            const Vec<double, 2> u{double(p[e.i][0] - p[begin][0]), double(p[e.i][1] - p[begin][1])};
+            const Vec<double, 2> v{double(p[e.j][0] - p[begin][0]), double(p[e.j][1] - p[begin][1])};
+            winding += std::atan2(cross(u, v), dot(u, v));
+        }
+        if ((area < 0) != (std::fabs(winding) > 1))
+            faults.emplace(CageFaultKind::loop_orientation_reversed, k, 0);
+    }
+    return faults;
+}
+
+/// Tests every pair of edges and every vertex in integers.
 Faults brute_force(const IntegerPolygon& polygon) {
-    struct Edge {
-        std::size_t i, j;
-    };
     Faults faults;
     std::vector<Edge> edges;
     std::size_t begin = 0;
@@ -152,32 +182,10 @@ Faults brute_force(const IntegerPolygon& polygon) {
     }
     if (!faults.empty()) return faults;
 
-    begin = 0;
-    for (std::size_t k = 0; k < polygon.sizes.size(); begin += polygon.sizes[k++]) {
-        const std::size_t size = polygon.sizes[k];
-        int area = 0;
-        for (std::size_t n = 0; n < size; ++n) {
-            const auto& a = p[begin + (n + size - 1) % size];
-            const auto& b = p[begin + n];
-            const auto& c = p[begin + (n + 1) % size];
-            if (turn(a, b, c) == 0) faults.emplace(CageFaultKind::collinear_vertex, begin + n, 0);
-            area += b[0] * c[1] - b[1] * c[0];
-        }
-        // With two loops at most: a hole is a loop whose first vertex the other one winds around.
-        double winding = 0;
-        for (const Edge& e : edges) {
-            if (e.i >= begin && e.i < begin + size) continue;
-            const Vec<double, 2> u{double(p[e.i][0] - p[begin][0]), double(p[e.i][1] - p[begin][1])};
-            const Vec<double, 2> v{double(p[e.j][0] - p[begin][0]), double(p[e.j][1] - p[begin][1])};
-            winding += std::atan2(cross(u, v), dot(u, v));
-        }
-        if ((area < 0) != (std::fabs(winding) > 1))
-            faults.emplace(CageFaultKind::loop_orientation_reversed, k, 0);
-    }
-    return faults;
+    return warnings_of(polygon, edges);
 }
 
-/// Facets of all sizes: scattered, slivers about a few places that they share, parallel slivers.
+/// Facets of all sizes: scattered, slivers at a few common points, parallel slivers.
 template <std::size_t D>
 std::vector<cageform::detail::Facet<D>> random_facets(Random& random, std::vector<std::uint32_t>& groups) {
     std::vector<Vec<double, D>> vertices;
@@ -213,7 +221,7 @@ std::vector<cageform::detail::Facet<D>> random_facets(Random& random, std::vecto
     return facets;
 }
 
-/// Returns how many meet.
+/// Returns the number of pairs that meet.
 template <std::size_t D>
 std::size_t find_as_all_pairs_do(int seed) {
     Random random{std::uint64_t(seed)};
@@ -236,13 +244,13 @@ std::size_t find_as_all_pairs_do(int seed) {
         ++calls;
     });
     CHECK(found == expected);
-    CHECK(calls == found.size()); // each once
+    CHECK(calls == found.size()); // each pair once
     return calls;
 }
 
 } // namespace
 
-TEST_CASE("every fault has a name and leads to a status", "[cage][check]") {
+TEST_CASE("every fault kind has a text and a status", "[cage][check]") {
     std::set<std::string> names;
     for (unsigned value = 0; value <= unsigned(CageFaultKind::loop_orientation_reversed); ++value) {
         CAPTURE(value);
@@ -297,7 +305,7 @@ TEMPLATE_TEST_CASE("check: loop sizes that do not add up", "[cage][check]", CAGE
     check_faults<TestType>(outer, {3}, status, {{kind, 3, 4}});
     check_faults<TestType>(outer, {3, 3}, status, {{kind, 6, 4}});
     check_faults<TestType>({}, {3}, status, {{kind, 3, 0}});
-    // Sizes that come out right only because the sum wraps around must not be believed.
+    // Sizes whose sum is right only modulo 2^64 are refused.
     const std::size_t most = std::numeric_limits<std::size_t>::max();
     CHECK(check(Polygon<TestType>(outer, Sizes{5, most})).status == status);
 }
@@ -330,11 +338,11 @@ TEMPLATE_TEST_CASE("check: consecutive vertices that coincide", "[cage][check]",
         }
     }
     auto closed = square<TestType>(0, 4);
-    closed.push_back(closed.front()); // as some file formats end a loop
+    closed.push_back(closed.front()); // some file formats repeat the first vertex
     check_faults<TestType>(closed, {}, Status::duplicate_vertices,
                            {{CageFaultKind::duplicate_vertices, 4, 0}});
 
-    // Near, but far enough: many times the tolerance of 8 ε √2 · 4.
+    // Close, but many times the tolerance of 8 ε √2 · 4.
     auto near = square<TestType>(0, 4);
     near.insert(near.begin() + 1, {4 - 500 * epsilon<TestType>, TestType(-0.5)});
     near[1][1] = -500 * epsilon<TestType>;
@@ -348,7 +356,7 @@ TEMPLATE_TEST_CASE("check: a loop without area", "[cage][check]", CAGEFORM_SCALA
     check_faults<T>({{0, 0}, {4, 0}, {2, 0}}, {}, Status::cage_has_no_area, {{CageFaultKind::no_area, 0, 0}});
     check_faults<T>(joined<T>({square<T>(0, 4), {{1, 1}, {3, 2}, {2, T(1.5)}}}), {4, 3},
                     Status::cage_has_no_area, {{CageFaultKind::no_area, 1, 0}});
-    // Thin is not flat.
+    // A thin loop has an area.
     CHECK(check(Polygon<T>(Points2<T>{{0, 0}, {1, 0}, {T(0.5), 100 * epsilon<T>}})).status == Status::ok);
 }
 
@@ -387,13 +395,13 @@ TEMPLATE_TEST_CASE("check: edges that cross or touch", "[cage][check]", CAGEFORM
     }
 }
 
-TEMPLATE_TEST_CASE("check: loops that turn otherwise are a warning", "[cage][check]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("check: a reversed loop is a warning", "[cage][check]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto kind = CageFaultKind::loop_orientation_reversed;
     check_faults<T>(square<T>(0, 4), {}, Status::ok, {});
     check_faults<T>(reversed(square<T>(0, 4)), {}, Status::ok, {{kind, 0, 0}});
 
-    // An outer loop, a hole in it and an island in the hole, each either way round and in any order.
+    // An outer loop, a hole in it and an island in the hole, in each orientation and order.
     const Points2<T> nest[] = {square<T>(0, 9), reversed(square<T>(1, 8)), square<T>(2, 7)};
     for (const auto& order : {std::array{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
         for (unsigned flips = 0; flips < 8; ++flips) {
@@ -426,7 +434,7 @@ TEMPLATE_TEST_CASE("check: a collinear vertex is a warning", "[cage][check]", CA
 
 // ---- laws --------------------------------------------------------------------------------------
 
-TEMPLATE_TEST_CASE("check raises no false alarm on stars", "[cage][check][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("check finds no faults in stars", "[cage][check][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Faults expected;
@@ -434,12 +442,12 @@ TEMPLATE_TEST_CASE("check raises no false alarm on stars", "[cage][check][proper
     check_faults<TestType>(random_star<TestType>(std::uint64_t(seed)), {}, Status::ok, expected);
 }
 
-TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[cage][check]",
+TEMPLATE_TEST_CASE("check accepts walls slightly farther apart than the tolerance", "[cage][check]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
-    // A deep cut into a square, from the top. The square's diagonal is √2, so the tolerance is 8 √2 ε,
-    // 1.3e-6 for float: a gap of 1e-6 diagonals is the least that float can tell from a fault, less its
-    // own rounding; hence twice that.
+    // A deep slit in a square, from the top. The square's diagonal is √2, so the tolerance is 8 √2 ε,
+    // 1.3e-6 for float. A gap of 1e-6 diagonals is the smallest that float distinguishes from a fault,
+    // apart from its own rounding; hence twice that.
     const T narrow = sizeof(T) == 4 ? T(2e-6) : T(1e-6);
     for (const T gap : {T(0.1), T(1e-3), T(1e-5), narrow, std::max(64 * epsilon<T>, narrow / 1000000)}) {
         if (sizeof(T) == 4 && gap < narrow) continue;
@@ -451,13 +459,13 @@ TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[ca
         const Points2<T> wedge{{0, 0}, {1, 0}, {1, 1}, {x + g, 1}, {x, T(0.2)}, {x, 1}, {0, 1}};
         check_faults<T>(cut, {}, Status::ok, {});
         check_faults<T>(wedge, {}, Status::ok, {});
-        // Repeats this with the shape turned on its side and slanted.
+        // The same for the shape rotated by 90 degrees and slanted.
         for (auto shape : {cut, wedge}) {
             for (auto& p : shape) p = {p[1] - p[0] / 3, -p[0]};
             check_faults<T>(shape, {}, Status::ok, {});
         }
     }
-    // Within rounding, the walls are one.
+    // Walls within rounding of each other touch.
     const T touch = 2 * epsilon<T>;
     Points2<T> squares = square<T>(0, 1);
     for (const auto& p : square<T>(0, 1)) squares.push_back(p + Vec<T, 2>{1 + touch, 0});
@@ -467,8 +475,10 @@ TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[ca
     check_faults<T>(squares, {4, 4}, Status::ok, {});
 }
 
-TEMPLATE_TEST_CASE("check agrees with brute force on integers", "[cage][check][property]", CAGEFORM_SCALARS) {
-    // Two integer polygons' parts that do not touch are at least 1/(16 √2) apart, far above the tolerance.
+TEMPLATE_TEST_CASE("check agrees with brute force on integer polygons", "[cage][check][property]",
+                   CAGEFORM_SCALARS) {
+    // Parts of two integer polygons that do not touch are at least 1/(16 √2) apart, far above the
+    // tolerance.
     std::size_t accepted = 0;
     std::size_t crossing = 0;
     for (std::uint64_t seed = 0; seed < 2000; ++seed) {
@@ -481,11 +491,11 @@ TEMPLATE_TEST_CASE("check agrees with brute force on integers", "[cage][check][p
         accepted += report.status == Status::ok;
         crossing += report.status == Status::cage_self_crossing;
     }
-    CHECK(accepted > 50); // the test must have met both
+    CHECK(accepted > 50); // both outcomes occurred
     CHECK(crossing > 500);
 }
 
-TEMPLATE_TEST_CASE("check says the same of a cage scaled by a power of two", "[cage][check][property]",
+TEMPLATE_TEST_CASE("check is invariant to scaling by a power of two", "[cage][check][property]",
                    CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -506,7 +516,7 @@ TEMPLATE_TEST_CASE("check says the same of a cage scaled by a power of two", "[c
     }
 }
 
-TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[cage][check][property]",
+TEMPLATE_TEST_CASE("check is invariant to translation by a power of two", "[cage][check][property]",
                    CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -514,7 +524,7 @@ TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[ca
     const auto integers = random_integer_polygon(random);
     const auto points = integers.points<TestType>();
     const auto faults = faults_of(check(Polygon<TestType>(points, integers.sizes)));
-    // So far that the tolerance, 8 ε of the distance, stays below the integers' least gap of 1/(16 √2).
+    // The tolerance, 8 ε of the distance, stays below the smallest gap of 1/(16 √2).
     const int farthest = sizeof(TestType) == 4 ? 14 : 40;
     for (const int exponent : {0, 5, farthest}) {
         for (const int sign : {-1, 1}) {
@@ -526,7 +536,7 @@ TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[ca
     }
 }
 
-TEST_CASE("facets that meet are found as by testing all pairs", "[cage][check][oracle]") {
+TEST_CASE("FacetPairs finds the same pairs as testing all pairs", "[cage][check][oracle]") {
     std::size_t edges = 0, faces = 0;
     for (int seed = 0; seed < 10; ++seed) {
         CAPTURE(seed);
@@ -537,7 +547,7 @@ TEST_CASE("facets that meet are found as by testing all pairs", "[cage][check][o
     CHECK(faces > 200);
 }
 
-TEST_CASE("slivers of two caps are told apart by few tests", "[cage][check]") {
+TEST_CASE("FacetPairs separates the slivers of two caps with few tests", "[cage][check]") {
     const bool corner_fan = GENERATE(false, true);
     const std::uint32_t n = 1000;
     std::vector<Vec<double, 3>> vertices;
@@ -575,11 +585,11 @@ TEST_CASE("slivers of two caps are told apart by few tests", "[cage][check]") {
                 return false;
             },
             [](std::size_t, std::size_t) {});
-    CHECK(tests >= 2 * n);              // neighbours in the wall at least
-    CHECK(tests <= 20 * facets.size()); // all pairs would be 2,000 each
+    CHECK(tests >= 2 * n);              // at least the neighbours in the wall
+    CHECK(tests <= 20 * facets.size()); // testing all pairs would take 2,000 each
 }
 
-TEST_CASE("of faults without number the first are listed and all are counted", "[cage][check][status]") {
+TEST_CASE("a report lists the first faults and counts all", "[cage][check][status]") {
     Random random(7);
     Points2<double> points(300);
     for (auto& p : points) p = {random.uniform(0, 1), random.uniform(0, 1)};
@@ -601,7 +611,7 @@ TEST_CASE("of faults without number the first are listed and all are counted", "
 
     CageReport warnings;
     for (std::size_t i = 0; i < 5000; ++i) warnings.add(CageFaultKind::collinear_vertex, i);
-    CHECK(warnings.faults.size() == 5000); // no more than the cage has vertices
+    CHECK(warnings.faults.size() == 5000); // at most one per vertex
     CHECK(warnings.fault_count == 0);
     CHECK(warnings.status == Status::ok);
 }

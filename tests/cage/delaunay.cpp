@@ -17,7 +17,7 @@ namespace {
 template <std::size_t D>
 using Points = std::vector<Vec<double, D>>;
 
-/// Random; a lattice; places on a sphere; some of them on a common plane.
+/// Random points; a lattice; points on a sphere; some of them on a common plane.
 template <std::size_t D>
 Points<D> sites_of(std::uint64_t seed) {
     Random random(seed);
@@ -48,8 +48,8 @@ Delaunay<D> triangulated(const Points<D>& sites) {
     return Delaunay<D>(places);
 }
 
-/// Neighbours name each other and share a facet, no simplex is flat or turned over, no ball holds a site, and
-/// nothing is missing: every facet has two sides.
+/// Neighbours refer to each other and have a common facet, no simplex is flat or inverted, no ball contains
+/// a site, and every facet has two sides.
 template <std::size_t D>
 void check_sound(const Delaunay<D>& sites) {
     REQUIRE(!sites.empty());
@@ -71,7 +71,7 @@ void check_sound(const Delaunay<D>& sites) {
     CHECK(wrong == 0);
 }
 
-/// The simplices by the user's numbers.
+/// The simplices, by the caller's indices.
 template <std::size_t D>
 std::set<std::set<std::uint32_t>> by_sites(const Delaunay<D>& sites, std::size_t count, bool reversed) {
     std::set<std::set<std::uint32_t>> all;
@@ -94,7 +94,7 @@ void check_delaunay(std::uint64_t seed) {
     check_sound(delaunay);
     const auto other = triangulated<D>(Points<D>(sites.rbegin(), sites.rend()));
     CHECK(by_sites(delaunay, sites.size(), false) == by_sites(other, sites.size(), true));
-    // Places are found, each in a simplex that holds it.
+    // locate finds a simplex that contains the point.
     typename Delaunay<D>::Search search;
     Random random(seed);
     for (int n = 0; n < 20; ++n) {
@@ -112,13 +112,14 @@ void check_delaunay(std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("Delaunay triangulations are sound, and one in every order", "[cage][delaunay][property]") {
+TEST_CASE("Delaunay triangulations are valid and do not depend on the order of sites",
+          "[cage][delaunay][property]") {
     const auto seed = GENERATE(range(0, 16));
     check_delaunay<2>(std::uint64_t(seed));
     check_delaunay<3>(std::uint64_t(seed));
 }
 
-TEST_CASE("a Delaunay triangulation leaves out equal places, and is empty where all are in a plane",
+TEST_CASE("a Delaunay triangulation skips duplicates, and is empty if all sites are in a plane",
           "[cage][delaunay]") {
     auto sites = sites_of<3>(0);
     sites.push_back(sites[2]);
@@ -130,7 +131,7 @@ TEST_CASE("a Delaunay triangulation leaves out equal places, and is empty where 
     CHECK(Delaunay<2>(std::vector<detail::LatticePoint<2>>{}).empty());
 }
 
-TEST_CASE("facets of a hull that are flat to rounding are one", "[cage][delaunay]") {
+TEST_CASE("hull facets that are coplanar within rounding are merged", "[cage][delaunay]") {
     const double angle = GENERATE(0.0, 0.3, 0.7);
     Points<3> sites;
     for (std::size_t i = 0; i < 64; ++i) {
@@ -143,7 +144,7 @@ TEST_CASE("facets of a hull that are flat to rounding are one", "[cage][delaunay
     const auto delaunay = triangulated<3>(sites);
     check_sound(delaunay);
     Points<3> at;
-    for (std::uint32_t v = 0; v < delaunay.size(); ++v) at.push_back(lattice.seen(delaunay.point(v)));
+    for (std::uint32_t v = 0; v < delaunay.size(); ++v) at.push_back(lattice.to_extents(delaunay.point(v)));
     const detail::HullFacets<3> hull(delaunay, at, 0x1p-49);
     CHECK(hull.facets.size() == 6);
     for (const auto& facet : hull.facets) {
@@ -152,11 +153,11 @@ TEST_CASE("facets of a hull that are flat to rounding are one", "[cage][delaunay
     }
 }
 
-TEST_CASE("signs of determinants are exact next to zero", "[cage][delaunay][property]") {
+TEST_CASE("signs of determinants are exact near zero", "[cage][delaunay][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 40)));
     CAPTURE(seed);
     Random random(seed);
-    // On a plane through two directions, then one step off it.
+    // Points in a plane through two directions, then one step off it.
     const auto small = [&] { return std::int64_t(random.bits() >> 35) - (std::int64_t(1) << 28); };
     std::array<detail::LatticePoint<3>, 4> a{};
     for (auto& x : a[0]) x = std::int64_t(1) << 59;
@@ -190,8 +191,8 @@ TEST_CASE("signs of determinants are exact next to zero", "[cage][delaunay][prop
     CHECK(detail::in_sphere<2>(rectangle, {x + 1, y}) < 0);
 }
 
-TEST_CASE("sites on a lattice keep what doubles hold", "[cage][delaunay]") {
-    // Far from the origin, and next to zero in a large set.
+TEST_CASE("the site lattice preserves the precision of doubles", "[cage][delaunay]") {
+    // Far from the origin, and close to zero in a large set.
     const detail::SiteLattice<2> far(Bounds<double, 2>{{1e9, -1e9}, {1e9 + 1, -1e9 + 1}});
     CHECK(far.position({1e9 + 0x1p-20, -1e9})[0] - far.position({1e9, -1e9})[0] == std::int64_t(1) << 39);
     const detail::SiteLattice<2> wide(Bounds<double, 2>{{-1, -1}, {1, 1}});
@@ -207,7 +208,7 @@ TEST_CASE("sites on a lattice keep what doubles hold", "[cage][delaunay]") {
     }
 }
 
-TEST_CASE("a point set's check names every fault", "[cage][point_set]") {
+TEST_CASE("check of a point set finds every fault", "[cage][point_set]") {
     Random random(3);
     Points<3> sites(2000);
     for (auto& p : sites) p = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
@@ -229,7 +230,7 @@ TEST_CASE("a point set's check names every fault", "[cage][point_set]") {
     sites[9][2] = std::numeric_limits<double>::infinity();
     REQUIRE(check(PointSet(sites)).faults.size() == 1);
     CHECK(check(PointSet(sites)).faults[0].a == 9);
-    // At the ends of the range of doubles.
+    // At the limits of the range of double.
     for (const double size : {1e-310, 1e308}) {
         const Points<2> corners{{-size, -size}, {size, -size}, {0, size}};
         CHECK(check(PointSet(corners)).status == Status::ok);

@@ -1,4 +1,4 @@
-// Flat index buffers as faces of meshes.
+// Index buffers as faces of meshes.
 #include "../catch.hpp"
 #include "../support/meshes.hpp"
 
@@ -24,12 +24,12 @@ std::vector<I> flat(const Faces& faces) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a flat index buffer is read as the faces that it holds", "[cage][faces_of]", std::uint8_t,
+TEMPLATE_TEST_CASE("faces_of reads an index buffer as triangles", "[cage][faces_of]", std::uint8_t,
                    std::uint16_t, std::uint32_t, std::int32_t) {
     const auto seed = std::uint64_t(GENERATE(seeds(10)));
     CAPTURE(seed);
     const auto data = random_mesh(seed);
-    if (data.vertices.size() > 250) return; // not with indices of a byte
+    if (data.vertices.size() > 250) return; // too many vertices for 8-bit indices
     const auto indices = flat<TestType>(data.faces);
     const auto view = faces_of(indices);
     STATIC_REQUIRE(cageform::FaceRange<decltype(view)>);
@@ -42,7 +42,7 @@ TEMPLATE_TEST_CASE("a flat index buffer is read as the faces that it holds", "[c
     for (std::size_t k = 0; k < 3; ++k) CHECK(of_span[0][k] == std::uint32_t(data.faces[0][k]));
 }
 
-TEST_CASE("a flat index buffer that is cut off, or names no vertex, is refused by its face",
+TEST_CASE("faces_of: an incomplete face or an index out of range is reported with its face",
           "[cage][faces_of]") {
     const auto data = random_mesh(1);
     for (const std::size_t missing : {1u, 2u}) {

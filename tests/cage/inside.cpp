@@ -26,7 +26,7 @@ namespace {
 
 using Sizes = std::vector<std::size_t>;
 
-/// Inside by the angles that the loops turn about `p`: an odd number of loops winds around it.
+/// Inside by winding numbers: an odd number of loops winds around `p`.
 template <class T>
 bool inside_by_angles(const Polygon<T>& polygon, const Vec<T, 2>& p) {
     bool inside = false;
@@ -43,7 +43,7 @@ bool inside_by_angles(const Polygon<T>& polygon, const Vec<T, 2>& p) {
     return inside;
 }
 
-/// A star with a smaller copy of itself as a hole, and a still smaller one in it as an island.
+/// A star with a smaller copy of itself as a hole, and a still smaller copy in it as an island.
 template <class T>
 Polygon<T> random_nest(std::uint64_t seed) {
     const auto star = random_star<double>(seed);
@@ -68,8 +68,7 @@ T tolerance_of(const Polygon<T>& polygon) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("locate agrees with the angles that a cage turns", "[cage][inside][property]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("locate agrees with winding numbers", "[cage][inside][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -97,7 +96,7 @@ TEMPLATE_TEST_CASE("locate agrees with the angles that a cage turns", "[cage][in
 }
 
 TEMPLATE_TEST_CASE("locate: rays through vertices and along edges", "[cage][inside]", CAGEFORM_SCALARS) {
-    // Whole and half steps meet every vertex at its own height, and run along the horizontal edges.
+    // Whole and half steps meet the height of every vertex and run along the horizontal edges.
     const Points2<TestType> points{{0, 0}, {2, 0}, {2, 1}, {3, 1}, {4, 0}, {5, 2}, {6, 0}, {7, 0}, {7, 4},
                                    {5, 4}, {4, 3}, {3, 4}, {2, 2}, {1, 2}, {1, 4}, {0, 4}, // the outer loop
                                    {5, 3}, {6, 3}, {6, 2}};
@@ -133,8 +132,8 @@ TEMPLATE_TEST_CASE("points on vertices and edges are on the boundary", "[cage][i
         const auto on_edge = (T(1) - s) * cage[i] + s * cage[j];
         CHECK(locate(cage, on_edge, tolerance) == PointState::on_boundary);
 
-        // Four tolerances to either side of the middle is off the edge, inside on one side at least (on both
-        // where another edge is as near: then neither side tells anything and the edge is left out).
+        // A point four tolerances to either side of the edge's middle is off the edge, and inside on at
+        // least one side. Edges with another edge as near are skipped.
         const auto e = cage[j] - cage[i];
         const T length = std::hypot(e[0], e[1]);
         const auto middle = T(0.5) * (cage[i] + cage[j]);
@@ -162,7 +161,7 @@ TEMPLATE_TEST_CASE("far points are outside", "[cage][inside]", CAGEFORM_SCALARS)
                 CHECK(locate(cage, Vec<T, 2>{x, y}, tolerance) == PointState::outside);
             }
         }
-        // At the very height of each vertex.
+        // At the exact height of each vertex.
         for (const auto& p : cage.vertices()) {
             CHECK(locate(cage, Vec<T, 2>{far, p[1]}, tolerance) == PointState::outside);
             CHECK(locate(cage, Vec<T, 2>{-far, p[1]}, tolerance) == PointState::outside);
@@ -171,7 +170,7 @@ TEMPLATE_TEST_CASE("far points are outside", "[cage][inside]", CAGEFORM_SCALARS)
     }
 }
 
-TEMPLATE_TEST_CASE("points that are not finite are nowhere", "[cage][inside]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("points that are not finite are not_finite", "[cage][inside]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     const Polygon<TestType> cage(Points2<TestType>{{0, 0}, {1, 0}, {0, 1}});
     for (const TestType x : {limits::quiet_NaN(), limits::infinity(), -limits::infinity()}) {
@@ -184,7 +183,7 @@ TEMPLATE_TEST_CASE("points that are not finite are nowhere", "[cage][inside]", C
     }
 }
 
-TEMPLATE_TEST_CASE("nearest_on_edge is nearer than any other place of the edge", "[cage][inside][property]",
+TEMPLATE_TEST_CASE("nearest_on_edge is nearer than any other point of the edge", "[cage][inside][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(100));
@@ -212,7 +211,8 @@ TEMPLATE_TEST_CASE("nearest_on_edge is nearer than any other place of the edge",
     }
 }
 
-TEMPLATE_TEST_CASE("both ends of an edge are met exactly", "[cage][inside][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("nearest_on_edge returns both ends exactly", "[cage][inside][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -252,9 +252,9 @@ TEMPLATE_TEST_CASE("nearest_on_boundary is the nearest of all edges", "[cage][in
     }
 }
 
-TEMPLATE_TEST_CASE("nearest_on_boundary has an answer for the farthest points", "[cage][inside]",
+TEMPLATE_TEST_CASE("nearest_on_boundary returns a boundary point for the farthest points", "[cage][inside]",
                    CAGEFORM_SCALARS) {
-    // Here the distance itself is beyond the numbers; the place must be one of the boundary all the same.
+    // The distance overflows; the point must still be on the boundary.
     using limits = std::numeric_limits<TestType>;
     const Polygon<TestType> cage(Points2<TestType>{{10, 10}, {12, 10}, {10, 13}});
     for (const int x : {-1, 1}) {

@@ -1,4 +1,4 @@
-// The signs that decide on which side a point lies and whether segments meet, against whole numbers.
+// The exact predicates of orientation and intersection, against integer arithmetic.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 __extension__ using Whole = __int128;
 using Point = Vec<double, 2>;
 
-/// The cross product of b − a and c − a, of coordinates below 8 that are multiples of 2^-55.
+/// The cross product of b − a and c − a for coordinates below 8 that are multiples of 2^-55.
 int exact_orientation(const Point& a, const Point& b, const Point& c) {
     const auto whole = [](double x) { return Whole(std::ldexp(x, 55)); };
     const Whole left = (whole(b[0]) - whole(a[0])) * (whole(c[1]) - whole(a[1]));
@@ -25,7 +25,7 @@ int exact_orientation(const Point& a, const Point& b, const Point& c) {
     return left > right ? 1 : left < right ? -1 : 0;
 }
 
-/// By the definition: an end on the other segment, or ends on both sides of both.
+/// By definition: an end on the other segment, or ends on both sides of both.
 bool exact_touch(const Point& a, const Point& b, const Point& c, const Point& d) {
     const auto holds = [](const Point& s, const Point& t, const Point& p) {
         return exact_orientation(s, t, p) == 0 && std::min(s[0], t[0]) <= p[0] &&
@@ -36,7 +36,7 @@ bool exact_touch(const Point& a, const Point& b, const Point& c, const Point& d)
             exact_orientation(c, d, a) * exact_orientation(c, d, b) < 0);
 }
 
-/// Small whole numbers times a number that is none, each rounded: exactly on a line, or next to one.
+/// Small integers times a number that is not an integer, rounded: exactly on a line, or next to it.
 struct Places {
     Random random;
     Point step, start;
@@ -64,7 +64,7 @@ struct Places {
 
 } // namespace
 
-TEST_CASE("orientation is that of whole numbers", "[cage][orientation][property]") {
+TEST_CASE("orientation agrees with integer arithmetic", "[cage][orientation][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Places places(seed);
@@ -77,7 +77,7 @@ TEST_CASE("orientation is that of whole numbers", "[cage][orientation][property]
         zeros += expected == 0;
         CHECK(orientation(a, b, c) == expected);
         CHECK(orientation(b, a, c) == -expected);
-        // Repeats this at the ends of the range, where products overflow or underflow.
+        // The same at the limits of the range, where products overflow or underflow.
         for (const int exponent : {-900, -400, 400, 900}) {
             const double scale = std::ldexp(1.0, exponent);
             CHECK(orientation(scale * a, scale * b, scale * c) == expected);
@@ -86,7 +86,7 @@ TEST_CASE("orientation is that of whole numbers", "[cage][orientation][property]
     CHECK(zeros > 10);
 }
 
-TEST_CASE("orientation in space is that of whole numbers", "[cage][orientation][property]") {
+TEST_CASE("orientation in 3D agrees with integer arithmetic", "[cage][orientation][property]") {
     using Place = Vec<double, 3>;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
@@ -146,11 +146,11 @@ TEST_CASE("pierces: a segment that ends on a triangle touches it from both sides
             }
             CHECK(!pierces({0.1, 0.2, height}, {0.75, 0.75, 0}, corner));
         }
-        CHECK(!pierces({-1, 0.25, 0}, {1, 0.25, 0}, corner)); // in its plane
+        CHECK(!pierces({-1, 0.25, 0}, {1, 0.25, 0}, corner)); // in the triangle's plane
     }
 }
 
-TEST_CASE("segments meet exactly where those of whole numbers do", "[cage][orientation][property]") {
+TEST_CASE("segments_touch agrees with integer arithmetic", "[cage][orientation][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Places places(seed);
@@ -165,7 +165,7 @@ TEST_CASE("segments meet exactly where those of whole numbers do", "[cage][orien
         CHECK(segments_touch(a, b, c, d) == touch);
         CHECK(segments_touch(d, c, a, b) == touch);
         if (touch) CHECK(segment_distance(a, b, c, d) == 0);
-        // One behind the other on a line, a step apart.
+        // One after the other on a line, a step apart.
         const bool behind =
             std::max(a[0], b[0]) < std::min(c[0], d[0]) || std::max(c[0], d[0]) < std::min(a[0], b[0]);
         if (line && behind) CHECK(segment_distance(a, b, c, d) > 0.04);

@@ -34,7 +34,7 @@ Edges edges_of(const Polygon<T>& polygon) {
     return edges;
 }
 
-/// A square of side 2r about (x, y), counter-clockwise.
+/// A square of side 2r around (x, y), counter-clockwise.
 template <class T>
 void add_square(Points2<T>& points, T x, T y, T r) {
     for (const auto& corner : {Vec<T, 2>{-r, -r}, {r, -r}, {r, r}, {-r, r}})
@@ -60,14 +60,14 @@ TEMPLATE_TEST_CASE("each loop closes on itself", "[cage][polygon]", CAGEFORM_SCA
     Points2<TestType> points;
     add_square<TestType>(points, 0, 0, 4);
     add_square<TestType>(points, 0, 0, 1);
-    points.pop_back(); // three are left of the second loop
+    points.pop_back(); // leaves three for the second loop
     const Polygon<TestType> cage(points, Sizes{4, 3});
     REQUIRE(cage.loops().size() == 2);
     CHECK((cage.loops()[1].begin == 4 && cage.loops()[1].end == 7));
     CHECK(edges_of(cage) == Edges{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 4}});
 }
 
-TEST_CASE("loop sizes that do not add up are remembered", "[cage][polygon]") {
+TEST_CASE("loop sizes that do not add up are kept for check", "[cage][polygon]") {
     const Points2<double> points{{0, 0}, {3, 0}, {3, 2}, {0, 2}};
     constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
     CHECK(Polygon<double>(points, Sizes{4}).loops_match());
@@ -99,7 +99,7 @@ TEST_CASE("a polygon deduces its scalar and converts to another", "[cage][polygo
     STATIC_REQUIRE(!std::is_convertible_v<Points2<double>, Polygon<double>>);
 }
 
-TEMPLATE_TEST_CASE("bounds are reached and not passed", "[cage][polygon][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("bounds are tight", "[cage][polygon][property]", CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
     const auto points = random_star<TestType>(std::uint64_t(seed));
@@ -125,12 +125,12 @@ TEMPLATE_TEST_CASE("bounds are reached and not passed", "[cage][polygon][propert
     CHECK(tolerance <= 8 * epsilon<TestType> * (bounds.diagonal() + largest));
 }
 
-TEST_CASE("the bounds of nothing are empty", "[cage][polygon]") {
+TEST_CASE("the bounds of no points are empty", "[cage][polygon]") {
     const auto bounds = bounds_of(std::span<const Vec<double, 3>>());
     for (std::size_t k = 0; k < 3; ++k) CHECK(bounds.lower[k] > bounds.upper[k]);
 }
 
-TEST_CASE("the diagonal of a float cage does not overflow before its coordinates do", "[cage][polygon]") {
+TEST_CASE("the diagonal of a float cage does not overflow before its coordinates", "[cage][polygon]") {
     const Points2<float> far{{0, 0}, {3e37f, 0}, {3e37f, 4e37f}};
     const auto bounds = bounds_of(std::span<const Vec<float, 2>>(far));
     CHECK(std::fabs(bounds.diagonal() - 5e37f) <= 4 * epsilon<float> * 5e37f);
@@ -139,7 +139,7 @@ TEST_CASE("the diagonal of a float cage does not overflow before its coordinates
     CHECK(std::fabs(small.diagonal() - 5e-30f) <= 4 * epsilon<float> * 5e-30f);
 }
 
-TEMPLATE_TEST_CASE("the signed area is the sum of the shoelaces", "[cage][polygon][property]",
+TEMPLATE_TEST_CASE("the signed area agrees with the shoelace formula", "[cage][polygon][property]",
                    CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -161,9 +161,9 @@ TEMPLATE_TEST_CASE("the signed area is the sum of the shoelaces", "[cage][polygo
     CHECK(std::fabs(area + signed_area(reversed, reversed.loops()[0])) <= rounding);
 }
 
-TEMPLATE_TEST_CASE("the depth of a loop counts the loops around it", "[cage][polygon]", CAGEFORM_SCALARS) {
-    // Two nests side by side, their loops given in no order:
-    // (0, 0) has squares of 8, 4 and 1; (20, 0) has squares of 6 and 2.
+TEMPLATE_TEST_CASE("loop_depth counts the enclosing loops", "[cage][polygon]", CAGEFORM_SCALARS) {
+    // Two nests side by side, with their loops in no order: (0, 0) has squares of 8, 4 and 1; (20, 0) has
+    // squares of 6 and 2.
     Points2<TestType> points;
     add_square<TestType>(points, 0, 0, 4);
     add_square<TestType>(points, 20, 0, 2);

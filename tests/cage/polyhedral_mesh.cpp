@@ -16,7 +16,7 @@ using cageform::Status;
 
 namespace {
 
-/// The faults that are none of the warnings.
+/// The faults that are not warnings.
 template <class T>
 std::vector<cageform::CageFault> faults_of(const PolyhedralMesh<T>& mesh) {
     auto faults = check(mesh).faults;
@@ -26,7 +26,7 @@ std::vector<cageform::CageFault> faults_of(const PolyhedralMesh<T>& mesh) {
 
 } // namespace
 
-TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedral]") {
+TEST_CASE("PolygonTriangulation makes triangles with an area", "[cage][polyhedral]") {
     const auto seed = GENERATE(range<std::uint64_t>(0, 300));
     CAPTURE(seed);
     Random random(seed);
@@ -35,7 +35,7 @@ TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedra
     for (std::size_t k = 0; k < base.size(); ++k)
         area += 0.5 * cross(base[k] - base[0], base[(k + 1) % base.size()] - base[0]);
     if (area < 0) std::reverse(base.begin(), base.end());
-    std::vector<Vec<double, 2>> polygon; // with up to three vertices more on an edge, exactly on its line
+    std::vector<Vec<double, 2>> polygon; // with up to three extra vertices exactly on an edge
     for (std::size_t k = 0; k < base.size(); ++k) {
         const auto& next = base[(k + 1) % base.size()];
         polygon.push_back(base[k]);
@@ -43,10 +43,10 @@ TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedra
             polygon.push_back(next + (double(n) / double(of)) * (base[k] - next));
         size = cageform_tests::larger(size, cageform::detail::length(next - base[k]));
     }
-    const cageform::detail::PolygonCutter cutter(polygon);
-    REQUIRE(cutter.triangles().size() == polygon.size() - 2);
+    const cageform::detail::PolygonTriangulation triangulation(polygon);
+    REQUIRE(triangulation.triangles().size() == polygon.size() - 2);
     double sum = 0;
-    for (const auto& [a, b, c] : cutter.triangles()) {
+    for (const auto& [a, b, c] : triangulation.triangles()) {
         const double own = 0.5 * cross(polygon[b] - polygon[a], polygon[c] - polygon[a]);
         CHECK(own > 1e-6 * size * size / double(polygon.size()) / double(polygon.size()));
         sum += own;
@@ -54,7 +54,7 @@ TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedra
     CHECK(sum == Approx(std::fabs(area)).epsilon(1e-12));
 }
 
-TEMPLATE_TEST_CASE("prisms over stars are sound, whatever vertices lie on their edges", "[cage][polyhedral]",
+TEMPLATE_TEST_CASE("prisms over stars are valid with any vertices on their edges", "[cage][polyhedral]",
                    CAGEFORM_SCALARS) {
     const auto seed = GENERATE(range<std::uint64_t>(0, 60));
     CAPTURE(seed);
@@ -70,7 +70,7 @@ TEMPLATE_TEST_CASE("prisms over stars are sound, whatever vertices lie on their 
         CHECK(last - first == data.faces[f].size() - 2);
         for (std::size_t t = first; t < last; ++t) CHECK(mesh.face_of(t) == f);
     }
-    // Inside is what is over the floor and under the ceiling.
+    // The inside is above the floor and below the ceiling.
     Random random(seed);
     const auto bounds = bounds_of(mesh.vertices());
     std::vector<Vec<double, 2>> base;
@@ -104,13 +104,13 @@ TEST_CASE("a faulty polyhedral mesh is refused with the face and the vertex", "[
         const auto fault = only_fault(CageFaultKind::face_not_planar);
         CHECK(fault.a == 0);
         CHECK(fault.b == 3);
-        // The sides stay flat: they hold the direction in which the corner has moved.
+        // The sides stay flat: the direction in which the corner moves is parallel to them.
         CHECK(faults_of(data.cage<double>()).size() == 1);
         CHECK(check(PolyhedralMesh<double>(data.vertices, data.faces, 1e-9)).status == Status::ok);
         CHECK(check(PolyhedralMesh<float>(data.vertices, data.faces)).status ==
-              Status::ok); // of float a rounding
+              Status::ok); // one rounding of float
     }
-    SECTION("64 roundings are no fault") {
+    SECTION("64 roundings are not a fault") {
         data.vertices[3][2] = 32 * 0x1p-52;
         CHECK(check(data.cage<double>()).status == Status::ok);
     }
@@ -136,19 +136,19 @@ TEST_CASE("a faulty polyhedral mesh is refused with the face and the vertex", "[
         data.faces[4].clear();
         CHECK(only_fault(CageFaultKind::too_few_vertices).a == 4);
     }
-    SECTION("a vertex that there is not") {
+    SECTION("an index out of range") {
         data.faces[4][1] = 12;
         CHECK(only_fault(CageFaultKind::face_without_vertex).a == 4);
     }
-    SECTION("a number that is none") {
+    SECTION("a coordinate that is NaN") {
         data.vertices[7][1] = std::numeric_limits<double>::quiet_NaN();
         CHECK(only_fault(CageFaultKind::vertex_not_finite).a == 7);
     }
-    SECTION("a face turned inside out") {
+    SECTION("a face with reversed orientation") {
         std::reverse(data.faces[1].begin(), data.faces[1].end());
         const auto fault = only_fault(CageFaultKind::face_flipped);
         CHECK((fault.a == 1 || fault.b == 1));
-        CHECK(std::max(fault.a, fault.b) < data.faces.size()); // faces, not triangles
+        CHECK(std::max(fault.a, fault.b) < data.faces.size()); // face indices, not triangle indices
     }
     SECTION("faces that pass through each other") {
         auto other = data;
@@ -166,25 +166,25 @@ TEST_CASE("a faulty polyhedral mesh is refused with the face and the vertex", "[
         data.faces.resize(4);
         (void)only_fault(CageFaultKind::open_edge);
     }
-    SECTION("nothing") {
+    SECTION("no faces") {
         data = {};
         (void)only_fault(CageFaultKind::too_few_vertices);
     }
-    SECTION("coordinates beyond all products") {
+    SECTION("coordinates whose products overflow") {
         for (auto& v : data.vertices) v = 1e300 * v;
-        CHECK(check(data.cage<double>()).status != Status::ok); // as of a TriangleMesh
+        CHECK(check(data.cage<double>()).status != Status::ok); // as for a TriangleMesh
         CHECK(check(data.cage<double>().triangles()).status != Status::ok);
     }
 }
 
-TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedral][fans][status]") {
+TEST_CASE("faults of fans refer to faces and vertices of the mesh", "[cage][polyhedral][fans][status]") {
     const std::uint32_t divisions = GENERATE(1u, 2u, effort(5u, 4u));
     CAPTURE(divisions);
     PolyhedronData data = prism_over({{0, 0}, {2, 0}, {2, 2}, {0, 2}}, 2);
     PolyhedralOptions options{.faces = PolyhedralOptions::Faces::fan, .divisions = divisions};
     const auto mesh = [&] { return PolyhedralMesh<double>(data.vertices, data.faces, options); };
     REQUIRE(check(mesh()).status == Status::ok);
-    CHECK(check(mesh()).faults.empty()); // planar fans are no cause for a warning
+    CHECK(check(mesh()).faults.empty()); // planar fans give no warning
     const auto first_fault = [&](CageFaultKind kind) {
         const auto report = check(mesh());
         const auto faults = faults_of(mesh());
@@ -194,7 +194,7 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
         CHECK(report.status == cageform::status_of(kind));
         return faults[0];
     };
-    SECTION("a warped face, and one that is not planar in all directions") {
+    SECTION("a warped face, and one that is not planar in any direction") {
         data.vertices[6][2] += 0.5;
         const auto report = check(mesh());
         REQUIRE(report.status == Status::ok);
@@ -230,7 +230,7 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
         }
         CHECK(first_fault(CageFaultKind::face_fan_folds).a == 6);
     }
-    SECTION("a vertex twice") {
+    SECTION("a repeated vertex") {
         data.faces[1] = {4, 5, 6, 4, 7};
         const auto fault = first_fault(CageFaultKind::face_crosses_itself);
         CHECK(fault.a == 1);
@@ -244,13 +244,13 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
     }
     SECTION("a mean on an edge") {
         data.faces.push_back({8, 9, 10, 11});
-        // The mean is (5.5, 1/4, 0); the corners are moved so that it lies between the first two.
+        // The mean is (5.5, 1/4, 0); the corners are moved so that it is between the first two.
         for (const auto& v : {Vec<double, 3>{5, 0, 0}, {6, 0, 0}, {5.75, 1, 0}, {5.5, -1, 0}})
             data.vertices.push_back(v);
         CHECK(first_fault(CageFaultKind::face_without_area).a == 6);
     }
     SECTION("fans that cross") {
-        // The middle of the floor is at 1/2, above the ceiling's edge from vertex 4 to 6.
+        // The middle of the floor is at 1/2, above the edge of the ceiling from vertex 4 to 6.
         data.vertices[1][2] = data.vertices[3][2] = 1;
         for (std::size_t k = 0; k < 4; ++k) data.vertices[4 + k][2] = data.vertices[k][2] + 0.2;
         data.faces[1] = {4, 5, 6};
@@ -300,7 +300,7 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
         }
         CHECK(check(mesh()).status == Status::cage_not_manifold);
     }
-    SECTION("a mean that is no number") {
+    SECTION("a mean that is NaN") {
         for (auto& v : data.vertices) v = 8e307 * v;
         const auto fault = faults_of(mesh()).front();
         CHECK(fault.a < 8);
@@ -323,7 +323,7 @@ TEST_CASE("faces are divided 1 to 64 times", "[cage][polyhedral][fans][status]")
 }
 
 TEST_CASE("divided faces beside others form a closed mesh", "[cage][polyhedral][fans]") {
-    // A house: a pentagon in front and behind, quads, and a roof of which one side is two triangles.
+    // A house: a pentagon in front and behind, quads, and a roof with two triangles on one side.
     PolyhedronData data = prism_over({{0, 0}, {2, 0}, {2, 1}, {1, 2}, {0, 1}}, 3);
     const auto roof = data.faces.back();
     data.faces.pop_back();
@@ -360,7 +360,7 @@ TEST_CASE("divided faces beside others form a closed mesh", "[cage][polyhedral][
     }
 }
 
-TEST_CASE("a small gap is closed by triangles, and said", "[cage][polyhedral]") {
+TEST_CASE("a small gap is closed by triangles and reported", "[cage][polyhedral]") {
     auto data = prism_over({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {-1, 2}}, 4);
     const std::vector<std::uint32_t> gone = data.faces.back();
     data.faces.pop_back();

@@ -1,4 +1,4 @@
-// Triangle meshes as cages: what is inside, what is nearest, and every fault by name.
+// Triangle meshes as cages: point location, nearest points, and faults.
 #include "../catch.hpp"
 #include "../support/meshes.hpp"
 
@@ -24,7 +24,7 @@ cageform::CageReport report_of(const Points3<double>& vertices, const Faces& fac
 
 } // namespace
 
-TEST_CASE("sound meshes have no faults", "[cage][mesh]") {
+TEST_CASE("valid meshes have no faults", "[cage][mesh]") {
     const int seed = GENERATE(seeds(24));
     CAPTURE(seed);
     const auto report = check(random_mesh(std::uint64_t(seed)).mesh<double>());
@@ -32,8 +32,7 @@ TEST_CASE("sound meshes have no faults", "[cage][mesh]") {
     CHECK(report.faults.empty());
 }
 
-TEST_CASE("a mesh takes any points and any triples of whole numbers, and deduces its scalar",
-          "[cage][mesh]") {
+TEST_CASE("a mesh takes any points and any triples of integers, and deduces its scalar", "[cage][mesh]") {
     const float points[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const std::vector<std::array<std::uint16_t, 3>> small{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
     const std::int64_t large[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
@@ -48,7 +47,7 @@ TEST_CASE("a mesh takes any points and any triples of whole numbers, and deduces
     CHECK(TriangleMesh<double>(points, beyond).faces()[0][1] == cageform::no_vertex);
 }
 
-TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[cage][mesh]") {
+TEST_CASE("locate and nearest_boundary_value agree with the sphere of the mesh", "[cage][mesh]") {
     const auto data = sphere(3);
     const auto mesh = data.mesh<double>();
     for (const auto& p : points_about(data, 500, 7)) {
@@ -65,7 +64,7 @@ TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[
         if (r < 0.98 || r > 1) CHECK(std::fabs(winding_number(mesh, p) - (r < 1 ? 1 : 0)) <= 1e-12);
         CHECK(locate(mesh, place, 1e-14) == PointState::on_boundary);
     }
-    // A cavity, whichever way it turns.
+    // A cavity in either orientation.
     for (const bool turned : {false, true}) {
         auto shells = sphere(1);
         const auto inner = sphere(1);
@@ -89,8 +88,8 @@ TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[
     }
 }
 
-TEMPLATE_TEST_CASE("the tree of faces finds the nearest face and the inside as a loop over all faces does",
-                   "[cage][mesh][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("the face hierarchy agrees with a loop over all faces", "[cage][mesh][property]",
+                   CAGEFORM_SCALARS) {
     const int seed = GENERATE(seeds(24));
     CAPTURE(seed);
     const auto data = random_mesh(std::uint64_t(seed));
@@ -119,7 +118,7 @@ TEMPLATE_TEST_CASE("the tree of faces finds the nearest face and the inside as a
     CHECK(locate(nowhere, Vec<TestType, 3>{}, tolerance) == PointState::outside);
 }
 
-TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
+TEST_CASE("check reports every fault of a mesh", "[cage][mesh][status]") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto good = sphere(1);
     auto data = good;
@@ -140,7 +139,7 @@ TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
     CHECK(has(report_of(data.vertices, data.faces), CageFaultKind::duplicate_vertices, 2, 7));
 
     data = good;
-    data.faces.resize(data.faces.size() / 2); // one half of the sphere: no small gap
+    data.faces.resize(data.faces.size() / 2); // half of the sphere: not a small gap
     auto report = report_of(data.vertices, data.faces);
     CHECK(report.status == Status::cage_not_closed);
     CHECK(std::count_if(report.faults.begin(), report.faults.end(),
@@ -156,7 +155,7 @@ TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
     data.faces[6] = {data.faces[6][0], data.faces[6][0], data.faces[6][1]};
     CHECK(has(report_of(data.vertices, data.faces), CageFaultKind::face_without_area, 6));
 
-    // Two tetrahedra that share an edge, or a vertex.
+    // Two tetrahedra with a common edge or vertex.
     const Faces tetrahedron{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
     Faces two = tetrahedron;
     for (const auto& [a, b, c] : Faces{{0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {0, 5, 4}}) two.push_back({a, b, c});
@@ -172,7 +171,7 @@ TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
     CHECK(has(report, CageFaultKind::vertex_not_manifold, 0));
 
     data = good;
-    data.vertices[0] = {-3, 0.1, 0.2}; // drawn through the other side
+    data.vertices[0] = {-3, 0.1, 0.2}; // moved through the other side
     report = report_of(data.vertices, data.faces);
     CHECK(report.status == Status::cage_faces_cross);
     data = good;
@@ -182,11 +181,11 @@ TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
     CHECK(has(report, CageFaultKind::vertex_unused, data.vertices.size() - 1));
 }
 
-TEST_CASE("faces about a vertex of many faces cross where one by one they do", "[cage][mesh][status]") {
+TEST_CASE("crossing faces around a vertex of many faces are found like all pairs", "[cage][mesh][status]") {
     std::mt19937 random(20261122);
     std::size_t sound = 0, crossing = 0;
     for (int round = 0; round < 60; ++round) {
-        // Two cones over one rim, whose vertices now and then have changed places.
+        // Two cones over one rim with some vertices swapped.
         const auto rim = std::uint32_t(33 + random() % 60);
         const double mess = round % 3 == 0 ? 0 : 4.0 / rim;
         std::uniform_real_distribution<double> share(-1, 1);
@@ -237,7 +236,7 @@ TEST_CASE("faces about a vertex of many faces cross where one by one they do", "
     CHECK(crossing >= 20);
 }
 
-TEST_CASE("small gaps are closed, with a warning that names their edges", "[cage][mesh][status]") {
+TEST_CASE("small gaps are closed, with warnings for their edges", "[cage][mesh][status]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -245,7 +244,7 @@ TEST_CASE("small gaps are closed, with a warning that names their edges", "[cage
     for (auto& v : data.vertices) v = random.uniform(0.8, 1.1) * v;
     const auto whole = data.mesh<double>();
     std::vector<std::pair<std::size_t, std::size_t>> dropped;
-    for (int n = 0; n < 4; ++n) { // neighbours or not
+    for (int n = 0; n < 4; ++n) { // adjacent or not
         const std::size_t f = random.below(data.faces.size());
         for (std::size_t k = 0; k < 3; ++k) {
             const std::pair ends = std::minmax(data.faces[f][k], data.faces[f][(k + 1) % 3]);
@@ -276,14 +275,14 @@ TEST_CASE("small gaps are closed, with a warning that names their edges", "[cage
     }
 }
 
-TEST_CASE("a gap that cannot be closed stays one", "[cage][mesh][status]") {
-    // A vertex in the middle of an edge that the face on its other side does not have: the gap is flat.
+TEST_CASE("a gap that cannot be closed is an open edge", "[cage][mesh][status]") {
+    // A vertex in the middle of an edge that is missing in the face on the other side: the gap is flat.
     const Points3<double> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}};
     const auto report = report_of(vertices, {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {1, 2, 3}, {0, 3, 2}});
     CHECK(report.status == Status::cage_not_closed);
 }
 
-TEST_CASE("gaps that touch at a vertex are closed, stray faces and flat cages are not cages",
+TEST_CASE("gaps that touch at a vertex are closed, isolated faces and flat cages are refused",
           "[cage][mesh][status]") {
     for (int n = 0; n < 20; ++n) {
         CAPTURE(n);
@@ -296,7 +295,7 @@ TEST_CASE("gaps that touch at a vertex are closed, stray faces and flat cages ar
                 for (int& v : face) v = v == int(i) ? int(j) : v == int(j) ? int(i) : v;
             }
         }
-        const int tip = data.faces[0][0]; // two faces about a vertex that are no neighbours
+        const int tip = data.faces[0][0]; // two faces around a vertex that are not neighbours
         std::vector<std::size_t> about;
         for (std::size_t f = 0; f < data.faces.size(); ++f) {
             if (std::find(data.faces[f].begin(), data.faces[f].end(), tip) != data.faces[f].end())

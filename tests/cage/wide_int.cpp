@@ -9,7 +9,7 @@ using cageform::detail::WideFloat;
 using cageform::detail::WideInt;
 using cageform_tests::Random;
 
-TEST_CASE("wide integers follow the laws of integers", "[core][wide_int][property]") {
+TEST_CASE("WideInt follows the laws of integers", "[core][wide_int][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 100)));
     CAPTURE(seed);
     Random random(seed);
@@ -24,7 +24,7 @@ TEST_CASE("wide integers follow the laws of integers", "[core][wide_int][propert
     const std::int64_t x = any() >> 32, y = any() >> 32;
     CHECK((WideInt(x) * WideInt(y) - WideInt(x * y)).sign() == 0);
     CHECK((WideInt(x) - WideInt(y)).sign() == (x > y) - (x < y));
-    // A factor of 2^64 at a time up to the top.
+    // A factor of 2^64 at a time, up to the largest.
     WideInt power(1);
     for (int n = 0; n < 318; ++n) power = power + power;
     CHECK(power.sign() == 1);
@@ -32,7 +32,7 @@ TEST_CASE("wide integers follow the laws of integers", "[core][wide_int][propert
     CHECK(double(WideFloat(-power)) == -std::ldexp(1.0, 318));
 }
 
-TEST_CASE("wide floats are right to 120 bits", "[core][wide_int][property]") {
+TEST_CASE("WideFloat is accurate to 120 bits", "[core][wide_int][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 100)));
     CAPTURE(seed);
     Random random(seed);
@@ -45,7 +45,7 @@ TEST_CASE("wide floats are right to 120 bits", "[core][wide_int][property]") {
     CHECK(double(WideFloat(x)) == double(x));
     const double left = double(WideFloat(y) * inverse(WideFloat(y)) - WideFloat(1));
     CHECK(std::fabs(left) <= 0x1p-118);
-    // A difference far below either part.
+    // A difference far below both operands.
     const WideFloat quotient = WideFloat(x) * inverse(WideFloat(y));
     CHECK(std::fabs(double(quotient * WideFloat(y) - WideFloat(x))) <= 0x1p-116 * std::fabs(double(x)));
     const WideFloat large = WideFloat(x) * WideFloat(x) * WideFloat(x) * WideFloat(x);

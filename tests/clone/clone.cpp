@@ -3,6 +3,7 @@
 #include "support/allocations.hpp"
 #include "support/bindings.hpp"
 #include "support/larger.hpp"
+#include "support/uniform_harmonic.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/adapt/eigen.hpp>
@@ -11,7 +12,6 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <array>
@@ -34,11 +34,7 @@ namespace {
 template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
 template <class T>
-struct Harmonic : cageform::UniformHarmonicCoordinates<T, 2> {
-    explicit Harmonic(const Polygon<T>& cage)
-        : cageform::UniformHarmonicCoordinates<T, 2>(cage,
-                                                     {.resolution = 32, .averaging = {.tolerance = 1e-5}}) {}
-};
+using Harmonic = cageform_tests::UniformHarmonic<T, 2>;
 template <class T, std::size_t D>
 using Bary = cageform::BarycentricCoordinates<T, D>;
 

@@ -153,8 +153,8 @@ TEST_CASE("normals are those of the deformed surface, harmonic", "[clone][normal
     auto cage = sphere(1);
     Random random(seed + 30);
     for (auto& v : cage.vertices) v = random.uniform(1.2, 1.5) * v;
-    cageform::UniformHarmonicCoordinates<double, 3> coordinates(cage.mesh<double>(),
-                                                                {.resolution = effort(96, 48)});
+    cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh<double>(), {.resolution = effort(96, 48)},
+                                                         cageform::UniformGrid{});
     REQUIRE(coordinates.solve().status == Status::ok);
     // Values are interpolated, so their differences mean something over a cell and more.
     CHECK(worst_angle(coordinates, 0.05, 0.15, seed) <= effort(0.1, 0.4)); // of order h²

@@ -2,13 +2,13 @@
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
+#include "../support/uniform_harmonic.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 
 namespace blended_tests {
 
@@ -213,7 +213,7 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
 }
 
 TEST_CASE("corners of several cages are told by the handles of all", "[coordinates][blended]") {
-    using Harmonic = cageform::UniformHarmonicCoordinates<double, 2>;
+    using Harmonic = cageform_tests::UniformHarmonic<double, 2>;
     const cageform::HarmonicOptions coarse{.resolution = 8}; // no corner has ten cells of room
     const BlendedCoordinates<Harmonic> coordinates(
         {Harmonic(rectangle<double>(0, 0, 2, 1), coarse), Harmonic(rectangle<double>(1, -1, 3, 2), coarse)});

@@ -77,8 +77,9 @@ TEST_CASE("10,000 broken meshes end in a status or in a bind that keeps the laws
         }
         check_bind(cageform::MeanValueCoordinates<double, 3>(mesh), points, true);
         if (n % 20 == 0)
-            check_bind(cageform::UniformHarmonicCoordinates<double, 3>(mesh, {.resolution = 12}), points,
-                       false);
+            check_bind(
+                cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 12}, cageform::UniformGrid{}),
+                points, false);
     }
     CHECK(bound >= count / 10);
     CHECK(closed >= count / 20); // bound with a warning

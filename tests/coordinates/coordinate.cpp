@@ -2,11 +2,11 @@
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
+#include "support/uniform_harmonic.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <new>
@@ -25,7 +25,7 @@ using Bary = cageform::BarycentricCoordinates<T, 2>;
 template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
 template <class T>
-using Harmonic = cageform::UniformHarmonicCoordinates<T, 2>;
+using Harmonic = cageform_tests::UniformHarmonic<T, 2>;
 
 template <class C>
 inline constexpr bool is_barycentric = false;
@@ -336,17 +336,11 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 600);
     const Polygon<T> cage(random_simplex<T, 2>(std::uint64_t(seed)));
-    const double diagonal = double(cageform::bounds_of(cage.vertices()).diagonal());
     Points2<T> points;
     for (int i = 0; i < 40; ++i) points.push_back(random_inside(cage, random, 1e-2));
     const auto expected = evaluate_all(Bary<T>(cage), points);
     const auto mean = evaluate_all(Mean<T>(cage), points);
-    constexpr std::size_t resolution = 40;
-    const cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid> by_pyramid(
-        cage, {.solver = cageform::HarmonicSolver::averaging_pyramid,
-               .resolution = resolution,
-               .averaging = {.tolerance = 1e-7}});
-    const auto harmonic = evaluate_all(by_pyramid, points);
+    const auto harmonic = evaluate_all(make<Harmonic<T>>(cage), points);
     REQUIRE(expected.status() == Status::ok);
     REQUIRE(mean.status() == Status::ok);
     REQUIRE(harmonic.status() == Status::ok);
@@ -357,16 +351,13 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
         longest = cageform_tests::larger(longest, distance(cage[i], cage[j]));
     });
     const double height = 2 * area / longest;
-    const double spacing = diagonal / double(resolution - 2 * cageform::grid::papers_margin); // at most
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i, text(expected.rows[i]), text(mean.rows[i]), text(harmonic.rows[i]));
         CHECK(mean.states[i] == PointState::inside);
         CHECK(expected.states[i] == PointState::inside);
         CHECK(difference(expected.rows[i], mean.rows[i]) <=
               16 * double(epsilon<T>) * size_of(cage.vertices()) / height);
-        // Boundary cells hold values from up to √½ cells off, a sample leaves out cells up to √2 off; 1e-3
-        // for the sweeps.
-        CHECK(difference(expected.rows[i], harmonic.rows[i]) <= 2.13 * spacing / height + 1e-3);
+        CHECK(difference(expected.rows[i], harmonic.rows[i]) <= 1e-4);
     }
 }
 

@@ -157,7 +157,7 @@ std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, st
         if (kind == 3) { // a double root of e(s) = z
             detail::PlaneCurve curve{edge.size() - 1, {}};
             for (std::size_t i = 0; i < edge.size(); ++i) curve.control[i] = vec_cast<double>(edge[i]);
-            const auto turning = detail::turning_places(curve.powers());
+            const auto turning = detail::turning_points(curve.powers());
             if (turning.count > 0) {
                 const auto root = turning.s[random.below(turning.count)];
                 detail::Polynomial e{curve.degree, {}};

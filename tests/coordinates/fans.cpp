@@ -5,11 +5,11 @@
 #include "../support/green.hpp"
 #include "../support/larger.hpp"
 #include "../support/polyhedra.hpp"
+#include "../support/uniform_harmonic.hpp"
 
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -34,7 +34,7 @@ using Green = GreenCoordinates<T, 3, PolyhedralMesh<T>>;
 template <class T>
 using Harmonic = cageform::HarmonicCoordinates<T, 3, PolyhedralMesh<T>>;
 template <class T>
-using UniformHarmonic = cageform::UniformHarmonicCoordinates<T, 3, PolyhedralMesh<T>>;
+using UniformHarmonic = cageform_tests::UniformHarmonic<T, 3, PolyhedralMesh<T>>;
 
 static_assert(cageform::GradientCoordinates<Green<float>>);
 
@@ -411,7 +411,7 @@ TEST_CASE("harmonic weights on fans are those on their triangles, folded", "[coo
     options.resolution = divisions == 1 ? 24 : 48; // every point of the fans has to be seen by a node
     options.multigrid.tolerance = 1e-9;
     compare(UniformHarmonic<double>(mesh, options),
-            cageform::UniformHarmonicCoordinates<double, 3>(triangles, options), 1e-7);
+            cageform::HarmonicCoordinates<double, 3>(triangles, options, cageform::UniformGrid{}), 1e-7);
     const HarmonicOptions adaptive{.accuracy = effort(2e-3, 1e-2)};
     // Both have errors of their own. On triangles a near field is subtracted; on fans it is not, and errors
     // next to their small triangles exceed the accuracy (options.hpp).
@@ -546,8 +546,16 @@ TEMPLATE_TEST_CASE("cages of triangles and planar faces stay as they are", "[coo
     compare(Green<T>(plain), GreenCoordinates<T, 3>(triangles));
     // Planar faces, where only others become fans.
     const auto data = random_prism(seed);
-    compare(MeanValue<T>(PolyhedralMesh<T>(data.vertices, data.faces, where_needed)),
-            MeanValue<T>(PolyhedralMesh<T>(data.vertices, data.faces)));
+    compare(MeanValue<T>(data.vertices, data.faces, where_needed), MeanValue<T>(data.vertices, data.faces));
+    // Green coordinates use the triangles of planar faces.
+    const Green<T> green(data.vertices, data.faces);
+    compare(green, GreenCoordinates<T, 3>(green.cage().triangles()));
+    const auto points = points_about(green.cage(), seed);
+    const auto found = evaluate_all(green, points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        CAPTURE(i);
+        CHECK(missed(green, found.rows[i], points[i]) <= (sizeof(T) == 4 ? 1e-5 : 1e-13));
+    }
 }
 
 TEST_CASE("a cage that was refused passes with fans, and its planar faces keep their coordinates",

@@ -285,7 +285,7 @@ TEST_CASE("gradients of Green weights in space are the differences of the weight
     CHECK(checked >= 8);
 }
 
-TEST_CASE("Green coordinates in space are continuous across faces; positive in convex cages",
+TEST_CASE("Green coordinates in space are continuous across faces, positive in convex cages",
           "[coordinates][green][space][outside]") {
     const auto seed = GENERATE(seeds(effort(12, 3)));
     CAPTURE(seed);

@@ -3,11 +3,11 @@
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/oracle.hpp"
+#include "../support/uniform_harmonic.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/cage/box_mesh.hpp>
-#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 namespace harmonic_box_tests {
@@ -20,7 +20,7 @@ using cageform::PolyhedralMesh;
 namespace {
 
 template <class T>
-using Harmonic = cageform::UniformHarmonicCoordinates<T, 3, PolyhedralMesh<T>>;
+using Harmonic = cageform_tests::UniformHarmonic<T, 3, PolyhedralMesh<T>>;
 template <class T>
 using Points3 = std::vector<Vec<T, 3>>;
 using Divisions = std::array<std::size_t, 3>;

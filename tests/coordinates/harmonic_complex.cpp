@@ -20,7 +20,6 @@ using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::Polygon;
 using cageform::TriangleMesh;
-using cageform::UniformHarmonicCoordinates;
 
 namespace {
 
@@ -83,7 +82,8 @@ TEMPLATE_TEST_CASE(
         for (int n = 0; n < 200; ++n) points.push_back({T(random.uniform(0, 1)), T(random.uniform(0, 1))});
         for (const auto& facet : cage.cells().facets)
             points.push_back(T(0.5) * (cage[facet[0]] + cage[facet[1]]));
-        const auto weights = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 90}), points);
+        const auto weights =
+            evaluate_all(HarmonicCoordinates(cage, {.resolution = 90}, cageform::UniformGrid{}), points);
         REQUIRE(weights.status() == Status::ok);
         double radius = 0;
         for (const auto& cell : cage.cells().bones) radius = cageform_tests::larger(radius, cell.radius);
@@ -105,7 +105,8 @@ TEST_CASE("on interior cells the weights are their hat functions", "[coordinates
     REQUIRE(chain == std::vector<std::size_t>{4, 5, 6});
     REQUIRE(head == 7);
     const Points2<T> on{{T(1.625), 2}, {3, T(2.5)}, {2, 3}, {T(2.1), T(3.1)}};
-    const auto weights = evaluate_all(UniformHarmonicCoordinates(flat, {.resolution = 64}), on);
+    const auto weights =
+        evaluate_all(HarmonicCoordinates(flat, {.resolution = 64}, cageform::UniformGrid{}), on);
     REQUIRE(weights.status() == Status::ok);
     for (const auto state : weights.states) CHECK(state == PointState::on_boundary);
     CHECK(difference(weights.rows[0], std::vector<double>{0, 0, 0, 0, 0.5, 0.5, 0, 0}) <= 2 * epsilon<T>);
@@ -122,7 +123,8 @@ TEST_CASE("on interior cells the weights are their hat functions", "[coordinates
         Faces{{0, 1, 2}});
     REQUIRE(check(solid).status == Status::ok);
     const Points3<T> places{{T(0.5), T(0.5), T(0.6)}, {T(0.5), T(0.4), T(0.8)}};
-    const auto in_space = evaluate_all(UniformHarmonicCoordinates(solid, {.resolution = 32}), places);
+    const auto in_space =
+        evaluate_all(HarmonicCoordinates(solid, {.resolution = 32}, cageform::UniformGrid{}), places);
     REQUIRE(in_space.status() == Status::ok);
     CHECK(std::fabs(double(in_space.rows[0][bone[0]]) - 0.5) <= 4 * epsilon<T>);
     CHECK(std::fabs(double(in_space.rows[0][bone[1]]) - 0.5) <= 4 * epsilon<T>);
@@ -144,8 +146,8 @@ TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
     Points2<double> points;
     for (const double r : {0.105, 0.15, 0.3, 0.6, 0.9})
         points.push_back({r * std::cos(r * 9), r * std::sin(r * 9)});
-    const auto flat =
-        evaluate_all(UniformHarmonicCoordinates(disc, {.resolution = effort(256u, 64u)}), points);
+    const auto flat = evaluate_all(
+        HarmonicCoordinates(disc, {.resolution = effort(256u, 64u)}, cageform::UniformGrid{}), points);
     REQUIRE(flat.status() == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
@@ -164,7 +166,8 @@ TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
     CellComplex<double, 3> ball{round.mesh<double>()};
     const auto heart = ball.add_point(Vec<double, 3>{0, 0, 0}, 0.25);
     const Points3<double> inside{{0.3, 0.0, 0.1}, {0.2, -0.4, 0.1}, {0.5, 0.5, 0.5}};
-    const auto deep = evaluate_all(UniformHarmonicCoordinates(ball, {.resolution = 40}), inside);
+    const auto deep =
+        evaluate_all(HarmonicCoordinates(ball, {.resolution = 40}, cageform::UniformGrid{}), inside);
     REQUIRE(deep.status() == Status::ok);
     for (std::size_t i = 0; i < inside.size(); ++i) {
         CAPTURE(i);
@@ -183,7 +186,8 @@ TEST_CASE("a wall across a cage parts it", "[coordinates][harmonic][complex]") {
     CHECK(cage.size() == 8); // no new handles
     REQUIRE(check(cage).status == Status::ok);
     const Points3<double> points{{0.7, 0.2, 0.5}, {0.9, 0.6, 0.3}, {0.2, 0.6, 0.5}};
-    const auto weights = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 32}), points);
+    const auto weights =
+        evaluate_all(HarmonicCoordinates(cage, {.resolution = 32}, cageform::UniformGrid{}), points);
     REQUIRE(weights.status() == Status::ok);
     for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
         CHECK((weights.rows[i][3] == 0 && weights.rows[i][7] == 0));
@@ -197,7 +201,7 @@ TEST_CASE("a bound figure follows an interior vertex", "[coordinates][harmonic][
     const auto head = cage.add_point(Vec<double, 2>{2, 3}, 0.5);
     const Points2<double> figure{{2.3, 3.1}, {2, 1}, {3.9, 0.2}};
     const auto [binding, report] =
-        cageform::bind(UniformHarmonicCoordinates(cage, {.resolution = 64}), figure);
+        cageform::bind(HarmonicCoordinates(cage, {.resolution = 64}, cageform::UniformGrid{}), figure);
     REQUIRE(report.status == Status::ok);
     CHECK(report.reproduction_error.value <= 1e-12);
     CHECK(report.residual_restored.value <= 0.5); // the radius
@@ -314,8 +318,8 @@ TEST_CASE("handles that no cell uses get a warning and no weight", "[coordinates
     REQUIRE(report.faults.size() == 1);
     CHECK(report.faults[0].kind == CageFaultKind::vertex_unused);
     CHECK(report.faults[0].a == 4);
-    const auto weights =
-        evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 32}), Points2<double>{{2, 2}});
+    const auto weights = evaluate_all(HarmonicCoordinates(cage, {.resolution = 32}, cageform::UniformGrid{}),
+                                      Points2<double>{{2, 2}});
     REQUIRE(weights.status() == Status::ok);
     CHECK(weights.rows[0][4] == 0);
     CHECK(evaluate_all(cageform::MeanValueCoordinates<double, 2>(cage), Points2<double>{{2, 2}}).status() ==
@@ -331,8 +335,10 @@ TEST_CASE("ends of chains are treated whichever way they point", "[coordinates][
         const Vec<double, 2> tip{0.5 + 0.25 * std::cos(angle), 0.5 + 0.25 * std::sin(angle)};
         cage.add_chain(Points2<double>{{0.5, 0.5}, tip});
         const Points2<double> beyond{{tip[0] + 0.003 * std::cos(angle), tip[1] + 0.003 * std::sin(angle)}};
-        const auto coarse = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 129}), beyond);
-        const auto fine = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 257}), beyond);
+        const auto coarse =
+            evaluate_all(HarmonicCoordinates(cage, {.resolution = 129}, cageform::UniformGrid{}), beyond);
+        const auto fine =
+            evaluate_all(HarmonicCoordinates(cage, {.resolution = 257}, cageform::UniformGrid{}), beyond);
         REQUIRE(coarse.status() == Status::ok);
         CHECK(difference(coarse.rows[0], fine.rows[0]) <= 5e-4);
     }
@@ -344,7 +350,8 @@ TEST_CASE("a wall on lattice planes is felt alike on all sides", "[coordinates][
         Points3<double>{{0.25, 0.25, 0.5}, {0.75, 0.25, 0.5}, {0.75, 0.75, 0.5}, {0.25, 0.75, 0.5}},
         Faces{{0, 1, 2}, {0, 2, 3}});
     const Points3<double> beside{{0.2, 0.5, 0.5}, {0.8, 0.5, 0.5}, {0.5, 0.2, 0.5}, {0.5, 0.8, 0.5}};
-    const auto weights = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 24}), beside);
+    const auto weights =
+        evaluate_all(HarmonicCoordinates(cage, {.resolution = 24}, cageform::UniformGrid{}), beside);
     REQUIRE(weights.status() == Status::ok);
     std::array<double, 4> sum{};
     for (std::size_t i = 0; i < 4; ++i) {
@@ -358,7 +365,7 @@ TEST_CASE("weights are continuous in the joints of bones", "[coordinates][harmon
     cage.add_chain(Points3<double>{{0.2, 0.5, 0.5}, {0.5, 0.5, 0.5}}, 0.06);
     cage.add_chain(Points3<double>{{0.5, 0.5, 0.5}, {0.5, 0.8, 0.5}}, 0.12);
     REQUIRE(check(cage).status == Status::ok);
-    const UniformHarmonicCoordinates coordinates(cage, {.resolution = 40});
+    const HarmonicCoordinates coordinates(cage, {.resolution = 40}, cageform::UniformGrid{});
     Random random(6);
     Points3<double> points;
     for (int n = 0; n < 400; ++n) { // pairs a millionth apart
@@ -381,8 +388,8 @@ TEST_CASE("a point thinner than half a cell is too coarse for the grid",
           "[coordinates][harmonic][complex][status]") {
     CellComplex<double, 2> cage(Polygon<double>(square<double>(0, 4)));
     const auto thin = cage.add_point(Vec<double, 2>{2, 2}, 0.02);
-    const auto weights =
-        evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 64}), Points2<double>{{1, 1}});
+    const auto weights = evaluate_all(HarmonicCoordinates(cage, {.resolution = 64}, cageform::UniformGrid{}),
+                                      Points2<double>{{1, 1}});
     REQUIRE(weights.status() == Status::grid_too_coarse);
     CHECK(weights.evaluation.solver.unseen_handle == thin);
     CHECK(weights.evaluation.solver.sufficient_resolution == 128);

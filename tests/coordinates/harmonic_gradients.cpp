@@ -7,7 +7,7 @@
 #include "../support/weights.hpp"
 
 #include <cageform/cage/box_mesh.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 namespace harmonic_gradients_tests {
@@ -17,7 +17,6 @@ using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
 using cageform::Polygon;
-using cageform::UniformHarmonicCoordinates;
 
 namespace {
 
@@ -68,7 +67,7 @@ TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
     for (std::size_t i = 0; i < star.size(); ++i) // vertices and places on edges
         in_plane.push_back(T(0.5) * (star[i] + star[i % 2 == 0 ? i : (i + 1) % star.size()]));
     const HarmonicOptions options{.resolution = 120, .multigrid = {.tolerance = 1e-8}};
-    check_laws<T, 2>(UniformHarmonicCoordinates<T, 2>(star, options), in_plane,
+    check_laws<T, 2>(HarmonicCoordinates<T, 2>(star, options, cageform::UniformGrid{}), in_plane,
                      tolerance<T>(star.size(), 120));
 }
 
@@ -87,7 +86,8 @@ TEST_CASE("gradients in boxes keep linear precision up to the boundary",
         if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = upper[std::size_t(n) / 10 % 3];
         in_space.push_back(p);
     }
-    check_laws<T, 3>(UniformHarmonicCoordinates(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}}),
+    check_laws<T, 3>(HarmonicCoordinates(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}},
+                                         cageform::UniformGrid{}),
                      in_space, tolerance<T>(box.size(), 24));
 }
 
@@ -96,8 +96,8 @@ TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     // reference.
     const Polygon<double> square(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     const std::vector<Vec<double, 2>> points{{0.3, 0.4}, {0.01, 0.7}, {0.99, 0.002}, {0.5, 0}, {0, 0}};
-    const auto of_square =
-        gradients_of<double, 2>(UniformHarmonicCoordinates<double, 2>(square, {.resolution = 50}), points);
+    const auto of_square = gradients_of<double, 2>(
+        HarmonicCoordinates<double, 2>(square, {.resolution = 50}, cageform::UniformGrid{}), points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto [x, y] = std::pair(points[i][0], points[i][1]);
         // On the boundary they are taken half a cell inside, and these change by as much.
@@ -112,8 +112,8 @@ TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     for (int n = 0; n < 100; ++n) inside.push_back(random_inside(cage, random, 0.06 * size));
     const auto at = [&](std::size_t resolution) {
         return gradients_of<double, 2>(
-            UniformHarmonicCoordinates<double, 2>(
-                cage, {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}),
+            HarmonicCoordinates<double, 2>(
+                cage, {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}, cageform::UniformGrid{}),
             inside);
     };
     const auto exact = at(256);
@@ -134,17 +134,11 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     const Polygon<double> cage(random_star<double>(3));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<Vec<double, 2>> points{{1e9, 0}, {nan, 0}};
-    UniformHarmonicCoordinates<double, 2> coordinates(cage, {.resolution = 64});
+    HarmonicCoordinates<double, 2> coordinates(cage, {.resolution = 64}, cageform::UniformGrid{});
     const auto gradients = gradients_of<double, 2>(coordinates, points);
     CHECK(gradients.evaluation.status == Status::ok);
     CHECK(gradients.states[0] == PointState::outside);
     CHECK(gradients.states[1] == PointState::not_finite);
-    HarmonicOptions averaging;
-    averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
-    averaging.resolution = 64;
-    using WithPyramid = HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid>;
-    CHECK(gradients_of<double, 2>(WithPyramid(cage, averaging), points).evaluation.status ==
-          Status::solver_not_supported);
 }
 
 TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of a part of the points",
@@ -153,7 +147,7 @@ TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of
     const int seed = GENERATE(seeds(2));
     CAPTURE(seed);
     const Polygon<T> cage(random_star<T>(std::uint64_t(seed)));
-    UniformHarmonicCoordinates<T, 2> coordinates(cage, {.resolution = 40});
+    HarmonicCoordinates<T, 2> coordinates(cage, {.resolution = 40}, cageform::UniformGrid{});
     // More than a piece for each thread; inside, on edges, far outside, not finite.
     Random random(std::uint64_t(seed) + 1);
     std::vector<Vec<T, 2>> points;

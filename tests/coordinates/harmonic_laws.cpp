@@ -18,7 +18,6 @@ namespace harmonic_law_tests {
 
 using namespace cageform_tests;
 using cageform::HarmonicCoordinates;
-using cageform::UniformHarmonicCoordinates;
 using cageform::Vec;
 
 namespace {
@@ -101,7 +100,7 @@ struct Prism {
         return std::max(0.0, std::min({p[2], 1 - p[2], harmonic_law_tests::clearance(base, below)}));
     }
     /// The largest error at the reference points, without those next to edges, where the grid is coarse.
-    double error_inside(const UniformHarmonicCoordinates<double, 3>& coordinates) const {
+    double error_inside(const HarmonicCoordinates<double, 3>& coordinates) const {
         Points3<double> points;
         for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
         const auto weights = evaluate_all(coordinates, points);
@@ -128,7 +127,7 @@ TEST_CASE("harmonic functions have no extremum inside, in all cages", "[coordina
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
         const auto cage = oracle.complex<double>();
-        UniformHarmonicCoordinates coordinates(cage, {.resolution = 64});
+        HarmonicCoordinates coordinates(cage, {.resolution = 64}, cageform::UniformGrid{});
         const double error = error_inside(coordinates, oracle) + 1e-6; // of the solver
         const auto bounds = cageform::bounds_of(std::span<const Vec<double, 2>>(oracle.vertices));
         const std::size_t side = 40;
@@ -190,7 +189,8 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
             points.push_back(p);
             numbers.push_back(n);
         }
-        const auto weights = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 128}), points);
+        const auto weights =
+            evaluate_all(HarmonicCoordinates(cage, {.resolution = 128}, cageform::UniformGrid{}), points);
         REQUIRE(weights.status() == Status::ok);
         std::size_t lines = 0;
         for (std::size_t i = 0; i < cage.size(); ++i) {
@@ -230,7 +230,8 @@ TEST_CASE("harmonic weights are the mean of those on a circle around, and in a d
     for (const char* name : names) {
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
-        UniformHarmonicCoordinates coordinates(oracle.complex<double>(), {.resolution = 64});
+        HarmonicCoordinates coordinates(oracle.complex<double>(), {.resolution = 64},
+                                        cageform::UniformGrid{});
         const double allowed = 20 * (error_inside(coordinates, oracle) + 1e-6);
         Random random(11);
         Points2<double> points;
@@ -268,7 +269,8 @@ TEST_CASE("in space harmonic functions have no extremum inside", "[coordinates][
     for (const char* name : {"cube", "l_prism"}) {
         CAPTURE(name);
         const Prism prism(name);
-        UniformHarmonicCoordinates coordinates(prism.data.mesh<double>(), {.resolution = 32});
+        HarmonicCoordinates coordinates(prism.data.mesh<double>(), {.resolution = 32},
+                                        cageform::UniformGrid{});
         const double error = prism.error_inside(coordinates) + 1e-6; // of the solver
         constexpr std::size_t side = 17;
         const double step = prism.longest() / side;
@@ -319,7 +321,8 @@ TEST_CASE("in space harmonic weights are the mean of those on a sphere around",
     for (const char* name : {"cube", "l_prism"}) {
         CAPTURE(name);
         const Prism prism(name);
-        UniformHarmonicCoordinates coordinates(prism.data.mesh<double>(), {.resolution = 32});
+        HarmonicCoordinates coordinates(prism.data.mesh<double>(), {.resolution = 32},
+                                        cageform::UniformGrid{});
         const double error = prism.error_inside(coordinates) + 1e-6; // of the solver
         Random random(3);
         constexpr std::size_t centres = 8;
@@ -385,7 +388,8 @@ TEST_CASE("linear values around a rectangle are linear in it", "[coordinates][ha
     Points2<double> points;
     for (int n = 0; n < 100; ++n)
         points.push_back({x0 + a * random.uniform(0.001, 0.999), y0 + b * random.uniform(0.001, 0.999)});
-    const auto weights = evaluate_all(UniformHarmonicCoordinates(cage, {.resolution = 64}), points);
+    const auto weights =
+        evaluate_all(HarmonicCoordinates(cage, {.resolution = 64}, cageform::UniformGrid{}), points);
     REQUIRE(weights.status() == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto& w = weights.rows[i];

@@ -5,6 +5,7 @@
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
+#include "../support/uniform_harmonic.hpp"
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -19,7 +20,6 @@ using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
-using cageform::UniformHarmonicCoordinates;
 using cageform::grid::SimplexBoundary;
 
 namespace {
@@ -51,7 +51,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
     const auto data = random_mesh(std::uint64_t(seed));
     const auto mesh = data.mesh<T>();
     const auto points = points_in(mesh, data, std::uint64_t(seed));
-    const UniformHarmonicCoordinates<T, 3> coordinates(mesh, {.resolution = resolution});
+    const HarmonicCoordinates<T, 3> coordinates(mesh, {.resolution = resolution}, cageform::UniformGrid{});
     const auto weights = evaluate_all(coordinates, points);
     if (weights.status() == Status::grid_too_coarse) { // a thin part
         CHECK(weights.evaluation.solver.unseen_handle < mesh.size());
@@ -83,7 +83,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
 TEMPLATE_TEST_CASE(
     "in meshes of 20 to 500 vertices weights reproduce the point, are 1 at their vertex and barycentric "
     "on faces",
-    "[coordinates][harmonic][meanvalue][mesh][property]", (UniformHarmonicCoordinates<float, 3>),
+    "[coordinates][harmonic][meanvalue][mesh][property]", (cageform_tests::UniformHarmonic<float, 3>),
     (cageform::MeanValueCoordinates<double, 3>)) {
     using C = TestType;
     using T = typename C::scalar;
@@ -152,12 +152,12 @@ TEST_CASE("vertices and faces make the coordinates that their mesh makes", "[coo
     const auto data = random_mesh(3);
     const auto mesh = data.mesh<float>();
     const std::vector<cageform::Vec<float, 3>> vertices(mesh.vertices().begin(), mesh.vertices().end());
-    const UniformHarmonicCoordinates coordinates(vertices, data.faces, {.resolution = 20});
-    STATIC_REQUIRE(
-        std::is_same_v<decltype(coordinates), const cageform::UniformHarmonicCoordinates<float, 3>>);
+    const HarmonicCoordinates coordinates(vertices, data.faces, {.resolution = 20}, cageform::UniformGrid{});
+    STATIC_REQUIRE(std::is_same_v<decltype(coordinates), const cageform::HarmonicCoordinates<float, 3>>);
     CHECK(coordinates.options().resolution == 20);
-    CHECK(evaluate_all(coordinates, vertices).rows ==
-          evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 20}), vertices).rows);
+    CHECK(
+        evaluate_all(coordinates, vertices).rows ==
+        evaluate_all(HarmonicCoordinates(mesh, {.resolution = 20}, cageform::UniformGrid{}), vertices).rows);
 }
 
 TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
@@ -167,7 +167,8 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
     CAPTURE(seed);
     const auto compare = [](const auto& cage, const auto& points) { // whatever the weights
         const auto weights = evaluate_all(
-            UniformHarmonicCoordinates(cage, {.resolution = effort(40u, 16u), .multigrid = {.tolerance = 1}}),
+            HarmonicCoordinates(cage, {.resolution = effort(40u, 16u), .multigrid = {.tolerance = 1}},
+                                cageform::UniformGrid{}),
             points);
         if (weights.status() != Status::ok) return;
         const auto tolerance = cageform::coincidence_tolerance(cageform::bounds_of(cage.vertices()));
@@ -224,8 +225,10 @@ TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][m
         Points3<double> points;
         for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
         CAPTURE(c.name);
-        const auto weights = evaluate_all(
-            UniformHarmonicCoordinates(data.mesh<double>(), {.resolution = effort(64u, 20u)}), points);
+        const auto weights =
+            evaluate_all(HarmonicCoordinates(data.mesh<double>(), {.resolution = effort(64u, 20u)},
+                                             cageform::UniformGrid{}),
+                         points);
         REQUIRE(weights.status() == Status::ok);
         double error = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -264,8 +267,10 @@ TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
         const Vec<double, 3> p{random.uniform(0.4, 0.6), random.uniform(0.3, 1), random.uniform(0, 0.6)};
         if (locate(mesh, p, 1e-9) == PointState::inside) points.push_back(p);
     }
-    const auto fine = evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 75}), points);
-    const auto weights = evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 24}), points);
+    const auto fine =
+        evaluate_all(HarmonicCoordinates(mesh, {.resolution = 75}, cageform::UniformGrid{}), points);
+    const auto weights =
+        evaluate_all(HarmonicCoordinates(mesh, {.resolution = 24}, cageform::UniformGrid{}), points);
     REQUIRE(weights.status() == Status::ok);
     double error = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -281,7 +286,8 @@ TEST_CASE("a grid in space that takes more than the limit is refused before it i
           "[coordinates][harmonic][mesh][memory]") {
     const auto mesh = random_mesh(3).mesh<double>();
     const Points3<double> points{mesh[0]};
-    const auto most = evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 1024}), points);
+    const auto most =
+        evaluate_all(HarmonicCoordinates(mesh, {.resolution = 1024}, cageform::UniformGrid{}), points);
     CHECK(most.status() == Status::out_of_memory);
     CHECK(most.evaluation.solver.bytes > HarmonicOptions{}.memory_limit);
     const HarmonicOptions options{.resolution = most.evaluation.solver.sufficient_resolution};
@@ -321,8 +327,8 @@ TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[
 TEST_CASE("a vertex that no face has gets no weight", "[coordinates][harmonic][mesh]") {
     auto data = sphere(1);
     data.vertices.push_back({0.1, 0.2, 0.3});
-    const auto weights =
-        evaluate_all(UniformHarmonicCoordinates(data.mesh<double>(), {.resolution = 16}), data.vertices);
+    const auto weights = evaluate_all(
+        HarmonicCoordinates(data.mesh<double>(), {.resolution = 16}, cageform::UniformGrid{}), data.vertices);
     REQUIRE(weights.status() == Status::ok);
     for (const auto& row : weights.rows) CHECK(row.back() == 0);
 }

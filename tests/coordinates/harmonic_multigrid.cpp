@@ -4,10 +4,10 @@
 #include "support/effort.hpp"
 #include "support/larger.hpp"
 #include "support/oracle.hpp"
+#include "support/uniform_harmonic.hpp"
 #include "support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <numeric>
@@ -22,8 +22,7 @@ using cageform::Polygon;
 namespace {
 
 template <class T>
-using Harmonic = cageform::UniformHarmonicCoordinates<T, 2>;
-using WithPyramid = cageform::HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid>;
+using Harmonic = UniformHarmonic<T, 2>;
 
 template <class T>
 Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t seed) {
@@ -66,7 +65,8 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
             if (resolution > effort(256u, 64u) && (effort(false, true) || c.name != std::string("biped")))
                 continue;
             const auto weights = evaluate_all(
-                cageform::UniformHarmonicCoordinates(cage, {.resolution = resolution}), oracle.points);
+                cageform::HarmonicCoordinates(cage, {.resolution = resolution}, cageform::UniformGrid{}),
+                oracle.points);
             REQUIRE(weights.status() == Status::ok);
             CHECK(weights.evaluation.solver.multigrid.error_estimate <= 1e-6);
             CHECK(weights.evaluation.solver.multigrid.convergence_factor <= 0.2);
@@ -206,14 +206,11 @@ TEST_CASE("a grid that takes more than the limit is refused before it is tried",
     const int seed = GENERATE(seeds(effort(4, 1)));
     const Polygon<double> cage(random_star<double>(std::uint64_t(seed)));
     const Points2<double> points = points_in(cage, 4, 1);
-    const auto solver =
-        GENERATE(cageform::HarmonicSolver::multigrid, cageform::HarmonicSolver::averaging_pyramid);
-    CAPTURE(seed, solver);
-    HarmonicOptions options{.solver = solver, .resolution = 16384};
-    const auto most = evaluate_all(WithPyramid(cage, options), points);
+    CAPTURE(seed);
+    HarmonicOptions options{.resolution = 16384};
+    const auto most = evaluate_all(Harmonic<double>(cage, options), points);
     CHECK(most.status() == Status::out_of_memory);
     CHECK(most.evaluation.solver.bytes > options.memory_limit);
-    if (solver == cageform::HarmonicSolver::averaging_pyramid) return;
 
     options.resolution = 1000;
     options.memory_limit = 20'000'000;
@@ -341,8 +338,9 @@ TEST_CASE("corners that are not to be treated are expected to have the errors th
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
         const auto weights = evaluate_all(
-            cageform::UniformHarmonicCoordinates(
-                oracle.cage<double>(), {.resolution = 128, .multigrid = {.corner_functions = false}}),
+            cageform::HarmonicCoordinates(oracle.cage<double>(),
+                                          {.resolution = 128, .multigrid = {.corner_functions = false}},
+                                          cageform::UniformGrid{}),
             oracle.points);
         double error = 0;
         for (std::size_t i = 0; i < oracle.points.size(); ++i)
@@ -353,20 +351,11 @@ TEST_CASE("corners that are not to be treated are expected to have the errors th
     }
 }
 
-TEST_CASE("coordinates without a pyramid, or without a resolution, say so", "[coordinates][harmonic]") {
+TEST_CASE("the adaptive grid takes no resolution, the uniform grid needs one", "[coordinates][harmonic]") {
     const auto star = random_star<double>(3);
-    constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
     using Adaptive = cageform::HarmonicCoordinates<double, 2>;
-    for (const HarmonicOptions& options :
-         {HarmonicOptions{.solver = pyramid}, HarmonicOptions{.solver = pyramid, .resolution = 64}}) {
-        CHECK(Harmonic<double>(star, options).solve().status == Status::solver_not_supported);
-        CHECK(Adaptive(star, options).solve().status == Status::solver_not_supported);
-    }
     CHECK(Adaptive(star, {.resolution = 64}).solve().status == Status::solver_not_supported);
-    CHECK(Harmonic<double>(star).solve().status == Status::resolution_not_supported);
-    CHECK(WithPyramid(star, {.solver = pyramid, .resolution = 64}).solve().status == Status::ok);
-    CHECK(WithPyramid(star, {.resolution = 64}).solve().status == Status::ok);
-    CHECK(WithPyramid(star, {.accuracy = 0.01}).solve().status == Status::ok);
+    CHECK(Harmonic<double>(star, {}).solve().status == Status::resolution_not_supported);
 }
 
 } // namespace harmonic_multigrid_tests

@@ -125,7 +125,8 @@ TEST_CASE("coordinates of any type take and give solutions if there are some",
 
     const cageform::AnyCoordinates<double, 2> none,
         closed = cageform::MeanValueCoordinates<double, 2>(l_shape),
-        uniform = cageform::UniformHarmonicCoordinates<double, 2>(l_shape, {.resolution = 16});
+        uniform =
+            cageform::HarmonicCoordinates<double, 2>(l_shape, {.resolution = 16}, cageform::UniformGrid{});
     CHECK(none.save_solution().status() == Status::coordinates_empty);
     CHECK(none.load_solution(memory.bytes()).status == Status::coordinates_empty);
     for (const auto& other : {closed, uniform}) {

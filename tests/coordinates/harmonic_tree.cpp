@@ -616,8 +616,8 @@ TEMPLATE_TEST_CASE("the cells of an adaptive grid hold every point inside once",
         check_cells(Polygon<TestType>(random_star<TestType>(seed)), seed);
         check_cells(random_mesh(seed).template mesh<TestType>(), seed);
     }
-    const cageform::UniformHarmonicCoordinates<TestType, 2> coordinates(random_star<TestType>(1),
-                                                                        {.resolution = 16});
+    const cageform::HarmonicCoordinates<TestType, 2> coordinates(random_star<TestType>(1), {.resolution = 16},
+                                                                 cageform::UniformGrid{});
     CHECK(coordinates.for_each_cell([](const auto&) { FAIL("a cell of none"); }).status ==
           Status::solver_not_supported);
 }
@@ -652,7 +652,7 @@ TEST_CASE("adaptive weights take the data of every kind of face", "[coordinates]
         }
     }
     CHECK(largest_error(box, points, trilinear, accuracy) <= 0.2 * accuracy);
-    const cageform::UniformHarmonicCoordinates uniform(divided, {.resolution = 96});
+    const cageform::HarmonicCoordinates uniform(divided, {.resolution = 96}, cageform::UniformGrid{});
     CHECK(largest_error(divided, points, evaluate_all(uniform, points).rows, accuracy) <=
           3e-2); // next to kinks of its data
 }
@@ -676,7 +676,8 @@ TEST_CASE("adaptive weights go up to bones, as those of a fine uniform grid",
     constexpr double accuracy = effort(5e-3, 2e-2);
     const auto compare = [](const auto& cage, const auto& points, std::size_t resolution, double most) {
         using C = std::remove_cvref_t<decltype(cage)>;
-        const cageform::UniformHarmonicCoordinates uniform(cage, {.resolution = resolution});
+        const cageform::HarmonicCoordinates uniform(cage, {.resolution = resolution},
+                                                    cageform::UniformGrid{});
         const auto expected = evaluate_all(uniform, points);
         const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), points);
         REQUIRE(weights.status() == Status::ok);

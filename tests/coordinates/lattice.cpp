@@ -346,7 +346,7 @@ TEST_CASE("with frozen layers points outside stay where they are, smoothly", "[c
     CHECK(displacement(1e-4) <= 0.0101 * displacement(1e-3));
 }
 
-TEST_CASE("a lattice of two points a side is trilinear; a figure is bound, posed and stays affine",
+TEST_CASE("a lattice of two points a side is trilinear, a figure is bound, posed and stays affine",
           "[coordinates][lattice][binding]") {
     const Transform<float, 3> box{{Vec<float, 3>{2, 0, 0}, Vec<float, 3>{0, 2, 0}, Vec<float, 3>{0, 0, 2}},
                                   {-1, -1, -1}};

@@ -16,10 +16,10 @@
 namespace polyhedral_tests {
 
 using namespace cageform_tests;
+using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
 using cageform::MeanValueCoordinates;
 using cageform::PolyhedralMesh;
-using cageform::UniformHarmonicCoordinates;
 
 namespace {
 
@@ -80,7 +80,7 @@ TEST_CASE("harmonic coordinates of cages with polygons as faces: reference value
     };
     const PolyhedralMesh<double> cage(points_of(json["cage"]["vertices"]),
                                       json["cage"]["faces"].get<Loops>());
-    const UniformHarmonicCoordinates coordinates(cage, at_resolution(48));
+    const HarmonicCoordinates coordinates(cage, at_resolution(48), cageform::UniformGrid{});
     const auto found = evaluate_all(coordinates, points_of(json["points"]));
     REQUIRE(found.status() == Status::ok);
     REQUIRE(found.rows.size() >= 10);
@@ -103,9 +103,9 @@ TEST_CASE("harmonic coordinates of a prism are those of its floor times a linear
         base.push_back({radius * std::cos(angle), radius * std::sin(angle)});
     }
     const auto data = prism_over(base, 1.5);
-    const UniformHarmonicCoordinates coordinates(data.cage<double>(), at_resolution(48));
+    const HarmonicCoordinates coordinates(data.cage<double>(), at_resolution(48), cageform::UniformGrid{});
     HarmonicOptions fine = at_resolution(512);
-    const UniformHarmonicCoordinates plane(cageform::Polygon<double>(base), fine);
+    const HarmonicCoordinates plane(cageform::Polygon<double>(base), fine, cageform::UniformGrid{});
     Random random(7);
     const auto points = random_points(data.cage<double>(), 200, random);
     std::vector<Vec<double, 2>> flat;
@@ -135,7 +135,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
     const auto data = random_prism(seed);
     const auto cage = data.template cage<T>();
     const MeanValue<T> mean_value(cage);
-    const UniformHarmonicCoordinates harmonic(cage, at_resolution(24));
+    const HarmonicCoordinates harmonic(cage, at_resolution(24), cageform::UniformGrid{});
     Random random(seed);
     std::vector<Vec<T, 3>> points;
     std::vector<std::size_t> face_of;
@@ -179,7 +179,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
     CHECK(on_face > points.size() / 2);
 }
 
-TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place; harmonic ones are in [0, 1]",
+TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place, harmonic ones are in [0, 1]",
                    "[coordinates][polyhedral]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(range<std::uint64_t>(0, 25));
@@ -208,13 +208,14 @@ TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place; harmonic ones are 
     const auto by_mean_value = evaluate_all(MeanValue<T>(cage), points);
     REQUIRE(by_mean_value.status() == Status::ok);
     check_rows(by_mean_value, 200 * rounding, false);
-    const auto by_harmonic = evaluate_all(UniformHarmonicCoordinates(cage, at_resolution(24)), points);
+    const auto by_harmonic =
+        evaluate_all(HarmonicCoordinates(cage, at_resolution(24), cageform::UniformGrid{}), points);
     if (by_harmonic.status() == Status::grid_too_coarse) return;
     REQUIRE(by_harmonic.status() == Status::ok);
     check_rows(by_harmonic, 2e-5, true);
 }
 
-TEST_CASE("how a face's loop begins changes nothing; how it is cut into triangles does",
+TEST_CASE("how a face's loop begins changes nothing, how it is cut into triangles does",
           "[coordinates][polyhedral]") {
     auto data = l_prism();
     const auto cage = data.cage<double>();
@@ -237,11 +238,14 @@ TEST_CASE("how a face's loop begins changes nothing; how it is cut into triangle
     CHECK(compare(by_mean_value, evaluate_all(MeanValueCoordinates<double, 3>(cage.triangles()), points)) >
           0.05);
     const auto options = at_resolution(32);
-    const auto by_harmonic = evaluate_all(UniformHarmonicCoordinates(cage, options), points);
-    CHECK(compare(by_harmonic, evaluate_all(UniformHarmonicCoordinates(begun_elsewhere, options), points)) <=
-          1e-5);
-    CHECK(compare(by_harmonic, evaluate_all(UniformHarmonicCoordinates(cage.triangles(), options), points)) >
-          0.05);
+    const auto by_harmonic =
+        evaluate_all(HarmonicCoordinates(cage, options, cageform::UniformGrid{}), points);
+    CHECK(compare(by_harmonic,
+                  evaluate_all(HarmonicCoordinates(begun_elsewhere, options, cageform::UniformGrid{}),
+                               points)) <= 1e-5);
+    CHECK(compare(by_harmonic,
+                  evaluate_all(HarmonicCoordinates(cage.triangles(), options, cageform::UniformGrid{}),
+                               points)) > 0.05);
 }
 
 TEMPLATE_TEST_CASE("of triangles alone the weights are those of a TriangleMesh, to the bit",
@@ -255,8 +259,9 @@ TEMPLATE_TEST_CASE("of triangles alone the weights are those of a TriangleMesh, 
     CHECK(evaluate_all(MeanValue<T>(cage), points).rows ==
           evaluate_all(MeanValueCoordinates<T, 3>(triangles), points).rows);
     const auto options = at_resolution(24);
-    const auto found = evaluate_all(UniformHarmonicCoordinates(cage, options), points);
-    const auto expected = evaluate_all(UniformHarmonicCoordinates(triangles, options), points);
+    const auto found = evaluate_all(HarmonicCoordinates(cage, options, cageform::UniformGrid{}), points);
+    const auto expected =
+        evaluate_all(HarmonicCoordinates(triangles, options, cageform::UniformGrid{}), points);
     REQUIRE(found.status() == expected.status());
     CHECK(found.states == expected.states);
     for (std::size_t i = 0; i < found.rows.size(); ++i) {
@@ -372,23 +377,19 @@ TEST_CASE("bind takes polyhedral cages, points outside too", "[coordinates][poly
             CHECK(distance(combine(row, cage.vertices()), place) <= 1e-5);
         }
     };
-    check_binding(UniformHarmonicCoordinates(cage, at_resolution(32)));
+    check_binding(HarmonicCoordinates(cage, at_resolution(32), cageform::UniformGrid{}));
     check_binding(MeanValue<double>(cage));
 }
 
 TEST_CASE("faulty polyhedral cages are refused by both types", "[coordinates][polyhedral][status]") {
     auto data = l_prism();
     data.vertices[3][2] = 0.01;
-    const UniformHarmonicCoordinates harmonic(data.cage<double>(), at_resolution(32));
+    const HarmonicCoordinates harmonic(data.cage<double>(), at_resolution(32), cageform::UniformGrid{});
     const MeanValue<double> mean_value(data.cage<double>());
     const std::vector<Vec<double, 3>> points{{0.5, 0.5, 0.5}};
     CHECK(evaluate_all(harmonic, points).status() == Status::face_not_planar);
     CHECK(evaluate_all(mean_value, points).status() == Status::face_not_planar);
     CHECK(harmonic.cage_report().faults.front().b == 3);
-    HarmonicOptions papers = at_resolution(32);
-    papers.solver = cageform::HarmonicSolver::averaging_pyramid;
-    CHECK(evaluate_all(UniformHarmonicCoordinates(l_prism().cage<double>(), papers), points).status() ==
-          Status::solver_not_supported);
     // In a cage whose corners may lie off the planes, by so little that all is as near.
     data.vertices[3][2] = 1e-4;
     const MeanValue<double> lenient(data.vertices, data.faces, 1e-3);

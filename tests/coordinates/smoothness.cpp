@@ -191,7 +191,7 @@ C solved(C coordinates) {
 
 TEST_CASE("weights in the plane are as smooth as documented", "[coordinates][property]") {
     using Mean = cageform::MeanValueCoordinates<double, 2>;
-    using cageform::HarmonicCoordinates, cageform::UniformHarmonicCoordinates;
+    using cageform::HarmonicCoordinates;
     cageform::CellComplex<double, 2> with_wall(convex(1)), with_disc(convex(1));
     with_wall.add_chain(Points<2>{{-1, -0.2}, {0, 0.1}, {0.8, 0}});
     with_disc.add_point(Vec<double, 2>{0.3, 0.1}, 0.2);
@@ -225,7 +225,8 @@ TEST_CASE("weights in the plane are as smooth as documented", "[coordinates][pro
         {"harmonic about a disc", jumps, [about_disc](auto seed) { return line(about_disc, seed); }, 1e-3},
         {"harmonic on a uniform grid", jumps,
          [](auto seed) {
-             return line(solved(UniformHarmonicCoordinates(star(seed), {.resolution = 64})), seed);
+             return line(solved(HarmonicCoordinates(star(seed), {.resolution = 64}, cageform::UniformGrid{})),
+                         seed);
          },
          1e-2},
         {"Sibson", once, [](auto seed) { return line(random_sites<2>(1, seed), seed); }},
@@ -252,9 +253,9 @@ TEST_CASE("weights in the plane are as smooth as documented", "[coordinates][pro
 
 TEST_CASE("weights in space are as smooth as documented", "[coordinates][property]") {
     using Mean = cageform::MeanValueCoordinates<double, 3>;
-    using cageform::HarmonicCoordinates, cageform::UniformHarmonicCoordinates;
+    using cageform::HarmonicCoordinates;
     const auto prismatic = solved(HarmonicCoordinates(prism(6), {.accuracy = 1e-2}));
-    const auto uniform = solved(UniformHarmonicCoordinates(mesh(1), {.resolution = 32}));
+    const auto uniform = solved(HarmonicCoordinates(mesh(1), {.resolution = 32}, cageform::UniformGrid{}));
     const std::vector<Kind<3>> kinds{
         {"mean value", always, [](auto seed) { return line(Mean(mesh(seed)), seed, true); }},
         {"mean value at an edge", continuous,

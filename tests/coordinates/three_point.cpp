@@ -338,7 +338,7 @@ TEST_CASE("three-point weights of a turned, moved and scaled cage are the same",
     check(ThreePointCoordinates<double, SquareRoot>(cage), ThreePointCoordinates<double, SquareRoot>(turned));
 }
 
-TEST_CASE("Wachspress weights and those of √(1 + r²) are nowhere negative; those of √r and r² are",
+TEST_CASE("Wachspress weights and those of √(1 + r²) are nowhere negative, those of √r and r² are",
           "[coordinates][three_point][property]") {
     double wachspress = 1, hyperbola = 1;
     int polygons = 0;

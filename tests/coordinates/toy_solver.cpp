@@ -9,8 +9,9 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
+#include <cageform/coordinates/harmonic/solution.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/parallel/threads.hpp>
 
 #include <Eigen/SparseCholesky>
@@ -19,7 +20,6 @@ namespace toy_solver_tests {
 
 using namespace cageform_tests;
 using cageform::Polygon;
-using cageform::TriangleMesh;
 
 namespace {
 
@@ -30,12 +30,12 @@ class DirectSolver {
     using Grid = cageform::detail::EmbeddedCage<D>;
 
 public:
-    using Problem = cageform::PlacedCage<D>;
+    static constexpr std::size_t dimension = D;
 
-    static Status make(const Problem& problem, cageform::SolverReport& report,
+    static Status make(const cageform::SolverInput<D>& input, cageform::SolverReport& report,
                        std::optional<DirectSolver>& made, const cageform::Running& /*running*/) {
         std::optional<Grid> grid;
-        const Status status = Grid::make(problem, report, grid);
+        const Status status = Grid::make(input, report, grid);
         if (status != Status::ok) return status;
         made.emplace(std::move(*grid));
         report.cells = made->count();
@@ -91,7 +91,7 @@ public:
     Functions keep(const Block& block) const { return block; }
 
     template <class T>
-    Samples samples(const cageform::detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const cageform::Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         for (const std::size_t i : points) samples.add(i, grid_.stencil(batch, i), grid_.data());
         return samples;
@@ -123,8 +123,11 @@ private:
 };
 
 template <class C>
-using Direct = cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C,
-                                             cageform::OnlySolver<DirectSolver<C::dimension>>>;
+auto direct(const C& cage, const cageform::HarmonicOptions& options) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    return cageform::HarmonicCoordinates(cage, options, cageform::make_functions<DirectSolver<D>, T, D>);
+}
 
 template <class Solver>
 constexpr bool is_model = cageform::CageSolver<Solver>&& cageform::DifferentiableSolver<Solver>;
@@ -138,11 +141,7 @@ TEST_CASE("the library's solvers and one of one's own are models of the seam", "
     STATIC_REQUIRE(is_model<cageform::TreeSolver<3>>);
     STATIC_REQUIRE(is_model<DirectSolver<2>>);
     STATIC_REQUIRE(is_model<DirectSolver<3>>);
-    STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<Polygon<float>>>);
-    STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<TriangleMesh<float>>>);
-    STATIC_REQUIRE(!cageform::DifferentiableSolver<cageform::PyramidSolver<Polygon<float>>>);
     STATIC_REQUIRE(!cageform::CageSolver<cageform::grid::Multigrid<2>>);
-    STATIC_REQUIRE(cageform::GradientCoordinates<Direct<Polygon<double>>>);
 }
 
 TEST_CASE("weights by a solver of one's own keep the laws", "[coordinates][solver][property]") {
@@ -156,7 +155,7 @@ TEST_CASE("weights by a solver of one's own keep the laws", "[coordinates][solve
     points.push_back(cage[0]);
     const auto bounds = cageform::bounds_of(cage.vertices());
     points.push_back(bounds.upper + (bounds.upper - bounds.lower));
-    const Direct<Polygon<T>> coordinates(cage, {.resolution = 40});
+    const auto coordinates = direct(cage, {.resolution = 40});
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
     CHECK(weights.evaluation.solver.solves == cage.size());
@@ -199,9 +198,10 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
     const Polygon<double> star(random_star<double>(5));
     std::vector<Vec<double, 2>> in_plane(100);
     for (auto& p : in_plane) p = random_inside(star, random);
-    check_same(Direct<Polygon<double>>(star, {.resolution = 50}),
-               cageform::UniformHarmonicCoordinates<double, 2>(
-                   star, {.resolution = 50, .multigrid = {.tolerance = 1e-10, .corner_functions = false}}),
+    check_same(direct(star, {.resolution = 50}),
+               cageform::HarmonicCoordinates<double, 2>(
+                   star, {.resolution = 50, .multigrid = {.tolerance = 1e-10, .corner_functions = false}},
+                   cageform::UniformGrid{}),
                in_plane);
     const auto mesh = random_mesh(2).mesh<double>();
     std::vector<Vec<double, 3>> in_space;
@@ -211,9 +211,9 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
         for (std::size_t k = 0; k < 3; ++k) p[k] = random.uniform(bounds.lower[k], bounds.upper[k]);
         in_space.push_back(p);
     }
-    check_same(Direct<TriangleMesh<double>>(mesh, {.resolution = 24}),
-               cageform::UniformHarmonicCoordinates<double, 3>(
-                   mesh, {.resolution = 24, .multigrid = {.tolerance = 1e-10}}),
+    check_same(direct(mesh, {.resolution = 24}),
+               cageform::HarmonicCoordinates<double, 3>(
+                   mesh, {.resolution = 24, .multigrid = {.tolerance = 1e-10}}, cageform::UniformGrid{}),
                in_space);
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("a solver of one's own has threads, progress, cancel and refusals of t
     Random random(4);
     std::vector<Vec<double, 2>> points(3000);
     for (auto& p : points) p = random_inside(cage, random);
-    Direct<Polygon<double>> coordinates(cage, {.resolution = 30});
+    auto coordinates = direct(cage, {.resolution = 30});
     const auto expected = evaluate_all(coordinates, points);
     REQUIRE(expected.status() == Status::ok);
     cageform::Running running;
@@ -244,10 +244,9 @@ TEST_CASE("a solver of one's own has threads, progress, cancel and refusals of t
     const auto memory = coordinates.solver_memory();
     CHECK(coordinates.solve().solver.bytes == memory.hierarchy + memory.block);
 
-    CHECK(Direct<Polygon<double>>(cage, {.resolution = 4}).solve().status ==
-          Status::resolution_not_supported);
+    CHECK(direct(cage, {.resolution = 4}).solve().status == Status::resolution_not_supported);
     const Polygon<double> crossed(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
-    CHECK(Direct<Polygon<double>>(crossed).solve().status == Status::cage_self_crossing);
+    CHECK(direct(crossed, {}).solve().status == Status::cage_self_crossing);
 }
 
 } // namespace toy_solver_tests

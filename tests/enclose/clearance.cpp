@@ -1,4 +1,4 @@
-// The exact clearance of cages in space against all pairs of faces.
+// The exact clearance of 3D cages, compared with brute force.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -13,7 +13,7 @@ using namespace cageform;
 using namespace cageform_tests;
 using detail::Corners;
 
-/// A face about a place, some of them needles; some have equal corners.
+/// A random face near a position; some are needles, some have equal corners.
 Corners<3> random_face(Random& random, const Vec<double, 3>& middle, double size) {
     Corners<3> corner;
     for (auto& p : corner) {
@@ -29,7 +29,7 @@ Vec<double, 3> random_place(Random& random) {
     return {random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)};
 }
 
-TEST_CASE("the clearance is the least distance of all pairs of faces", "[enclose][property]") {
+TEST_CASE("the clearance is the minimum distance over all pairs of faces", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort<std::uint64_t>(100, 10); ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -44,7 +44,8 @@ TEST_CASE("the clearance is the least distance of all pairs of faces", "[enclose
         std::vector<Corners<3>> figure;
         for (std::size_t n = 1 + random.below(300); n > 0; --n)
             figure.push_back(random_face(random, random_place(random), 0.3 * size));
-        if (random.below(4) == 0) figure.back() = {vertices[0], vertices[1], vertices[2]}; // the same face
+        if (random.below(4) == 0)
+            figure.back() = {vertices[0], vertices[1], vertices[2]}; // a face of the cage
         const double reach = random.uniform(0.01, 1);
         double least = reach;
         for (const auto& face : faces) {

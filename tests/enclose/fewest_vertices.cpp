@@ -1,4 +1,4 @@
-// Laws of cages with the fewest vertices that a limit on their looseness allows.
+// Laws of cages with a limit on their looseness.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -17,7 +17,7 @@ namespace fewest_vertices_tests {
 using namespace cageform;
 using namespace cageform_tests;
 
-/// A tree of strokes, so that fingers take vertices.
+/// A tree of strokes, whose fingers need vertices.
 std::vector<DrawnSegment<double>> random_tree(std::uint64_t seed, double scale = 1) {
     Random random(seed);
     std::vector<Vec<double, 2>> ends{{0, 0}, {0, 8}};
@@ -35,7 +35,7 @@ struct Soup {
     std::vector<std::array<std::uint32_t, 3>> faces;
 };
 
-/// Faces that share a corner with an earlier one.
+/// A chain of faces; each shares a vertex with an earlier one.
 Soup random_soup(std::uint64_t seed, double scale = 1) {
     Random random(seed);
     Soup soup;
@@ -52,8 +52,8 @@ Soup random_soup(std::uint64_t seed, double scale = 1) {
     return soup;
 }
 
-/// The report keeps its promises: the answer is within the limit, and some number that is at most 5 % smaller
-/// is not; vertices come and go `step` at a time.
+/// Checks the report: the answer is within the limit, and a number at most 5 % smaller is not. `step` is the
+/// granularity of vertex counts.
 void check_answer(const MakeCageReport& report, double looseness, std::size_t step = 1) {
     REQUIRE(to_string(report.status) == std::string("ok"));
     CHECK(report.area <= report.tightest_area * (1 + looseness) * (1 + 1e-9));
@@ -70,12 +70,12 @@ void check_answer(const MakeCageReport& report, double looseness, std::size_t st
         CHECK(attempt.hollow >= 0);
         if (attempt.vertices < report.vertices) CHECK(attempt.excess > looseness);
     }
-    if (made == all.begin()) return; // not even fewer are possible
+    if (made == all.begin()) return; // no smaller number is possible
     const std::size_t below = std::prev(made)->vertices;
     CHECK((below + step >= report.vertices || 21 * below >= 20 * report.vertices));
 }
 
-TEST_CASE("the numbers of vertices that can be tried are at most 5 % apart", "[enclose][property]") {
+TEST_CASE("candidate vertex counts are at most 5 % apart", "[enclose][property]") {
     const std::uint64_t seed = 4;
     CAPTURE(seed);
     Random random(seed);
@@ -94,7 +94,7 @@ TEST_CASE("the numbers of vertices that can be tried are at most 5 % apart", "[e
     }
 }
 
-TEST_CASE("the deepest hollow is that of the farthest point", "[enclose][property]") {
+TEST_CASE("deepest_hollow is the maximum over all points", "[enclose][property]") {
     const std::uint64_t seed = 9;
     CAPTURE(seed);
     Random random(seed);
@@ -116,7 +116,7 @@ TEST_CASE("the deepest hollow is that of the farthest point", "[enclose][propert
     }
 }
 
-TEST_CASE("in the plane the fewest vertices within a limit are found", "[enclose][property]") {
+TEST_CASE("2D: finds the fewest vertices within the limit", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort(6u, 2u); ++seed) {
         CAPTURE(seed);
         Random random(seed + 100);
@@ -127,7 +127,7 @@ TEST_CASE("in the plane the fewest vertices within a limit are found", "[enclose
         check_answer(found.report, options.looseness);
         const auto scaled = make_cage(random_tree(seed, 2), options);
         CHECK(scaled.report.vertices == found.report.vertices);
-        // The cage is that of its number of vertices.
+        // The cage equals the cage made with this number of vertices.
         MakeCageOptions direct;
         direct.margin = options.margin;
         direct.vertices = found.report.vertices;
@@ -137,14 +137,14 @@ TEST_CASE("in the plane the fewest vertices within a limit are found", "[enclose
     }
 }
 
-TEST_CASE("in space the fewest vertices within a limit are found", "[enclose][property]") {
+TEST_CASE("3D: finds the fewest vertices within the limit", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort(3u, 1u); ++seed) {
         CAPTURE(seed);
         Random random(seed + 200);
         MakeCageOptions options;
         options.looseness = random.uniform(0.1, 0.4);
         options.margin = 0.1;
-        options.vertices = effort(300u, 60u); // at most
+        options.vertices = effort(300u, 60u); // upper bound
         const auto soup = random_soup(seed), twice = random_soup(seed, 2);
         const auto found = make_cage(soup.vertices, soup.faces, options);
         if (found.report.area <= found.report.tightest_area * (1 + options.looseness))
@@ -157,14 +157,14 @@ TEST_CASE("in space the fewest vertices within a limit are found", "[enclose][pr
         direct.margin = options.margin;
         direct.vertices = found.report.vertices;
         const auto again = make_cage(soup.vertices, soup.faces, direct);
-        // Rounds end at eight times the vertices asked for, so this is another cage, and neither is the better:
-        // 30 seeds brought volumes 6 % smaller to 7 % larger.
+        // Rounds stop at eight times the requested vertices, so this cage differs: over 30 seeds its volume was
+        // 6 % smaller to 7 % larger.
         CHECK(again.report.vertices == found.report.vertices);
         CHECK(std::fabs(again.report.area / found.report.area - 1) <= 0.1);
     }
 }
 
-TEST_CASE("the fewest vertices of a cage that is mirrored, and of shells of their own", "[enclose]") {
+TEST_CASE("looseness works for mirrored cages and for several shells", "[enclose]") {
     const auto soup = random_soup(3);
     MakeCageOptions options;
     options.looseness = 0.3;
@@ -178,7 +178,7 @@ TEST_CASE("the fewest vertices of a cage that is mirrored, and of shells of thei
     check_answer(make_cage(soup.vertices, soup.faces, options).report, options.looseness);
 }
 
-TEST_CASE("where no number of vertices is within the limit, the tightest cage is made", "[enclose][error]") {
+TEST_CASE("if no number of vertices is within the limit, the tightest cage is returned", "[enclose][error]") {
     const auto soup = random_soup(5);
     MakeCageOptions options;
     options.looseness = 1e-9;
@@ -194,7 +194,7 @@ TEST_CASE("where no number of vertices is within the limit, the tightest cage is
         CHECK(excess > options.looseness);
         for (const auto& attempt : report.attempts) CHECK(excess <= attempt.excess + 1e-9);
     }
-    options.shape = CageShape::box; // has its vertices
+    options.shape = CageShape::box; // fixed number of vertices
     CHECK(make_cage(soup.vertices, soup.faces, options).report.attempts.empty());
     CHECK(make_cage(random_tree(5), options).report.attempts.empty());
     for (const double none : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
@@ -205,7 +205,7 @@ TEST_CASE("where no number of vertices is within the limit, the tightest cage is
     CHECK(make_cage(random_tree(5), options).report.vertices == 3);
 }
 
-TEST_CASE("the search for the fewest vertices tells how far it is and can be stopped", "[enclose]") {
+TEST_CASE("the search for the fewest vertices reports progress and can be cancelled", "[enclose]") {
     const auto soup = random_soup(6);
     MakeCageOptions options;
     options.looseness = 0.3;

@@ -1,4 +1,4 @@
-// Laws of the parts of cages in space.
+// Laws of the parts of 3D cages.
 
 #include "../catch.hpp"
 
@@ -16,7 +16,7 @@ namespace find_parts_tests {
 
 using namespace cageform;
 
-using Place = std::array<int, 3>;
+using LatticePoint = std::array<int, 3>;
 
 struct Cage {
     std::vector<Vec<double, 3>> vertices;
@@ -29,13 +29,13 @@ struct Cage {
     }
 };
 
-/// Boxes of cubes on a lattice, each from its lowest cube to its highest.
-using Boxes = std::vector<std::array<Place, 2>>;
+/// Boxes on a lattice, each from its lowest cube to its highest.
+using Boxes = std::vector<std::array<LatticePoint, 2>>;
 
-/// The border of the union of boxes. A square's diagonal joins its corners whose coordinates have an even sum, so
-/// the mesh of an image of the boxes across the planes x, y, z = 0 is the image of their mesh.
+/// The boundary of the union of boxes. Diagonals of squares join corners with an even sum of coordinates, so that
+/// the mesh of the boxes reflected in x, y or z = 0 is the reflected mesh.
 Cage border_of(const Boxes& boxes) {
-    std::set<Place> cubes;
+    std::set<LatticePoint> cubes;
     for (const auto& [low, high] : boxes) {
         for (int x = low[0]; x <= high[0]; ++x) {
             for (int y = low[1]; y <= high[1]; ++y) {
@@ -44,19 +44,19 @@ Cage border_of(const Boxes& boxes) {
         }
     }
     Cage cage;
-    std::map<Place, std::uint32_t> numbers;
-    const auto number = [&](const Place& at) {
+    std::map<LatticePoint, std::uint32_t> numbers;
+    const auto number = [&](const LatticePoint& at) {
         const auto [found, is_new] = numbers.insert({at, std::uint32_t(cage.vertices.size())});
         if (is_new) cage.vertices.push_back({double(at[0]), double(at[1]), double(at[2])});
         return found->second;
     };
-    for (const Place& cube : cubes) {
+    for (const LatticePoint& cube : cubes) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             for (int side = 0; side < 2; ++side) {
-                Place beside = cube;
+                LatticePoint beside = cube;
                 beside[axis] += side == 0 ? -1 : 1;
                 if (cubes.contains(beside)) continue;
-                std::array<Place, 4> square;
+                std::array<LatticePoint, 4> square;
                 for (std::size_t k = 0; k < 4; ++k) {
                     square[k] = cube;
                     square[k][axis] += side;
@@ -75,12 +75,12 @@ Cage border_of(const Boxes& boxes) {
     return cage;
 }
 
-/// A head, two arms, two legs and a trunk; its own image across x = 0.
+/// A head, two arms, two legs and a trunk; symmetric about x = 0.
 const Boxes character{{{{-3, 0, -2}, {2, 9, 1}}},   {{{-1, 10, -1}, {0, 10, 0}}},
                       {{{-2, 11, -2}, {1, 14, 1}}}, {{{-11, 8, -1}, {-4, 9, 0}}},
                       {{{3, 8, -1}, {10, 9, 0}}},   {{{-3, -9, -1}, {-2, -1, 0}}},
                       {{{1, -9, -1}, {2, -1, 0}}}};
-/// Without its right arm, and with a leg that is shorter.
+/// Without the right arm, and with one leg shorter.
 const Boxes lopsided{character[0], character[1], character[2],
                      character[3], character[5], {{{1, -8, -1}, {2, -1, 0}}}};
 
@@ -88,7 +88,7 @@ const Boxes lopsided{character[0], character[1], character[2],
 Boxes star(std::size_t arms) {
     Boxes boxes{{{{-3, -3, -3}, {2, 2, 2}}}};
     for (std::size_t n = 0; n < arms; ++n) {
-        std::array<Place, 2> arm{{{-1, -1, -1}, {0, 0, 0}}};
+        std::array<LatticePoint, 2> arm{{{-1, -1, -1}, {0, 0, 0}}};
         arm[0][n % 3] = n < 3 ? 3 : -13;
         arm[1][n % 3] = n < 3 ? 12 : -4;
         boxes.push_back(arm);
@@ -96,7 +96,7 @@ Boxes star(std::size_t arms) {
     return boxes;
 }
 
-/// Vertices by the parts they are of, whatever their numbers.
+/// The partition of the vertices, independent of part numbers.
 std::set<std::set<std::uint32_t>> classes_of(const CageParts& parts,
                                              const std::vector<std::uint32_t>& names) {
     std::map<int, std::set<std::uint32_t>> classes;
@@ -106,7 +106,7 @@ std::set<std::set<std::uint32_t>> classes_of(const CageParts& parts,
     return all;
 }
 
-/// Whether the faces of a part are connected across edges.
+/// True if the faces of a part are connected by edges.
 bool is_connected(const Cage& cage, const CageParts& parts, int number) {
     std::map<std::array<std::uint32_t, 2>, std::vector<std::size_t>> at;
     std::vector<std::size_t> stack;
@@ -136,7 +136,7 @@ bool is_connected(const Cage& cage, const CageParts& parts, int number) {
     return left == 0;
 }
 
-TEST_CASE("every vertex is of one part, whose faces are connected, and parts form a tree") {
+TEST_CASE("vertices belong to one part each, parts are connected and form a tree") {
     for (const Boxes& boxes : {character, lopsided, star(4), star(1)}) {
         const Cage cage = border_of(boxes);
         const CageParts parts = cage.parts();
@@ -193,7 +193,7 @@ TEST_CASE("a star of k arms has k + 1 parts") {
     }
 }
 
-TEST_CASE("a character has a trunk, a head, and two pairs of limbs whose numbers differ by their sign") {
+TEST_CASE("a character has a trunk, a head, and two pairs of limbs numbered n and -n") {
     const Cage cage = border_of(character);
     const CageParts parts = cage.parts();
     std::vector<int> numbers;
@@ -202,7 +202,7 @@ TEST_CASE("a character has a trunk, a head, and two pairs of limbs whose numbers
         CHECK(part.parent == (part.number == 1 ? 0 : 1));
     }
     REQUIRE(numbers.size() == 6);
-    std::map<Place, int> of; // by place
+    std::map<LatticePoint, int> of; // by position
     for (std::size_t v = 0; v < cage.vertices.size(); ++v) {
         const auto& p = cage.vertices[v];
         of[{int(p[0]), int(p[1]), int(p[2])}] = parts.of_vertex[v];
@@ -226,19 +226,20 @@ TEST_CASE("a character has a trunk, a head, and two pairs of limbs whose numbers
     CHECK(of.at({0, 5, 2}) == 1);
 }
 
-TEST_CASE("the tree of the parts of a mirrored cage is its own image") {
+TEST_CASE("the hierarchy of a symmetric cage is symmetric") {
     const unsigned seed = std::random_device{}();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const auto any = [&](int most) { return std::uniform_int_distribution(1, most)(random); };
     for (int n = 0; n < 300; ++n) {
-        // Squares of a plane: a trunk and a head of 2·wide columns, arms beside both, legs beside each other.
+        // Squares in a plane: a trunk and a head with 2·wide columns, arms at both sides, adjacent legs.
         const int wide = any(4), head = any(7), trunk = any(7), arm = any(trunk), leg = any(7),
                   reach = any(5);
         CAPTURE(wide, head, trunk, arm, leg, reach);
         std::vector<std::array<std::uint32_t, 4>> faces;
         std::vector<int> labels;
-        constexpr int columns = 21, rows = 23, low = 14; // of vertices; the mirror is in the middle column
+        constexpr int columns = 21, rows = 23,
+                      low = 14; // of vertices; the middle column is on the mirror line
         const auto vertex = [&](int x, int y) {
             return std::uint32_t((y + low) * columns + x + columns / 2);
         };
@@ -271,7 +272,7 @@ TEST_CASE("the tree of the parts of a mirrored cage is its own image") {
     }
 }
 
-TEST_CASE("parts hang on parts: a hand's fingers on the hand, the hand's arm on the trunk") {
+TEST_CASE("the hierarchy is nested: fingers at the hand, the arm at the trunk") {
     const Boxes boxes{{{{-8, -10, -6}, {3, 9, 5}}}, {{{4, -1, -1}, {14, 0, 0}}},
                       {{{15, -5, -1}, {21, 4, 0}}}, {{{22, -5, -1}, {29, -4, 0}}},
                       {{{22, -1, -1}, {29, 0, 0}}}, {{{22, 3, -1}, {29, 4, 0}}}};
@@ -290,7 +291,7 @@ TEST_CASE("parts hang on parts: a hand's fingers on the hand, the hand's arm on 
         CHECK((cage.vertices[v][0] < 23 || std::binary_search(moved.begin(), moved.end(), v)));
 }
 
-TEST_CASE("parts do not depend on size, place, numbering or turns by 90 degrees") {
+TEST_CASE("parts do not depend on scale, position, vertex order or rotations by 90 degrees") {
     const unsigned seed = std::random_device{}();
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -300,7 +301,7 @@ TEST_CASE("parts do not depend on size, place, numbering or turns by 90 degrees"
         std::iota(original.begin(), original.end(), 0u);
         const CageParts parts = cage.parts();
 
-        Cage twice = cage; // powers of two round nothing
+        Cage twice = cage; // powers of two are exact
         for (auto& p : twice.vertices) p = 2.0 * p;
         CHECK(twice.parts().of_face == parts.of_face);
         CHECK(cage.parts().of_vertex == parts.of_vertex);
@@ -312,7 +313,7 @@ TEST_CASE("parts do not depend on size, place, numbering or turns by 90 degrees"
         CHECK(classes_of(turned.parts(), original) == classes_of(parts, original));
 
         Cage shuffled = cage;
-        std::vector<std::uint32_t> names = original; // of the vertices in another order
+        std::vector<std::uint32_t> names = original; // of the permuted vertices
         std::shuffle(names.begin(), names.end(), random);
         std::vector<std::uint32_t> place(names.size());
         for (std::uint32_t v = 0; v < names.size(); ++v) {
@@ -327,7 +328,7 @@ TEST_CASE("parts do not depend on size, place, numbering or turns by 90 degrees"
     }
 }
 
-TEST_CASE("shells have parts of their own, and what is no cage has none") {
+TEST_CASE("each shell has its own parts, and invalid cages have none") {
     Boxes two = lopsided;
     two.push_back({{{20, 0, 0}, {22, 2, 2}}});
     const CageParts parts = border_of(two).parts();

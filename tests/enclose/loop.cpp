@@ -1,4 +1,4 @@
-// The parts that cages in the plane are made of: how loops relax, and where they get their vertices.
+// Internal steps of 2D cages: relaxation and insertion of vertices.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -13,7 +13,7 @@ using Point = Vec<double, 2>;
 
 namespace {
 
-/// About a disc of radius 0.5 in the middle, with the margin in it.
+/// Distances from a disc of radius 0.5, which includes the margin.
 detail::DistanceLattice<2> lattice_of_disc() {
     detail::DistanceLattice<2> lattice({-2, -2}, 0.05, {81, 81}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
@@ -46,14 +46,14 @@ TEST_CASE("relaxed loops are tighter and more even, and clear of the figure", "[
         CHECK(loop.size() == count);
         CHECK(energy.of(loop) < 0.7 * before);
         CHECK(detail::signed_area(loop.points) < 0.6 * area);
-        for (std::size_t i = 0; i < loop.edge_count(); ++i) // to half a spacing, as far as a lattice tells
+        for (std::size_t i = 0; i < loop.edge_count(); ++i) // half a spacing: the resolution of the lattice
             CHECK(detail::segment_distance(Point{}, Point{}, loop.points[i], loop.points[loop.next(i)]) >=
                   0.475);
         if (half) CHECK((loop.points.front()[0] == 0 && loop.points.back()[0] == 0));
     }
 }
 
-TEST_CASE("an edge is split opposite to a vertex that is near across the inside, else in the middle",
+TEST_CASE("an edge is split opposite to a vertex close across the inside, otherwise in the middle",
           "[enclose]") {
     const auto lattice = lattice_of_disc();
     const detail::Obstacles obstacles(lattice, 0.05, {{-2, -2}, {2, 2}});
@@ -61,15 +61,15 @@ TEST_CASE("an edge is split opposite to a vertex that is near across the inside,
         detail::CageLoop loop{corners, false};
         const detail::LoopEnergy energy(loop, loop.size(), 1);
         detail::LoopRelaxation(energy, obstacles).insert(loop, loop.size() + 1);
-        for (std::size_t i = 0; i < loop.size(); ++i) { // the one that is new
+        for (std::size_t i = 0; i < loop.size(); ++i) { // the new vertex
             if (i == corners.size() || loop.points[i] != corners[i]) return loop.points[i];
         }
         return Point{};
     };
-    // A limb of four by a half, whose upper side is the longest.
+    // A limb of 4 × 0.5 whose upper side is longest.
     CHECK(detail::length(split({{0, 0}, {2.2, 0}, {4, 0}, {4, 0.5}, {0, 0.5}}) - Point{2.2, 0.5}) <= 1e-12);
     CHECK(detail::length(split({{0, 0}, {0.4, 0}, {4, 0}, {4, 0.5}, {0, 0.5}}) - Point{2, 0.5}) <= 1e-12);
-    // The nearer one of two, and none that another edge hides.
+    // Takes the nearer of two vertices; ignores vertices hidden by an edge.
     CHECK(detail::length(split({{0, 0}, {1.6, 0}, {2.5, 0.2}, {4, 0}, {4, 0.5}, {0, 0.5}}) -
                          Point{2.5, 0.5}) <= 1e-12);
     CHECK(detail::length(split({{0, -3}, {1.9, -3}, {4, -3}, {4, 0.5}, {0, 0.5}}) - Point{2, 0.5}) <= 1e-12);

@@ -1,4 +1,4 @@
-// Laws of cages made in the plane.
+// Laws of 2D cages.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -22,7 +22,7 @@ Vec<T, 2> at(double x, double y) {
     return {T(x), T(y)};
 }
 
-/// An outline of lines.
+/// A polygonal outline.
 template <class T>
 void add_loop(Figure<T>& figure, const Points2<T>& points, T radius = 0) {
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -33,7 +33,7 @@ void add_disc(Figure<T>& figure, double x, double y, double radius) {
     figure.push_back({at<T>(x, y), at<T>(x, y), T(radius)});
 }
 
-/// Strokes of several widths, a star, dots: some of them apart, crossing each other as they come.
+/// Strokes of several widths, a star, dots; separate or crossing.
 template <class T>
 Figure<T> random_figure(std::uint64_t seed) {
     Random random(seed);
@@ -61,8 +61,7 @@ Figure<T> random_figure(std::uint64_t seed) {
     return figure;
 }
 
-/// Sampled along every segment, all places of the figure: the least distance from the cage, negative
-/// outside.
+/// The minimum distance of sampled points of the figure from the cage; negative if a point is outside.
 template <class T>
 double sampled_clearance(const Polygon<T>& cage, const Figure<T>& figure) {
     double least = std::numeric_limits<double>::infinity();
@@ -89,7 +88,7 @@ bool is_cage(const CageReport& report) {
                        [](const CageFault& fault) { return fault.kind == CageFaultKind::collinear_vertex; });
 }
 
-TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclose][property]",
+TEMPLATE_TEST_CASE("a cage contains its figure and keeps the margin", "[enclose][property]",
                    CAGEFORM_SCALARS) {
     for (std::uint64_t seed = 0; seed < effort(12u, 4u); ++seed) {
         CAPTURE(seed);
@@ -109,8 +108,8 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
         const double sampled = sampled_clearance(made.value, figure);
         const auto box = bounds_of(made.value.vertices());
         CHECK(sampled >= report.clearance - double(coincidence_tolerance(box)));
-        CHECK(sampled <= report.clearance + 0.5 * double(box.diagonal())); // a number about this cage
-        // Nearly all of the area around a line is margin; the cage may be a 20th smaller.
+        CHECK(sampled <= report.clearance + 0.5 * double(box.diagonal())); // has the scale of the cage
+        // The area around a line is mostly margin; the cage may be 5 % smaller.
         CHECK(report.area >= 0.95 * report.tightest_area);
         CHECK(report.least_angle > 10);
         CHECK(report.bridges + 1 >= report.components);
@@ -135,7 +134,7 @@ TEMPLATE_TEST_CASE("more vertices make a tighter cage", "[enclose][property]", C
     }
 }
 
-TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a mirrored cage is symmetric", "[enclose][property]", CAGEFORM_SCALARS) {
     for (std::uint64_t seed = 0; seed < effort(12u, 4u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
@@ -167,7 +166,7 @@ TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", CA
     }
 }
 
-TEST_CASE("a cage follows its figure, moved and scaled by powers of two", "[enclose]") {
+TEST_CASE("translating or scaling the figure by powers of two does the same to the cage", "[enclose]") {
     Random random(5);
     Figure<double> figure, moved;
     for (int k = 0; k < 12; ++k) {
@@ -193,7 +192,7 @@ TEST_CASE("a cage follows its figure, moved and scaled by powers of two", "[encl
     for (std::size_t i = 0; i < other.value.size(); ++i) CHECK(reversed.value[i] == other.value[i]);
 }
 
-TEST_CASE("discs apart: one cage with bridges, or a loop for each", "[enclose]") {
+TEST_CASE("separate discs: one cage with bridges, or one loop each", "[enclose]") {
     for (const std::size_t count : {2u, 3u, 7u, 20u}) {
         CAPTURE(count);
         Figure<double> figure;
@@ -216,14 +215,14 @@ TEST_CASE("discs apart: one cage with bridges, or a loop for each", "[enclose]")
         CHECK(each.report.tightest_area < one.report.tightest_area);
         CHECK(is_cage(check(each.value)));
         CHECK(sampled_clearance(each.value, figure) > 0.85 * each.report.margin);
-        options.vertices = 3; // too few for so many
+        options.vertices = 3; // fewer than needed
         const auto few = make_cage(figure, options);
         REQUIRE(few);
         CHECK(few.report.vertices == 4 * count);
     }
 }
 
-TEST_CASE("loops of one size, mirrored too, have as many vertices each", "[enclose]") {
+TEST_CASE("loops of equal size have equal numbers of vertices, mirrored or not", "[enclose]") {
     MakeCageOptions options;
     options.one_cage = false;
     options.margin = 0.01;
@@ -242,14 +241,14 @@ TEST_CASE("loops of one size, mirrored too, have as many vertices each", "[enclo
     }
 }
 
-TEST_CASE("loops of any sizes share the vertices, with sides on one line too", "[enclose]") {
+TEST_CASE("loops of any sizes share the vertices, also with collinear sides", "[enclose]") {
     Figure<double> figure;
     const auto add_box = [&](double x, double y, double width, double height) {
         const std::array<Vec<double, 2>, 4> p{
             {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}}};
         for (std::size_t k = 0; k < 4; ++k) figure.push_back({p[k], p[(k + 1) % 4], 0});
     };
-    // Contours of boxes with a lower side at one height have many vertices on one line.
+    // The lower sides of these boxes are collinear, so many contour vertices are.
     const std::array<double, 5> sizes{16, 13, 1, 1, 1};
     double x = 0;
     for (const double size : sizes) {
@@ -269,8 +268,8 @@ TEST_CASE("loops of any sizes share the vertices, with sides on one line too", "
     }
 }
 
-TEST_CASE("loops hold parts that are smaller than a step", "[enclose]") {
-    // Dots and short lines, which loops of few vertices passed over.
+TEST_CASE("loops contain parts smaller than a step", "[enclose]") {
+    // Dots and short lines, which loops of few vertices once skipped.
     const Figure<double> dots{{{20918, 3720}, {20918, 3720}, 0},
                               {{12263, 537}, {12263, 537}, 0},
                               {{7661, 17237}, {7661, 17237}, 0}};
@@ -296,7 +295,7 @@ TEST_CASE("loops hold parts that are smaller than a step", "[enclose]") {
     }
 }
 
-TEST_CASE("cages of convex figures have no hooks", "[enclose]") {
+TEST_CASE("cages of convex figures are nearly convex", "[enclose]") {
     const std::vector<std::vector<Vec<double, 2>>> figures{
         {{10, 3}, {11, 3}, {11, 19}, {10, 19}}, {{4, 10}, {12, 10}, {8, 6}}, {{6, 4}, {6, 12}, {10, 8}}};
     for (const auto& corners : figures) {
@@ -309,7 +308,7 @@ TEST_CASE("cages of convex figures have no hooks", "[enclose]") {
             options.vertices = vertices;
             const auto made = make_cage(figure, options);
             REQUIRE(made);
-            double most = 0; // the largest turn to the outside
+            double most = 0; // largest reflex turn
             for (std::size_t i = 0; i < vertices; ++i) {
                 const Vec<double, 2> u = made.value[(i + 1) % vertices] - made.value[i],
                                      v = made.value[(i + 2) % vertices] - made.value[(i + 1) % vertices];
@@ -335,12 +334,12 @@ Figure<double> open_ring(double gap) {
     return figure;
 }
 
-TEST_CASE("narrow mouths are closed, wide ones stay open", "[enclose]") {
-    const double margin = 0.05 * 2 * std::sqrt(2.0); // of the ring's bounds
+TEST_CASE("narrow gaps are closed, wide ones stay open", "[enclose]") {
+    const double margin = 0.05 * 2 * std::sqrt(2.0); // of the bounds of the ring
     MakeCageOptions options;
     options.margin = 0.05;
     options.vertices = 32;
-    // A gap leaves a free width of itself less two margins; slits below 1.2 margins are closed.
+    // A gap leaves its width minus two margins; free widths below 1.2 margins are closed.
     const auto open = make_cage(open_ring(4.5 * margin), options);
     const auto closed = make_cage(open_ring(2.9 * margin), options);
     REQUIRE(open);
@@ -348,15 +347,16 @@ TEST_CASE("narrow mouths are closed, wide ones stay open", "[enclose]") {
     const Vec<double, 2> middle{0, 0};
     CHECK(locate(open.value, middle, 0.0) == PointState::outside);
     CHECK(locate(closed.value, middle, 0.0) == PointState::inside);
-    // The whole disc is the least that the closed one can have.
+    // The closed cage contains at least the whole disc.
     CHECK(closed.report.area > std::numbers::pi);
     CHECK(open.report.area < 2);
 }
 
-TEST_CASE("holes stay where they are asked for and nothing is painted", "[enclose]") {
+TEST_CASE("with options.holes, unpainted holes are kept", "[enclose]") {
     Figure<double> figure;
     add_loop(figure, Points2<double>{{0, 0}, {10, 0}, {10, 10}, {0, 10}});
-    add_loop(figure, Points2<double>{{3, 3}, {7, 3}, {7, 7}, {3, 7}}); // turns as the outer one
+    add_loop(figure,
+             Points2<double>{{3, 3}, {7, 3}, {7, 7}, {3, 7}}); // same orientation as the outer outline
     MakeCageOptions options;
     options.vertices = 20;
     const auto filled = make_cage(figure, options);
@@ -365,7 +365,7 @@ TEST_CASE("holes stay where they are asked for and nothing is painted", "[enclos
     options.holes = true;
     const auto lines = make_cage(figure, options);
     REQUIRE(lines);
-    CHECK(lines.value.loops().size() == 4); // a band along each of the two outlines
+    CHECK(lines.value.loops().size() == 4); // a band along each outline
     const PaintedArea even_odd{0, figure.size(), true}, non_zero{0, figure.size(), false};
     const auto frame = make_cage(Drawing(figure, std::span(&even_odd, 1)), options);
     REQUIRE(frame);
@@ -379,7 +379,7 @@ TEST_CASE("holes stay where they are asked for and nothing is painted", "[enclos
     CHECK(solid.value.loops().size() == 1);
 }
 
-TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("invalid figures and options are reported", "[enclose][error]", CAGEFORM_SCALARS) {
     using Segments = Figure<TestType>;
     const TestType nan = std::numeric_limits<TestType>::quiet_NaN(),
                    huge = std::numeric_limits<TestType>::max();
@@ -394,7 +394,7 @@ TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", CAGEF
     CHECK(status(sound, {}) == Status::ok);
     CHECK(status({}, {}) == Status::figure_empty);
     CHECK(status({{{3, 4}, {3, 4}, 0}, {{3, 4}, {3, 4}, 0}}, {}) == Status::figure_has_no_size);
-    const TestType large = std::is_same_v<TestType, double> ? TestType(1e300) : huge; // whose square is none
+    const TestType large = std::is_same_v<TestType, double> ? TestType(1e300) : huge; // its square overflows
     for (const TestType bad : {nan, large, huge, -huge, std::numeric_limits<TestType>::infinity()}) {
         Segments figure = sound;
         figure[1].b[1] = bad;
@@ -429,7 +429,7 @@ TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", CAGEF
     CHECK(status(sound, {}, 1, areas) == Status::index_out_of_range);
 }
 
-TEST_CASE("sizes at both ends of the numbers, lines and dots", "[enclose]") {
+TEST_CASE("very large and very small figures, lines and dots", "[enclose]") {
     for (const double size : {1e-140, 1e-30, 1e30, 1e140}) {
         CAPTURE(size);
         const Figure<double> line{{{size, size}, {2 * size, 3 * size}, 0}};
@@ -443,18 +443,18 @@ TEST_CASE("sizes at both ends of the numbers, lines and dots", "[enclose]") {
     const auto about_dot = make_cage(dot);
     REQUIRE(about_dot);
     CHECK(about_dot.report.area > std::numbers::pi * 4);
-    // Far from the origin single precision has no room for the margin.
+    // Far from the origin, single precision cannot represent the margin.
     const Figure<float> far{{{1e7F, 0}, {1e7F + 2, 1}, 0}};
     const auto far_off = make_cage(far);
     CHECK(far_off.report.status == Status::cage_not_found);
 }
 
-TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage given out", "[enclose]") {
+TEST_CASE("with coarse coordinates the margin is kept, or no cage is returned", "[enclose]") {
     std::size_t found = 0, found_later = 0;
     for (std::uint64_t seed = 0; seed < 24; ++seed) {
         CAPTURE(seed);
         Random random(seed);
-        // A margin of some spacings of the coordinates, to which the cage is rounded.
+        // A margin of a few ulps of the coordinates, to which the cage is rounded.
         const double size = 1 / (random.uniform(4, 6) * double(epsilon<float>));
         Figure<float> figure;
         const auto place = [&] {
@@ -475,13 +475,13 @@ TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage g
         CHECK((made ? made.report.clearance >= kept && sampled_clearance(made.value, figure) >= kept
                     : made.report.status == Status::cage_not_found && made.value.size() == 0));
         found += made ? 1 : 0;
-        found_later += made && most > 0.9 ? 1 : 0; // not with the first try
+        found_later += made && most > 0.9 ? 1 : 0; // not at the first try
     }
     CHECK(found > 12);
     CHECK(found_later > 1);
 }
 
-TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {
+TEST_CASE("make_cage reports progress and can be cancelled", "[enclose]") {
     const auto figure = random_figure<double>(3);
     MakeCageOptions options;
     std::vector<double> told;
@@ -502,7 +502,7 @@ TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {
     }
 }
 
-TEST_CASE("a hull and a box about a figure", "[enclose]") {
+TEST_CASE("hull and box of a figure", "[enclose]") {
     for (const std::uint64_t seed : {1u, 4u, 5u}) {
         CAPTURE(seed);
         const auto figure = random_figure<double>(seed);
@@ -520,7 +520,7 @@ TEST_CASE("a hull and a box about a figure", "[enclose]") {
         CHECK(hull.report.area >= 0.99 * tight.report.area);
         CHECK(hull.value.size() == 40);
         CHECK(sampled_clearance(hull.value, figure) >= 0.9 * hull.report.margin);
-        // A rounded convex body has no dents but what relaxation leaves within the margin.
+        // The hull is convex up to what relaxation leaves within the margin.
         CHECK(hull.report.area <= 1.03 * hull.report.tightest_area);
         CHECK(box.value.size() == 4);
         CHECK(box.report.clearance >= (1 - 1e-9) * box.report.margin);

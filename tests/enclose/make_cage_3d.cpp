@@ -1,4 +1,4 @@
-// Laws of cages made in space.
+// Laws of 3D cages.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -21,7 +21,7 @@ struct Figure {
     std::vector<Vec<T, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
 
-    /// Faces between rings of `columns` vertices, closed along the rings and perhaps across.
+    /// Adds faces between rings of `columns` vertices, closed along the rings and optionally across.
     void add_rings(std::size_t first, std::size_t rings, std::size_t columns, bool closed) {
         for (std::size_t i = 0; i + (closed ? 0 : 1) < rings; ++i) {
             for (std::size_t j = 0; j < columns; ++j) {
@@ -65,7 +65,7 @@ void add_ball(Figure<T>& figure, const Vec<double, 3>& middle, double radius) {
     figure.add_rings(first, rings, columns, false); // open at both ends
 }
 
-/// Triangles anywhere, some of them in chains, at any scale.
+/// Random triangles, some in chains, at any scale.
 template <class T>
 Figure<T> random_soup(std::uint64_t seed) {
     Random random(seed);
@@ -91,7 +91,7 @@ bool is_cage(const CageReport& report) {
     return report.status == Status::ok && report.faults.empty();
 }
 
-/// The least distance of sampled places of the figure from the cage; negative where one is not inside.
+/// The minimum distance of sampled points of the figure from the cage; negative if a point is outside.
 template <class T>
 double sampled_clearance(const TriangleMesh<T>& cage, const Figure<T>& figure) {
     double least = std::numeric_limits<double>::infinity();
@@ -112,7 +112,7 @@ double sampled_clearance(const TriangleMesh<T>& cage, const Figure<T>& figure) {
     return least;
 }
 
-TEMPLATE_TEST_CASE("a cage in space holds its figure at the distance asked for", "[enclose][property]",
+TEMPLATE_TEST_CASE("a 3D cage contains its figure and keeps the margin", "[enclose][property]",
                    CAGEFORM_SCALARS) {
     constexpr std::uint64_t first = std::is_same_v<TestType, float> ? 0 : 2;
     for (std::uint64_t seed = first; seed < first + 2; ++seed) {
@@ -129,7 +129,7 @@ TEMPLATE_TEST_CASE("a cage in space holds its figure at the distance asked for",
         CHECK(made.report.vertices == options.vertices);
         CHECK(made.report.clearance >= 0.9 * made.report.margin);
         const double sampled = sampled_clearance(made.value, figure);
-        // Samples are of the figure's faces: the least over all of them is below.
+        // A sampled minimum is an upper bound of the minimum over the faces.
         CHECK(sampled >= made.report.clearance * (1 - 1e-5));
         CHECK(made.report.area > 0.9 * made.report.tightest_area);
         CHECK(made.report.least_angle > 0.5);
@@ -156,7 +156,7 @@ TEST_CASE("a cage keeps tunnels, or fills them", "[enclose]") {
     CHECK(sampled_clearance(filled.value, figure) > 0.9 * filled.report.margin);
 }
 
-TEST_CASE("a cage has more vertices than asked for where its tunnel takes them", "[enclose]") {
+TEST_CASE("a cage has more vertices than requested if its tunnel needs them", "[enclose]") {
     const auto figure = torus<double>(1, 0.3);
     MakeCageOptions options;
     options.vertices = 4;
@@ -165,7 +165,7 @@ TEST_CASE("a cage has more vertices than asked for where its tunnel takes them",
     REQUIRE(made);
     CHECK(made.report.tunnels == 1);
     CHECK(made.report.vertices == made.value.size());
-    CHECK(made.value.size() >= 7); // the least of any torus
+    CHECK(made.value.size() >= 7); // minimum for a torus
     CHECK(made.value.size() < 24);
     CHECK(is_cage(check(made.value)));
     CHECK(sampled_clearance(made.value, figure) >= 0.9 * made.report.margin);
@@ -193,7 +193,7 @@ TEST_CASE("several tunnels are counted", "[enclose]") {
     CHECK(is_cage(made.report.cage));
 }
 
-TEST_CASE("balls apart: one cage with bridges, or a shell for each", "[enclose]") {
+TEST_CASE("separate balls: one cage with bridges, or one shell each", "[enclose]") {
     Figure<double> figure;
     add_ball(figure, {0, 0, 0}, 1);
     add_ball(figure, {3, 0.5, 0}, 0.8);
@@ -217,7 +217,7 @@ TEST_CASE("balls apart: one cage with bridges, or a shell for each", "[enclose]"
     CHECK(sampled_clearance(each.value, figure) > 0.9 * each.report.margin);
 }
 
-TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a mirrored 3D cage is symmetric", "[enclose][property]", CAGEFORM_SCALARS) {
     for (const std::size_t axis : {0u, 1u, 2u}) {
         CAPTURE(axis);
         const auto figure = random_soup<TestType>(7);
@@ -249,7 +249,7 @@ TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][prope
             worst = larger(worst, nearest);
         }
         CHECK(worst <= double(coincidence_tolerance(box)));
-        // Faces go to faces, turned over.
+        // Faces map to reversed faces.
         std::map<std::array<std::uint32_t, 3>, int> faces;
         const auto sorted_from_least = [](std::array<std::uint32_t, 3> face) {
             std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
@@ -261,7 +261,7 @@ TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][prope
     }
 }
 
-TEST_CASE("a cage in space follows its figure, moved and scaled by powers of two", "[enclose]") {
+TEST_CASE("translating or scaling a 3D figure by powers of two does the same to the cage", "[enclose]") {
     Random random(5);
     Figure<double> figure, moved;
     for (int k = 0; k < 30; ++k)
@@ -287,12 +287,12 @@ TEST_CASE("a cage in space follows its figure, moved and scaled by powers of two
     CHECK(std::ranges::equal(made.value.faces(), other.value.faces()));
 }
 
-TEMPLATE_TEST_CASE("what cannot be enclosed in space is named", "[enclose][error]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("invalid 3D figures and options are reported", "[enclose][error]", CAGEFORM_SCALARS) {
     using Solid = Figure<TestType>;
     const TestType nan = std::numeric_limits<TestType>::quiet_NaN(),
                    huge = std::numeric_limits<TestType>::max();
     Solid sound;
-    sound.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 0, 0}}; // the last has no face
+    sound.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 0, 0}}; // the last vertex has no face
     sound.faces = {{0, 1, 2}};
     MakeCageOptions quick;
     quick.vertices = 20;
@@ -337,7 +337,7 @@ TEMPLATE_TEST_CASE("what cannot be enclosed in space is named", "[enclose][error
     CHECK(status(sound, options) == Status::mirror_not_supported);
 }
 
-TEST_CASE("making a cage in space tells how far it is and can be stopped", "[enclose]") {
+TEST_CASE("3D make_cage reports progress and can be cancelled", "[enclose]") {
     const auto figure = random_soup<double>(3);
     MakeCageOptions options;
     options.vertices = 50;
@@ -360,7 +360,7 @@ TEST_CASE("making a cage in space tells how far it is and can be stopped", "[enc
     }
 }
 
-TEST_CASE("a cage in space is the same for any number of threads", "[enclose]") {
+TEST_CASE("a 3D cage does not depend on the number of threads", "[enclose]") {
     MakeCageOptions plain;
     plain.vertices = 40;
     plain.margin = 0.08;
@@ -394,7 +394,7 @@ TEST_CASE("a cage in space is the same for any number of threads", "[enclose]") 
     }
 }
 
-TEST_CASE("a hull and a box about a figure in space", "[enclose]") {
+TEST_CASE("hull and box of a 3D figure", "[enclose]") {
     const auto figure = random_soup<double>(11);
     MakeCageOptions options;
     options.vertices = 40;

@@ -1,4 +1,4 @@
-// Laws of cages of quads, and of the matching that chooses these.
+// Laws of pair_faces and of its matching.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -23,7 +23,7 @@ using Paired = Result<PolyhedralMesh<double>, MakeCageReport>;
 
 namespace {
 
-/// The greatest sum of weights, by all sets of vertices.
+/// The maximum weight by brute force over all sets of vertices.
 std::int64_t best_sum(std::size_t vertices, const std::vector<detail::WeightedEdge>& edges) {
     std::vector<std::int64_t> best(std::size_t{1} << vertices, 0);
     for (std::size_t set = 0; set < best.size(); ++set) {
@@ -39,7 +39,7 @@ Point at(const MeshData& data, int v) {
     return data.vertices[std::size_t(v)];
 }
 
-/// The least distance of sampled places of a figure from a cage; negative where one is not inside.
+/// The minimum distance of sampled points of a figure from a cage; negative if a point is outside.
 double sampled_clearance(const TriangleMesh<double>& cage, const MeshData& figure) {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& [a, b, c] : figure.faces) {
@@ -54,7 +54,7 @@ double sampled_clearance(const TriangleMesh<double>& cage, const MeshData& figur
     return least;
 }
 
-/// A rough ball as a cage, and what make_cage would report of it; the figure is the ball, shrunk.
+/// A rough ball as a cage with a report like that of make_cage; the figure is the shrunk ball.
 struct RoughBall {
     MeshData figure;
     Made made;
@@ -63,7 +63,7 @@ struct RoughBall {
         : figure(sphere(2)) {
         Random random(seed);
         MeshData cage = figure;
-        std::map<std::array<double, 3>, double> radius; // mirror images share one
+        std::map<std::array<double, 3>, double> radius; // equal for mirror images
         for (std::size_t v = 0; v < cage.vertices.size(); ++v) {
             const Point p = cage.vertices[v];
             const auto found = radius.insert(
@@ -84,7 +84,7 @@ Three from_least(Three face) {
     return face;
 }
 
-/// The two triangles of a quad, cut from a corner.
+/// The two triangles of a quad, split at a corner.
 std::array<Three, 2> cut(std::span<const std::uint32_t> quad, std::size_t corner) {
     const auto v = [&](std::size_t k) { return quad[(corner + k) % 4]; };
     return {{{v(0), v(1), v(2)}, {v(0), v(2), v(3)}}};
@@ -97,7 +97,7 @@ std::set<std::set<std::uint32_t>> faces_of(const PolyhedralMesh<double>& mesh) {
     return faces;
 }
 
-/// The distance between the lines of the diagonals, over the mean edge.
+/// Distance between the lines of the diagonals over the mean edge length.
 double warp_of(const PolyhedralMesh<double>& mesh, std::span<const std::uint32_t> quad) {
     const Point normal = cross(mesh[quad[2]] - mesh[quad[0]], mesh[quad[3]] - mesh[quad[1]]);
     double edges = 0;
@@ -107,12 +107,12 @@ double warp_of(const PolyhedralMesh<double>& mesh, std::span<const std::uint32_t
 
 } // namespace
 
-TEST_CASE("a matching has the greatest sum of weights", "[enclose][property]") {
+TEST_CASE("a matching has the maximum weight", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort(3000u, 300u); ++seed) {
         CAPTURE(seed);
         Random random(seed);
         const std::size_t vertices = 2 + random.below(9);
-        const auto most = std::int64_t(1) << random.below(40); // with 1, many sums are equal
+        const auto most = std::int64_t(1) << random.below(40); // with 1, many sums are ties
         std::vector<detail::WeightedEdge> edges;
         for (std::size_t n = random.below(3 * vertices); n > 0; --n) {
             const auto a = std::uint32_t(random.below(vertices)), b = std::uint32_t(random.below(vertices));
@@ -131,7 +131,7 @@ TEST_CASE("a matching has the greatest sum of weights", "[enclose][property]") {
     }
 }
 
-TEST_CASE("each triangle is a face of the paired cage, or half of one", "[enclose][property]") {
+TEST_CASE("each triangle is a face of the paired cage or half of a quad", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort(20u, 3u); ++seed) {
         CAPTURE(seed);
         const RoughBall ball(seed);
@@ -157,16 +157,16 @@ TEST_CASE("each triangle is a face of the paired cage, or half of one", "[enclos
             const bool is_old = left.contains(from_least(old[0])) && left.contains(from_least(old[1]));
             for (const Three& half : is_old ? old : other) triangles.insert(from_least(half));
         }
-        CHECK(triangles == left); // turned as they were
+        CHECK(triangles == left); // same orientation
         CHECK(paired.report.quads == quads);
         CHECK(paired.report.triangles + 2 * quads == left.size());
-        CHECK(quads > left.size() / 4); // half of the triangles, and more
+        CHECK(quads > left.size() / 4); // at least half of the triangles
         CHECK(std::fabs(paired.report.worst_warp - worst) <= 1e-12);
         CHECK(worst <= 0.4);
     }
 }
 
-TEST_CASE("however its quads are cut, a cage holds its figure and does not cross itself",
+TEST_CASE("a cage contains its figure and does not cross itself, however its quads are split",
           "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort(6u, 1u); ++seed) {
         CAPTURE(seed);
@@ -198,8 +198,7 @@ TEST_CASE("however its quads are cut, a cage holds its figure and does not cross
     }
 }
 
-TEST_CASE("a mirrored cage has mirrored faces, equal ones each time, and at any scale",
-          "[enclose][property]") {
+TEST_CASE("faces are symmetric, deterministic and independent of scale", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < effort(10u, 2u); ++seed) {
         CAPTURE(seed);
         const RoughBall ball(seed, true);
@@ -235,7 +234,7 @@ TEST_CASE("a mirrored cage has mirrored faces, equal ones each time, and at any 
     }
 }
 
-TEST_CASE("squares that were cut are found again", "[enclose]") {
+TEST_CASE("split squares are recovered", "[enclose]") {
     const MeshData figure{{{-0.1, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}, {{0, 1, 2}}};
     Made made;
     made.value = divided_box({3, 2, 4}, 1).mesh<double>();
@@ -253,7 +252,7 @@ TEST_CASE("squares that were cut are found again", "[enclose]") {
     }
 }
 
-TEST_CASE("what cannot be paired is named", "[enclose][error]") {
+TEST_CASE("invalid input of pair_faces is reported", "[enclose][error]") {
     RoughBall ball(1);
     ball.figure.faces.push_back({0, 1, 999});
     const auto beyond = ball.pair();

@@ -1,4 +1,4 @@
-// Tests the progress that the functions that make cages report.
+// Progress of make_cage.
 #include "../support/progress.hpp"
 #include "../catch.hpp"
 #include "../support/effort.hpp"

@@ -1,4 +1,4 @@
-// Laws of the rings about the limbs of cages in space.
+// Laws of the rings around limbs of 3D cages.
 
 #include "../catch.hpp"
 
@@ -19,7 +19,7 @@ struct Figure {
     std::vector<Point> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
 
-    /// Adds a box about a segment, half as wide as `radius` says each way.
+    /// Adds a box around a segment with the half width `radius`.
     void add_bar(const Point& from, const Point& to, double radius) {
         const Point along = (1 / detail::length(to - from)) * (to - from);
         Point u = cross(along, std::fabs(along[0]) < 0.7 ? Point{1, 0, 0} : Point{0, 1, 0});
@@ -42,7 +42,7 @@ struct Figure {
 using Made = Result<TriangleMesh<double>, MakeCageReport>;
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// The edges between faces of a part, or of what hangs on it, and other faces.
+/// The edges between the faces of a part or its descendants and other faces.
 std::set<Edge> border_of(const Made& made, int number) {
     const CageParts& parts = made.report.parts;
     std::map<Edge, int> sides;
@@ -62,7 +62,7 @@ std::set<Edge> border_of(const Made& made, int number) {
     return border;
 }
 
-/// Checks that each part but the first of a shell ends at a flat closed loop of edges. Returns their number.
+/// Checks that each part except the first of a shell ends at a planar closed loop. Returns the number of loops.
 std::size_t check_rings(const Made& made) {
     REQUIRE(made.report.status == Status::ok);
     const CageParts& parts = made.report.parts;
@@ -90,7 +90,7 @@ std::size_t check_rings(const Made& made) {
             if (on == loop[0]) break;
             loop.push_back(on);
         }
-        REQUIRE(loop.size() == border.size()); // one loop, not several
+        REQUIRE(loop.size() == border.size()); // a single loop
         std::sort(loop.begin(), loop.end());
         REQUIRE(loop == part.joint);
         Point middle{}, normal{};
@@ -106,13 +106,13 @@ std::size_t check_rings(const Made& made) {
         }
         for (const auto v : part.joint) {
             const double off = dot(normal, made.value.vertices()[v] - middle) / detail::length(normal);
-            REQUIRE(std::fabs(off) < 1e-9 * size); // rounding, of coordinates of the figure's size
+            REQUIRE(std::fabs(off) < 1e-9 * size); // rounding of the coordinates
         }
     }
     return count;
 }
 
-/// A trunk with bars about it, in random directions that are well apart.
+/// A trunk with bars in random, well separated directions.
 Figure random_star(std::mt19937& random, std::size_t arms) {
     std::uniform_real_distribution<double> within(-1, 1);
     Figure figure;
@@ -131,7 +131,7 @@ Figure random_star(std::mt19937& random, std::size_t arms) {
     return figure;
 }
 
-TEST_CASE("every limb of a star has a flat closed loop of edges, and the cage is as sound as others") {
+TEST_CASE("every limb of a star has a planar closed loop, and the cage is valid") {
     const auto seed = std::random_device{}();
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -155,7 +155,7 @@ TEST_CASE("every limb of a star has a flat closed loop of edges, and the cage is
                            again.value.vertices().begin(), again.value.vertices().end()));
         const auto paired = pair_faces(made, figure.vertices, figure.faces, options);
         REQUIRE(paired.report.status == Status::ok);
-        std::set<Edge> edges; // of the quads and triangles
+        std::set<Edge> edges; // of quads and triangles
         for (std::size_t f = 0; f < paired.value.face_count(); ++f) {
             const auto face = paired.value.face(f);
             for (std::size_t k = 0; k < face.size(); ++k)
@@ -166,16 +166,16 @@ TEST_CASE("every limb of a star has a flat closed loop of edges, and the cage is
             for (const Edge& edge : border_of(made, part.number)) REQUIRE(edges.contains(edge));
         }
     }
-    REQUIRE(4 * rings >= 3 * arms); // where two arms are close, find_parts may see one
+    REQUIRE(4 * rings >= 3 * arms); // find_parts may merge two close arms
 }
 
-TEST_CASE("rings of a mirrored cage are mirrored, those across the mirror too") {
+TEST_CASE("rings of a mirrored cage are symmetric, also those across the mirror plane") {
     const auto seed = std::random_device{}();
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> within(-0.3, 0.3);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        Figure figure; // a trunk with a head, a tail, and two arms, which the mirror swaps
+        Figure figure; // a trunk with a head, a tail, and two mirrored arms
         const auto turned = [&](Point p) {
             std::rotate(p.v, p.v + (3 - axis) % 3, p.v + 3);
             return p;
@@ -209,7 +209,7 @@ TEST_CASE("rings of a mirrored cage are mirrored, those across the mirror too") 
     }
 }
 
-TEST_CASE("a figure without limbs has no rings, and few vertices have few") {
+TEST_CASE("without limbs there are no rings, and few vertices allow few rings") {
     Figure ball;
     ball.add_bar({0, 0, -1}, {0, 0, 1}, 1);
     MakeCageOptions options{.vertices = 60};
@@ -233,7 +233,7 @@ TEST_CASE("a figure without limbs has no rings, and few vertices have few") {
     REQUIRE(check_rings(make_cage(star.vertices, star.faces, options)) <= 2);
 }
 
-TEST_CASE("rings go with the fewest vertices of a volume, and with several shells") {
+TEST_CASE("rings work with looseness and with several shells") {
     std::mt19937 random(11);
     Figure figure = random_star(random, 3);
     MakeCageOptions options;
@@ -249,7 +249,7 @@ TEST_CASE("rings go with the fewest vertices of a volume, and with several shell
     });
     REQUIRE(of != attempts.end());
     const double excess = fewest.report.area / fewest.report.tightest_area - 1;
-    REQUIRE(std::fabs(of->excess - excess) < 1e-9); // the same volume, summed in another order
+    REQUIRE(std::fabs(of->excess - excess) < 1e-9); // equal up to the order of summation
     REQUIRE(excess <= options.looseness);
     const auto own = figure.vertices.size();
     for (std::size_t v = 0; v < own; ++v) figure.vertices.push_back(figure.vertices[v] + Point{9, 0, 0});

@@ -1,4 +1,4 @@
-// The parts that cages in space are made of: faces that touch, quadrics, directions.
+// Internal steps of 3D cages: touching faces, quadrics, clear tests, lattices.
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
@@ -21,7 +21,7 @@ Point random_place(Random& random) {
     return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
 }
 
-/// A sphere of 66 vertices between 0.9 and 1.4 off the middle.
+/// A sphere of 66 vertices with radii between 0.9 and 1.4.
 detail::Shell random_shell(Random& random) {
     const auto sphere = cageform_tests::sphere(2);
     detail::Shell shell;
@@ -42,7 +42,7 @@ std::vector<std::uint32_t> all_faces(const detail::Shell& shell) {
     return all;
 }
 
-/// The faces of a shell beyond the plane x = 0, open along a rim.
+/// The half of a shell with x >= 0, open along a rim.
 detail::Shell half_of(detail::Shell shell) {
     shell.half = true;
     for (std::uint32_t f = 0; f < shell.faces.size(); ++f) {
@@ -52,7 +52,7 @@ detail::Shell half_of(detail::Shell shell) {
     return shell;
 }
 
-/// The distance from a ball about 0 on a lattice about it.
+/// The distance from a ball about the origin on a lattice.
 detail::DistanceLattice<3> ball_lattice() {
     detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
@@ -62,8 +62,7 @@ detail::DistanceLattice<3> ball_lattice() {
 
 } // namespace
 
-TEST_CASE("a vertex changes the energy of its star and of the whole shell by the same",
-          "[enclose][property]") {
+TEST_CASE("moving a vertex changes the energy of its star and of the shell equally", "[enclose][property]") {
     Random random(4);
     for (const bool half : {false, true}) {
         detail::Shell shell = half ? half_of(random_shell(random)) : random_shell(random);
@@ -75,7 +74,7 @@ TEST_CASE("a vertex changes the energy of its star and of the whole shell by the
             const auto v = std::uint32_t(random.below(shell.points.size()));
             if (shell.star[v].empty()) continue;
             const double before = energy.of(shell, all), here = energy.of(shell, shell.star[v]);
-            star_energy.look_at(shell, v);
+            star_energy.select(shell, v);
             const double at_first = star_energy.at(shell.points[v]);
             shell.points[v] = shell.points[v] + 0.3 * random_place(random);
             const double change = energy.of(shell, all) - before;
@@ -85,7 +84,7 @@ TEST_CASE("a vertex changes the energy of its star and of the whole shell by the
     }
 }
 
-TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][property]") {
+TEST_CASE("relaxed shells are tighter and clear of the figure", "[enclose][property]") {
     const auto lattice = ball_lattice();
     const detail::ShellObstacles obstacles{&lattice, 0.1};
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -108,16 +107,16 @@ TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][prop
     }
 }
 
-TEST_CASE("a quick look at two faces gives the verdict of a full one", "[enclose][property]") {
+TEST_CASE("the quick test of two faces agrees with the full one", "[enclose][property]") {
     Random random(1);
     std::array<std::array<std::size_t, 2>, 3> verdicts{};
     for (int n = 0; n < 6000; ++n) {
-        // Two faces of six vertices, that have none, one or two in common; some come as near as the gap.
+        // Two faces with no, one or two common vertices; some are as close as the gap.
         const std::size_t shared = random.below(3);
         std::vector<Point> points;
         for (int k = 0; k < 6; ++k) points.push_back(random_place(random));
         const double gap = 1e-3;
-        if (random.below(2) == 0) { // the second in a plane beside the first
+        if (random.below(2) == 0) { // parallel faces
             const Point &a = points[0], &b = points[1], &c = points[2];
             const Point normal = (1 / detail::length(cross(b - a, c - a))) * cross(b - a, c - a);
             for (std::size_t k = 3; k < 6; ++k)
@@ -133,14 +132,14 @@ TEST_CASE("a quick look at two faces gives the verdict of a full one", "[enclose
         const bool touch = detail::facets_touch(a, b, gap);
         const Point normal = detail::area_normal(a.corner);
         const bool found = detail::faces_touch(a, normal, gap * detail::length(normal), b, gap);
-        // Beside a vertex that they have in common, faces may be nearer than the gap.
+        // Near a common vertex, faces may be closer than the gap.
         CHECK((found == touch || (shared > 0 && !found && !detail::facets_touch(a, b, 0))));
         ++verdicts[shared][touch ? 1 : 0];
     }
     for (const auto& counts : verdicts) CHECK((counts[0] > 50 && counts[1] > 50));
 }
 
-TEST_CASE("a quadric is the sum of squared distances from planes, and knows where it is least",
+TEST_CASE("a quadric is the sum of squared distances from planes, with the right minimum",
           "[enclose][property]") {
     Random random(2);
     for (int n = 0; n < 200; ++n) {
@@ -182,8 +181,7 @@ TEST_CASE("a quadric is the sum of squared distances from planes, and knows wher
     CHECK(flat.at({1, 8, 9}) == Approx(4 * 4 + 4));
 }
 
-TEST_CASE("vertices of a shell look both ways along three axes, to the middle and inwards",
-          "[enclose][property]") {
+TEST_CASE("step directions: both ways along three axes, to the middle, and inwards", "[enclose][property]") {
     Random random(3);
     for (int n = 0; n < 200; ++n) {
         const auto coordinate = [&] { return random.below(4) == 0 ? 0.0 : random.uniform(-1, 1); };
@@ -201,7 +199,7 @@ TEST_CASE("vertices of a shell look both ways along three axes, to the middle an
         }
         const double away = detail::length(to_middle);
         if (away > 0) CHECK(dot(u[6], to_middle) == Approx(away));
-        Point across{}; // the slanted ones go three ways about the normal
+        Point across{}; // the slanted directions surround the normal
         for (std::size_t i = 7; i < 10; ++i) {
             CHECK(detail::length(u[i]) <= 1.04);
             CHECK(dot(u[i], normal) == Approx(-0.7));
@@ -213,7 +211,7 @@ TEST_CASE("vertices of a shell look both ways along three axes, to the middle an
     }
 }
 
-TEST_CASE("a half has no edge inside between two vertices of its rim", "[enclose][property]") {
+TEST_CASE("a half has no interior edge between two rim vertices", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -245,7 +243,7 @@ TEST_CASE("a half has no edge inside between two vertices of its rim", "[enclose
     }
 }
 
-TEST_CASE("a triangle is clear if no point of it is near the figure", "[enclose][property]") {
+TEST_CASE("a triangle is clear if all its points are", "[enclose][property]") {
     const auto lattice = ball_lattice();
     const detail::ClearTest clear(lattice, 0.5);
     Random random(7);
@@ -256,7 +254,7 @@ TEST_CASE("a triangle is clear if no point of it is near the figure", "[enclose]
                                         1.5 * random_place(random)};
         const double distance = detail::distance_to_facet(Point{}, corner);
         const bool is_clear = clear.is_clear(corner);
-        // Where f = 0, every point of a triangle lies within 0.8 spacings of a sample.
+        // Where f = 0, samples are at most 0.8 spacings from every point of a triangle.
         if (distance > 0.51) CHECK(is_clear);
         if (distance < 0.38) CHECK_FALSE(is_clear);
         free += is_clear ? 1 : 0;
@@ -266,7 +264,7 @@ TEST_CASE("a triangle is clear if no point of it is near the figure", "[enclose]
     CHECK(met > 100);
 }
 
-TEST_CASE("triangles tested one after another are clear as each alone is", "[enclose][property]") {
+TEST_CASE("batched and single tests of triangles agree", "[enclose][property]") {
     const auto lattice = ball_lattice();
     const detail::ClearTest alone(lattice, 0.5);
     detail::ClearTest together(lattice, 0.5);
@@ -274,11 +272,11 @@ TEST_CASE("triangles tested one after another are clear as each alone is", "[enc
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         CAPTURE(seed);
         Random random(seed);
-        // A fan about a vertex that takes many places. Corners are clear.
+        // A fan around a moving vertex. Corners are clear.
         std::vector<Point> ring;
         for (int k = 0; k < 6; ++k)
             ring.push_back({1.2 * std::cos(k), 1.2 * std::sin(k), random.uniform(-0.5, 0.8)});
-        together.forget();
+        together.reset();
         for (int n = 0; n < 30; ++n) {
             const Point p = 0.4 * random_place(random) + Point{0, 0, 0.8};
             if (!alone.is_clear(p)) continue;
@@ -288,7 +286,7 @@ TEST_CASE("triangles tested one after another are clear as each alone is", "[enc
             bool all = true;
             for (std::size_t k = 0; k < ring.size(); ++k) all = all && alone.is_clear(triangle(k));
             const bool found = together.are_clear(ring.size(), triangle);
-            // One place more is sampled: it may refuse a triangle that is near.
+            // The batch samples one more point, which may reject a close triangle.
             double nearest = std::numeric_limits<double>::infinity();
             for (std::size_t k = 0; k < ring.size(); ++k)
                 nearest = std::min(nearest, detail::distance_to_facet(Point{}, triangle(k)));
@@ -299,7 +297,7 @@ TEST_CASE("triangles tested one after another are clear as each alone is", "[enc
     CHECK((refused > 100 && refused < 1000));
 }
 
-TEST_CASE("a triangle's own coordinates give its distance", "[enclose][property]") {
+TEST_CASE("the local frame of a triangle gives its distance", "[enclose][property]") {
     Random random(6);
     for (int n = 0; n < 3000; ++n) {
         CAPTURE(n);
@@ -322,7 +320,7 @@ TEST_CASE("a triangle's own coordinates give its distance", "[enclose][property]
     }
 }
 
-TEST_CASE("mixed cells are found beside rows of eight alike", "[enclose][property]") {
+TEST_CASE("mixed cells are found next to uniform rows of eight", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -354,11 +352,11 @@ TEST_CASE("mixed cells are found beside rows of eight alike", "[enclose][propert
     }
 }
 
-TEST_CASE("a flood reaches what a walk along lattice lines reaches", "[enclose][property]") {
+TEST_CASE("a flood equals a walk along lattice lines", "[enclose][property]") {
     const auto check_one = [](Random& random, const auto& lattice) {
         std::vector<std::uint8_t> open(lattice.size());
         for (auto& o : open) o = random.below(5) < 3 ? 1 : 0;
-        // Reached: open nodes of the rim, and open neighbours of what is reached, until nothing changes.
+        // Reached: open boundary nodes, and open neighbours of reached nodes, until nothing changes.
         std::vector<std::uint8_t> expected(lattice.size(), 0);
         for (bool changed = true; changed;) {
             changed = false;
@@ -387,15 +385,14 @@ TEST_CASE("a flood reaches what a walk along lattice lines reaches", "[enclose][
     }
 }
 
-TEST_CASE("lattice distances in space are exact beside the faces, and not too small about them",
-          "[enclose][property]") {
+TEST_CASE("3D lattice distances are exact next to faces and never too small", "[enclose][property]") {
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         CAPTURE(seed);
         Random random(seed);
         std::vector<detail::Corners<3>> faces;
         for (int f = 0; f < 12; ++f) {
             const Point middle = random_place(random);
-            const double size = f % 3 == 0 ? 1 : 0.05; // large ones and ones smaller than a cell
+            const double size = f % 3 == 0 ? 1 : 0.05; // larger and smaller than a cell
             detail::Corners<3> corner{middle, middle + size * random_place(random),
                                       middle + size * random_place(random)};
             if (f % 4 == 1) corner[2] = 0.3 * corner[0] + 0.7 * corner[1]; // a segment
@@ -409,7 +406,7 @@ TEST_CASE("lattice distances in space are exact beside the faces, and not too sm
             for (const auto& corner : faces)
                 least = (std::min)(least, detail::distance_to_facet(lattice.position(node), corner));
             const double found = double(lattice[node]) + 0.5;
-            // Nodes between others take their mean two margins off.
+            // Odd nodes farther than two margins take the mean of their neighbours.
             const double slack = least < 1 ? 1e-6 : 2 * lattice.spacing();
             if (!(found >= (std::min)(least, 3.5) - slack)) FAIL_CHECK("too small at node " << node);
             if (least < 0.25 && !(found <= least + 1e-6)) FAIL_CHECK("not exact at node " << node);

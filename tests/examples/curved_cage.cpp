@@ -340,7 +340,7 @@ TEST_CASE("cages of lines and of curves are read from one file", "[examples][cur
     REQUIRE_FALSE(refused);
     CHECK(to_string(refused.error()) ==
           "curve.svg: no closed polygon: the first shape is a path with curves: path \"c\" (line 1); "
-          "--coordinates curved takes curves");
+          "--coordinates curved-green takes curves");
     const auto open = load_cage(svg("open.svg", "M0 0Q9 0 9 9"));
     REQUIRE_FALSE(open);
     CHECK(to_string(open.error()).find("curved") == std::string::npos);

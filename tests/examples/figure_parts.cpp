@@ -8,6 +8,9 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
+#include <cstring>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -48,7 +51,40 @@ cageform::PackedPoseSamples samples_of(const Coordinates& coordinates) {
     return std::move(packed.value);
 }
 
+/// The bytes of a file, in lines as `open` needs them.
+std::vector<cageform::Lanes<double>> lines_of(const std::string& name) {
+    std::ifstream file(std::string(CAGEFORM_TEST_DATA) + "/figures/" + name, std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    REQUIRE(!text.empty());
+    std::vector<cageform::Lanes<double>> lines((text.size() + 63) / 64);
+    std::memcpy(lines.data(), text.data(), text.size());
+    return lines;
+}
+
 } // namespace
+
+// bind_mesh figure.obj --cage tetrahedron.obj --move 3:0,0,0.5 --seconds 0.5 --format half
+TEST_CASE("a clip of a figure of version 0.1 plays as the library's clip", "[figure_parts]") {
+    const auto play = [](const std::string& name) {
+        const auto lines = lines_of(name);
+        const auto figure = cageform::open<float, 3>(std::as_bytes(std::span(lines)));
+        REQUIRE(figure);
+        const FigureParts parts = read_parts(figure.value);
+        REQUIRE(parts.fault.empty());
+        REQUIRE(parts.clip.vertex_count() == 4);
+        CHECK(parts.clip.end() == 1);
+        auto cursor = parts.clip.make_cursor();
+        std::vector<Point> poses, pose(4);
+        for (const double time : {0.0, 0.125, 0.5, 0.75, 1.25}) {
+            parts.clip.sample(time, cursor, pose);
+            poses.insert(poses.end(), pose.begin(), pose.end());
+        }
+        CHECK(poses[3] == Point{0, 0, 1});
+        CHECK(poses[4 * 2 + 3] == Point{0, 0, 1.5f});
+        return poses;
+    };
+    CHECK(play("clip_of_0_1.figure") == play("clip.figure"));
+}
 
 TEST_CASE("a game poses a figure of a file by pins, as the program would", "[figure_parts]") {
     const auto coordinates = in_box(4);

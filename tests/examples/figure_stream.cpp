@@ -172,7 +172,7 @@ TEST_CASE("a hash of pieces is that of the whole", "[examples][tiles]") {
         Random random(seed);
         std::vector<std::byte> bytes(random.below(700));
         for (auto& byte : bytes) byte = std::byte(random.below(256));
-        cageform::detail::MemoryHash hash(seed);
+        cageform::MemoryHash hash(seed);
         for (std::span<const std::byte> left = bytes; !left.empty();) {
             const auto piece = left.first(std::min<std::size_t>(random.below(150), left.size()));
             hash.add(piece);

@@ -57,7 +57,7 @@ works "tiles whose figures were harmed" bind_tiles harmed --points 'few/*.ply' -
 [ "$(grep -c '"state":"done"' log)" -eq 4 ] && ok=yes || ok=no
 report $ok "they are bound again"
 same "and are as before" one harmed
-works "other options" bind_tiles harmed --points 'few/0?.ply' --json --coordinates mean-value --outside nearest
+works "other options" bind_tiles harmed --points 'few/0?.ply' --json --coordinates mean-value --outside nearest-boundary
 [ "$(grep -c '"state":"done"' log)" -eq 10 ] && ok=yes || ok=no
 report $ok "other options make other figures"
 

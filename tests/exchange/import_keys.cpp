@@ -1,4 +1,4 @@
-// Keys of other programs, to be compiled: the curves between them are those that are imported one by one.
+// Imported keys: the curves between them are those of the single-interval importers.
 #include "catch.hpp"
 #include "support/cages.hpp"
 #include "support/effort.hpp"
@@ -24,7 +24,7 @@ bool same_bits(const BezierCurve& a, const BezierCurve& b) {
     return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
-/// interval(n) is the curve from key n to the next, as it is imported by itself.
+/// interval(n) is the curve from key n to the next, imported separately.
 template <class Interval>
 void check_intervals(const cageform::Result<std::vector<Key>, cageform::ExchangeReport>& imported,
                      const Interval& interval, const std::vector<double>& values) {
@@ -54,7 +54,7 @@ void check_intervals(const cageform::Result<std::vector<Key>, cageform::Exchange
         }
     }
     CHECK(held + straight + curved == values.size() - 1);
-    // Compiled, which is the second call: the pieces follow the curves.
+    // The second call compiles: the pieces follow the curves.
     TrackOptions options;
     options.tolerance = 1e-4;
     const auto track = compile<double>(imported.value, options);
@@ -146,7 +146,7 @@ TEST_CASE("keys of Blender, Unity, Unreal, Lottie and CSS have the imported curv
 }
 
 TEST_CASE(
-    "keys of glTF: the curves of CUBICSPLINE to the bit, straight lines, held values; compiled in one call",
+    "keys of glTF: the curves of CUBICSPLINE to the bit, straight lines, held values, compiled in one call",
     "[animate][import][keys][gltf][property]") {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
@@ -217,7 +217,7 @@ TEST_CASE(
     CHECK(status(times, cubic, 3, GltfInterpolation::cubicspline) == Status::keys_not_ascending);
 }
 
-TEST_CASE("keys that make no curve are refused with the key that the interval begins with",
+TEST_CASE("keys without a curve are refused with the first key of the interval",
           "[animate][import][keys][refused]") {
     std::vector<UnityKey> unity(4);
     for (std::size_t n = 0; n < 4; ++n) unity[n].time = double(n);

@@ -1,4 +1,4 @@
-// Curves of other programs: what they mean here, what comes back, and what is refused.
+// Curves of other programs: import, round trips, and errors.
 #include "catch.hpp"
 #include "support/cages.hpp"
 #include "support/larger.hpp"
@@ -16,7 +16,7 @@
 #include <cstring>
 #include <limits>
 
-/// A curve has begin and end, and Catch2 would take it for a range.
+/// A curve has begin and end, so Catch2 takes it for a range.
 template <>
 struct Catch::StringMaker<cageform::BezierCurve> {
     static std::string convert(const cageform::BezierCurve& curve) {
@@ -49,15 +49,15 @@ BezierCurve curve_of(Place p0, Place p1, Place p2, Place p3) {
     return {{p0, p1, p2, p3}};
 }
 
-/// Keys at moderate times and values, the handles' times in the interval.
+/// Keys at moderate times and values, with the handles' times in the interval.
 BezierCurve random_segment(Random& random) {
     const double begin = random.uniform(-5, 5), length = std::pow(10.0, random.uniform(-2, 2));
     const auto place = [&](double part) { return Place{begin + part * length, random.uniform(-3, 3)}; };
     return curve_of(place(0), place(random.uniform(0, 1)), place(random.uniform(0, 1)), place(1));
 }
 
-/// A number that single precision holds: a multiple of 2^-19 below 32. By rounding, as g++ 12 -O3 -mavx drops
-/// the conversion in double(float(x)) here and there.
+/// A single-precision number: a multiple of 2^-19 below 32. Computed by rounding, because g++ 12 -O3 -mavx
+/// sometimes drops the conversion in double(float(x)).
 double single(Random& random, double low, double high) {
     return std::ldexp(std::round(std::ldexp(random.uniform(low, high), 19)), -19);
 }
@@ -75,7 +75,7 @@ double size(const BezierCurve& a, std::size_t axis) {
     return most;
 }
 
-/// Control points agree to `roundings` of the largest coordinate: what subtracting and adding a key costs.
+/// Control points agree to `roundings` of the largest coordinate, the cost of subtracting and adding a key.
 void check_close(const BezierCurve& a, const BezierCurve& b, double roundings = 8) {
     for (std::size_t axis = 0; axis < 2; ++axis)
         CHECK(distance(a, b, axis) <= roundings * epsilon<double> * size(a, axis));
@@ -92,7 +92,7 @@ bool same_bits(const BezierCurve& a, const BezierCurve& b) {
     return true;
 }
 
-/// A refusal carries no curve.
+/// A failed import has no curve.
 bool refused(const Result<KeyInterval>& result, Status status) {
     return result.status() == status && result.value.curve == BezierCurve{};
 }
@@ -102,14 +102,14 @@ bool consistent(const Result<KeyInterval>& result) {
                                          : result.value.curve == BezierCurve{};
 }
 
-/// The cubic with given values and slopes at both ends, by Hermite's basis as glTF's appendix C prints it.
+/// The cubic with given values and slopes at both ends, in the Hermite basis of glTF's appendix C.
 double hermite(double t0, double v0, double out, double t1, double v1, double in, double time) {
     const double d = t1 - t0, t = (time - t0) / d;
     return (2 * t * t * t - 3 * t * t + 1) * v0 + d * (t * t * t - 2 * t * t + t) * out +
            (-2 * t * t * t + 3 * t * t) * v1 + d * (t * t * t - t * t) * in;
 }
 
-/// A number out of a file that may be anything.
+/// An arbitrary number, as from a file.
 double any_number(Random& random) {
     static constexpr double odd[] = {0,      -0.0,   1,    -1,    0.5,       1.0 / 3, 2.0 / 3,
                                      2,      1e-300, inf,  -inf,  no_number, 1e308,   -1e308,
@@ -131,7 +131,7 @@ const Status malformed = Status::input_malformed;
 
 // CSS
 
-TEST_CASE("the keywords of CSS easing are the curves of its specification", "[animate][import][css]") {
+TEST_CASE("the keywords of CSS easing are the curves of the specification", "[animate][import][css]") {
     const auto curve = [](double x1, double y1, double x2, double y2) {
         return curve_of({0, 0}, {x1, y1}, {x2, y2}, {1, 1});
     };
@@ -153,7 +153,7 @@ TEST_CASE("the keywords of CSS easing are the curves of its specification", "[an
     }
 }
 
-TEST_CASE("cubic-bezier() is read with all of CSS' numbers", "[animate][import][css]") {
+TEST_CASE("cubic-bezier() accepts all CSS numbers", "[animate][import][css]") {
     const std::string text = GENERATE(
         "cubic-bezier(0.25, 0.1, 0.25, 1)", "cubic-bezier(.25,.1,.25,1)", "CUBIC-Bezier( .25 ,.1\n,.25, 1 )",
         "cubic-bezier(+0.25,+1e-1,25E-2,10.0e-1)", "cubic-bezier(/**/.25/* , */,/*)*/.1,.25,1/***/)",
@@ -164,7 +164,7 @@ TEST_CASE("cubic-bezier() is read with all of CSS' numbers", "[animate][import][
     CHECK(result.value == curve_of({0, 0}, {0.25, 0.1}, {0.25, 1}, {1, 1}));
 }
 
-TEST_CASE("CSS numbers beyond a double are told apart", "[animate][import][css]") {
+TEST_CASE("CSS numbers out of the range of double are infinite or zero", "[animate][import][css]") {
     const auto y1 = [](const std::string& number) {
         const auto result = parse_css_easing("cubic-bezier(0," + number + ",1,1)");
         CAPTURE(number);
@@ -189,7 +189,7 @@ TEST_CASE("CSS numbers beyond a double are told apart", "[animate][import][css]"
           Status::value_not_finite);
 }
 
-TEST_CASE("what is no CSS easing is refused, with its place", "[animate][import][css]") {
+TEST_CASE("invalid CSS easings are refused with their position", "[animate][import][css]") {
     struct Case {
         std::string text;
         Status status;
@@ -236,7 +236,8 @@ TEST_CASE("what is no CSS easing is refused, with its place", "[animate][import]
         {"cubic-bezier(calc(0),0,1,1)", malformed, 13},
         {"cubic-bezier(-0.1,0,1,1)", Status::handle_not_allowed, 13},
         {"cubic-bezier(0, 0, 1.0001, 1)", Status::handle_not_allowed, 19},
-        {"cubic-bezier(1.2, 0, .65, 1)", Status::handle_not_allowed, 13}, // time ascends, yet not in CSS
+        {"cubic-bezier(1.2, 0, .65, 1)", Status::handle_not_allowed,
+         13}, // time ascends, but not within [0, 1]
     }));
     CAPTURE(c.text);
     const auto result = parse_css_easing(c.text);
@@ -245,7 +246,7 @@ TEST_CASE("what is no CSS easing is refused, with its place", "[animate][import]
     CHECK(result.value == BezierCurve{});
 }
 
-TEST_CASE("what to_css writes is read as the same bits", "[animate][import][css]") {
+TEST_CASE("parse_css_easing returns the curve of to_css bit by bit", "[animate][import][css]") {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -270,12 +271,13 @@ TEST_CASE("what to_css writes is read as the same bits", "[animate][import][css]
     }
 }
 
-TEST_CASE("to_css writes the curve in its normal form", "[animate][import][css]") {
+TEST_CASE("to_css writes the normalised curve", "[animate][import][css]") {
     CHECK(to_css(parse_css_easing("ease").value).value == "cubic-bezier(0.25, 0.1, 0.25, 1)");
     CHECK(to_css(curve_of({8, -1}, {10, -1}, {16, 7}, {16, 3})).value == "cubic-bezier(0.25, 0, 1, 2)");
     CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 1}, {4, 1})).value ==
           "cubic-bezier(0.25, 0, 0.5, 1)"); // falling
-    CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 3}, {4, 3})).value == "cubic-bezier(0.25, 0, 0.5, 1)"); // level
+    CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 3}, {4, 3})).value ==
+          "cubic-bezier(0.25, 0, 0.5, 1)"); // constant
     CHECK(to_css(curve_of({0, 0}, {0, 1e300}, {1, -1e-300}, {1, 1})).value ==
           "cubic-bezier(0, 1e+300, 1, -1e-300)");
     const double lowest = std::numeric_limits<double>::denorm_min();
@@ -284,29 +286,28 @@ TEST_CASE("to_css writes the curve in its normal form", "[animate][import][css]"
               .value == "cubic-bezier(5e-324, -1.7976931348623157e+308, 5e-324, -2.2250738585072014e-308)");
 }
 
-TEST_CASE("to_css refuses with a status and no text", "[animate][import][css]") {
+TEST_CASE("to_css fails with a status and no text", "[animate][import][css]") {
     const auto status = [](const BezierCurve& curve) {
         const auto css = to_css(curve);
         CHECK(css.value.empty());
         return css.status();
     };
     CHECK(status(curve_of({0, 0}, {1.2, 0}, {0.65, 1}, {1, 1})) ==
-          Status::handle_not_allowed); // sound elsewhere
+          Status::handle_not_allowed); // valid in other formats
     CHECK(status(curve_of({0, 0}, {0.3, 0}, {-0.2, 1}, {1, 1})) == Status::handle_not_allowed);
-    CHECK(status(curve_of({0, 0}, {0.3, 1}, {0.6, 0}, {1, 0})) ==
-          Status::handle_not_allowed); // between 0 and 0
+    CHECK(status(curve_of({0, 0}, {0.3, 1}, {0.6, 0}, {1, 0})) == Status::handle_not_allowed); // equal values
     CHECK(status(curve_of({0, 0}, {-0.1, 0}, {0.5, 1}, {1, 1})) == Status::time_not_monotone);
     CHECK(status(curve_of({0, 0}, {1, 0}, {0, 1}, {0, 1})) == Status::interval_empty);
     CHECK(status(curve_of({0, 0}, {no_number, 0}, {1, 1}, {1, 1})) == Status::value_not_finite);
     CHECK(status(curve_of({0, 0}, {0.5, 1e300}, {1, 1}, {1, 1e-300})) == Status::value_not_finite);
 }
 
-TEST_CASE("CSS is read and written the same in every locale", "[animate][import][css]") {
+TEST_CASE("CSS does not depend on the locale", "[animate][import][css]") {
     const std::string before = std::setlocale(LC_ALL, nullptr);
     bool comma = false;
     for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "pl_PL.UTF-8", "fr_FR.UTF-8", "de_DE"})
         comma = comma || std::setlocale(LC_ALL, name) != nullptr;
-    CAPTURE(comma); // most machines of the build have no locale with a decimal comma
+    CAPTURE(comma); // most build machines have no locale with a decimal comma
     const auto css = to_css(parse_css_easing("cubic-bezier(.5,.25,.75,1.5)").value);
     std::setlocale(LC_ALL, before.c_str());
     CHECK(css.value == "cubic-bezier(0.5, 0.25, 0.75, 1.5)");
@@ -314,7 +315,8 @@ TEST_CASE("CSS is read and written the same in every locale", "[animate][import]
 
 // Lottie
 
-TEST_CASE("handles of Lottie are parts of the interval and the rise", "[animate][import][lottie]") {
+TEST_CASE("handles of Lottie are fractions of the interval and the difference of values",
+          "[animate][import][lottie]") {
     const LottieEasing easing{{0.25, 0.5}, {0.75, 1.5}, false};
     const auto result = from_lottie(easing, {10, 4}, {30, 0});
     REQUIRE(result.status() == Status::ok);
@@ -329,7 +331,7 @@ TEST_CASE("handles of Lottie are parts of the interval and the rise", "[animate]
     CHECK(to_lottie(result.value.curve, KeyKind::linear).value == LottieEasing{});
 }
 
-TEST_CASE("Lottie's hold keeps the first value", "[animate][import][lottie]") {
+TEST_CASE("hold in Lottie keeps the first value", "[animate][import][lottie]") {
     const auto result =
         from_lottie({{no_number, 5}, {1, 1}, true}, {10, 4}, {30, no_number}); // i and o may be missing then
     REQUIRE(result.status() == Status::ok);
@@ -342,7 +344,7 @@ TEST_CASE("Lottie's hold keeps the first value", "[animate][import][lottie]") {
     CHECK(back.value.hold);
 }
 
-TEST_CASE("curves come back from Lottie to rounding", "[animate][import][lottie]") {
+TEST_CASE("curves survive a round trip through Lottie to rounding", "[animate][import][lottie]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -358,7 +360,7 @@ TEST_CASE("curves come back from Lottie to rounding", "[animate][import][lottie]
     }
 }
 
-TEST_CASE("what Lottie cannot say is refused", "[animate][import][lottie]") {
+TEST_CASE("curves that Lottie cannot express are refused", "[animate][import][lottie]") {
     const Place a{0, 0}, b{1, 1};
     const auto status = [&](LottieHandle out, LottieHandle in) {
         return from_lottie({out, in, false}, a, b);
@@ -414,7 +416,7 @@ TEST_CASE("F-curves evaluate as in Blender 3.4.1", "[animate][import][blender]")
     }
 }
 
-TEST_CASE("long handles of F-curves are shortened in their direction", "[animate][import][blender]") {
+TEST_CASE("long handles of F-curves are shortened along their direction", "[animate][import][blender]") {
     const auto limited = [](const BezierCurve& stored, BlenderLimit limit) {
         const auto [first, second] = blender_keys(stored);
         const auto result = from_blender(first, second, limit);
@@ -435,7 +437,7 @@ TEST_CASE("long handles of F-curves are shortened in their direction", "[animate
     CHECK(limited(short_ones, both) == short_ones);
 }
 
-TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][import][blender]") {
+TEST_CASE("limited handles of F-curves give valid curves", "[animate][import][blender]") {
     const auto seed = GENERATE(seeds(50));
     const auto limit = GENERATE(BlenderLimit::each_handle, BlenderLimit::both_together);
     CAPTURE(seed, int(limit));
@@ -448,7 +450,7 @@ TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][im
         const auto [first, second] = blender_keys(stored);
         const auto result = from_blender(first, second, limit);
         REQUIRE(result.status() == Status::ok);
-        // and limiting it again changes nothing, so that Blender takes it back as it is
+        // Limiting again changes nothing, so to_blender accepts the curve.
         BlenderKey a, b;
         REQUIRE(to_blender(result.value.curve, a, b, KeyKind::bezier, limit) == Status::ok);
         const auto again = from_blender(a, b, limit);
@@ -460,7 +462,8 @@ TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][im
     }
 }
 
-TEST_CASE("F-curves come back with every bit, neighbours untouched", "[animate][import][blender]") {
+TEST_CASE("F-curves survive a round trip bit by bit, and neighbours do not change",
+          "[animate][import][blender]") {
     Random random{7};
     for (int i = 0; i < 1000; ++i) {
         const auto curve = random_segment(random);
@@ -492,13 +495,13 @@ TEST_CASE("constant and linear F-curves need no handles", "[animate][import][ble
     b.co[1] = 17;
     REQUIRE(to_blender(hold.value.curve, a, b, KeyKind::hold) == Status::ok);
     CHECK(a.interpolation == KeyKind::hold);
-    CHECK(b.co == Place{6, 17}); // the value is the next interval's
+    CHECK(b.co == Place{6, 17}); // the value is that of the next interval
     CHECK(from_blender(a, b).value.curve == hold.value.curve);
     REQUIRE(to_blender(linear.value.curve, a, b, linear.value.kind) == Status::ok);
     CHECK(from_blender(a, b).value.curve == linear.value.curve);
 }
 
-TEST_CASE("what is no F-curve is refused", "[animate][import][blender]") {
+TEST_CASE("invalid F-curves are refused", "[animate][import][blender]") {
     const auto from = [](const BezierCurve& stored, KeyKind kind = KeyKind::bezier) {
         const auto [first, second] = blender_keys(stored, kind);
         return from_blender(first, second);
@@ -526,11 +529,11 @@ TEST_CASE("what is no F-curve is refused", "[animate][import][blender]") {
 
 // Unity
 
-TEST_CASE("unweighted keys of Unity are Hermite's cubic", "[animate][import][unity]") {
+TEST_CASE("unweighted keys of Unity are Hermite cubics", "[animate][import][unity]") {
     UnityKey first{.time = 2, .value = 1, .in_tangent = no_number, .out_tangent = 3},
         second{.time = 5, .value = 4};
     second.in_tangent = -1.5;
-    second.out_tangent = inf; // the outer tangents and unused weights do not matter
+    second.out_tangent = inf; // the outer tangents and unused weights have no effect
     first.out_weight = second.in_weight = no_number;
     const auto result = from_unity(first, second);
     REQUIRE(result.status() == Status::ok);
@@ -579,7 +582,7 @@ TEST_CASE("an infinite tangent in Unity holds the value", "[animate][import][uni
     CHECK(from_unity(a, b).value.curve == result.value.curve);
 }
 
-TEST_CASE("keys of Unity come back as the same single numbers", "[animate][import][unity]") {
+TEST_CASE("keys of Unity survive a round trip in single precision", "[animate][import][unity]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -606,7 +609,7 @@ TEST_CASE("keys of Unity come back as the same single numbers", "[animate][impor
         CHECK(b.value == second.value);
         CHECK(float(a.out_tangent) == float(first.out_tangent));
         CHECK(float(b.in_tangent) == float(second.in_tangent));
-        CHECK(a.weighted == first.weighted); // a weight of a third would go unweighted
+        CHECK(a.weighted == first.weighted); // a weight of a third becomes unweighted
         CHECK(b.weighted == second.weighted);
         const bool out = detail::has(first.weighted, WeightedHandles::out);
         const bool in = detail::has(second.weighted, WeightedHandles::in);
@@ -616,7 +619,7 @@ TEST_CASE("keys of Unity come back as the same single numbers", "[animate][impor
     }
 }
 
-TEST_CASE("curves come back from Unity to rounding", "[animate][import][unity]") {
+TEST_CASE("curves survive a round trip through Unity to rounding", "[animate][import][unity]") {
     Random random{11};
     for (int i = 0; i < 2000; ++i) {
         auto curve = random_segment(random);
@@ -626,7 +629,7 @@ TEST_CASE("curves come back from Unity to rounding", "[animate][import][unity]")
         REQUIRE(to_unity(curve, a, b) == Status::ok);
         const auto back = from_unity(a, b);
         REQUIRE(back.status() == Status::ok);
-        check_close(curve, back.value.curve, 16); // a quotient and a product more
+        check_close(curve, back.value.curve, 16); // one quotient and one product more
     }
     UnityKey a, b;
     REQUIRE(to_unity(curve_of({0, 0}, {0.1, 5}, {0.2, 5}, {2, 1}), a, b, KeyKind::linear) == Status::ok);
@@ -635,7 +638,7 @@ TEST_CASE("curves come back from Unity to rounding", "[animate][import][unity]")
     CHECK(a.weighted == WeightedHandles::none);
 }
 
-TEST_CASE("what Unity cannot say is refused", "[animate][import][unity]") {
+TEST_CASE("curves that Unity cannot express are refused", "[animate][import][unity]") {
     const UnityKey first{.time = 0, .weighted = WeightedHandles::both};
     const UnityKey second{.time = 1, .value = 1, .weighted = WeightedHandles::both};
     const auto with_first = [&](auto change) {
@@ -668,7 +671,7 @@ TEST_CASE("what Unity cannot say is refused", "[animate][import][unity]") {
 
 // Unreal
 
-TEST_CASE("unweighted keys of Unreal are Hermite's cubic", "[animate][import][unreal]") {
+TEST_CASE("unweighted keys of Unreal are Hermite cubics", "[animate][import][unreal]") {
     UnrealKey first{.time = 2, .value = 1, .leave_tangent = 3}, second{.time = 5, .value = 4};
     second.arrive_tangent = -1.5;
     first.leave_weight = second.arrive_weight = no_number;
@@ -712,7 +715,7 @@ TEST_CASE("constant and linear keys of Unreal", "[animate][import][unreal]") {
     }
 }
 
-TEST_CASE("keys of Unreal come back as the same single numbers", "[animate][import][unreal]") {
+TEST_CASE("keys of Unreal survive a round trip in single precision", "[animate][import][unreal]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -743,7 +746,7 @@ TEST_CASE("keys of Unreal come back as the same single numbers", "[animate][impo
     }
 }
 
-TEST_CASE("curves come back from Unreal to rounding", "[animate][import][unreal]") {
+TEST_CASE("curves survive a round trip through Unreal to rounding", "[animate][import][unreal]") {
     Random random{12};
     for (int i = 0; i < 2000; ++i) {
         auto curve = random_segment(random);
@@ -757,14 +760,15 @@ TEST_CASE("curves come back from Unreal to rounding", "[animate][import][unreal]
         REQUIRE(to_unreal(curve, a, b) == Status::ok);
         const auto back = from_unreal(a, b);
         REQUIRE(back.status() == Status::ok);
-        // The time of a steep handle comes from its length: all coordinates share the rounding.
+        // The time of a steep handle is computed from its length, so all coordinates have the same
+        // rounding.
         const double most = std::max(size(curve, 0), size(curve, 1));
         CHECK(distance(curve, back.value.curve, 0) <= 16 * epsilon<double> * most);
         CHECK(distance(curve, back.value.curve, 1) <= 16 * epsilon<double> * most);
     }
 }
 
-TEST_CASE("what Unreal cannot say is refused", "[animate][import][unreal]") {
+TEST_CASE("curves that Unreal cannot express are refused", "[animate][import][unreal]") {
     UnrealKey first{.time = 0}, second{.time = 1, .value = 1};
     first.weighted = second.weighted = WeightedHandles::both;
     const auto with_first = [&](auto change) {
@@ -816,7 +820,7 @@ Track random_track(Random& random) {
         for (std::size_t i = 0; i < 3 * track.components; ++i)
             track.values.push_back(float(random.uniform(-4, 4)));
     }
-    for (std::size_t c = 0; c < track.components; ++c) { // the tangents without a meaning
+    for (std::size_t c = 0; c < track.components; ++c) { // unused tangents
         track.values[c] = 0;
         track.values[track.values.size() - 1 - c] = 0;
     }
@@ -825,7 +829,7 @@ Track random_track(Random& random) {
 
 } // namespace
 
-TEST_CASE("glTF's cubic splines evaluate as the specification says", "[animate][import][gltf]") {
+TEST_CASE("cubic splines of glTF evaluate as in the specification", "[animate][import][gltf]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -850,7 +854,7 @@ TEST_CASE("glTF's cubic splines evaluate as the specification says", "[animate][
     }
 }
 
-TEST_CASE("glTF's cubic splines come back with every bit", "[animate][import][gltf]") {
+TEST_CASE("cubic splines of glTF survive a round trip bit by bit", "[animate][import][gltf]") {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -863,8 +867,8 @@ TEST_CASE("glTF's cubic splines come back with every bit", "[animate][import][gl
     CHECK(back.value.values == track.values);
 }
 
-TEST_CASE("handles keep their values where times are rounded for glTF", "[animate][import][gltf]") {
-    // 1/3 and 100.1 are no floats; of an interval of 0.0001 at 100 seconds 4 per cent may go
+TEST_CASE("handles keep their values if times are rounded for glTF", "[animate][import][gltf]") {
+    // 1/3 and 100.1 are not floats; an interval of 0.0001 at 100 seconds may change by 4 per cent
     const double begin = 100.1, end = 100.1001, third = (end - begin) / 3;
     const auto curve = curve_of({begin, 1}, {begin + third, 2}, {end - third, 5}, {end, 3});
     const auto track = to_gltf_cubicspline({&curve, 1}, 1);
@@ -877,7 +881,7 @@ TEST_CASE("handles keep their values where times are rounded for glTF", "[animat
     CHECK(track.value.values.back() == 0);
 }
 
-TEST_CASE("samplers that are not as glTF asks for are refused", "[animate][import][gltf]") {
+TEST_CASE("invalid samplers are refused", "[animate][import][gltf]") {
     std::vector<float> times{0, 1, 2}, values(18, 0.5f);
     const auto status = [&](std::size_t components, std::size_t culprit = 0) {
         const auto result = from_gltf_cubicspline(times, values, components);
@@ -914,7 +918,7 @@ TEST_CASE("samplers that are not as glTF asks for are refused", "[animate][impor
     }
 }
 
-TEST_CASE("curves that glTF cannot say are refused", "[animate][import][gltf]") {
+TEST_CASE("curves that glTF cannot express are refused", "[animate][import][gltf]") {
     const auto piece = [](double begin, double end, double v0, double v1) {
         const double third = (end - begin) / 3;
         return curve_of({begin, v0}, {begin + third, v0 + 1}, {end - third, v1 - 1}, {end, v1});
@@ -938,7 +942,7 @@ TEST_CASE("curves that glTF cannot say are refused", "[animate][import][gltf]") 
     CHECK(status(3, 0) == malformed);
     CHECK(status(5, 0) == malformed);
     CHECK(status(1, 1) == malformed); // the second does not follow the first
-    CHECK(status(4, 2) == malformed); // nor are they four at once
+    CHECK(status(4, 2) == malformed); // nor are they four components
     curves.clear();
     CHECK(status(2, 0) == malformed);
     curves[3] = piece(1, 3, 6.5, 0); // a jump
@@ -967,9 +971,9 @@ TEST_CASE("curves that glTF cannot say are refused", "[animate][import][gltf]") 
     CHECK(status(1, 0) == Status::slope_unbounded);
 }
 
-// Fuzzing: CAGEFORM_TEST_FUZZ inputs, also by the sanitizers
+// Fuzzing: CAGEFORM_TEST_FUZZ inputs, also under sanitizers
 
-TEST_CASE("any bytes and any spoilt easing end in a status", "[animate][import][css][fuzz]") {
+TEST_CASE("fuzz: bytes and mutated easings give a status", "[animate][import][css][fuzz]") {
     const std::uint64_t seed = 20240611;
     Random random(seed);
     const std::string_view whole[] = {"cubic-bezier(0.25, 0.1, 0.25, 1)",
@@ -1005,7 +1009,7 @@ TEST_CASE("any bytes and any spoilt easing end in a status", "[animate][import][
             }
         }
         const std::vector<char> exact(text.begin(),
-                                      text.end()); // so that a sanitizer sees a read past the end
+                                      text.end()); // a sanitizer detects a read past the end
         const auto result = parse_css_easing({exact.data(), exact.size()});
         bool good = result.report.error_at <= text.size();
         if (result.status() == Status::ok) {
@@ -1021,10 +1025,10 @@ TEST_CASE("any bytes and any spoilt easing end in a status", "[animate][import][
     }
     CAPTURE(seed, first_wrong);
     CHECK(wrong == 0);
-    CHECK(sound > fuzz_count / 200); // else nothing was tested
+    CHECK(sound > fuzz_count / 200); // enough valid inputs
 }
 
-TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]") {
+TEST_CASE("fuzz: keys give a status or a valid curve", "[animate][import][fuzz]") {
     const std::uint64_t seed = 20240612;
     Random random(seed);
     const auto number = [&] { return any_number(random); };
@@ -1047,7 +1051,7 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
             good = good && consistent(results[f]);
             if (results[f].status() != Status::ok) continue;
             ++sound[f];
-            // Every sound curve can be offered to every exporter, and what it writes is finite.
+            // Every valid curve can be exported to every format, and the output is finite.
             const auto& curve = results[f].value.curve;
             const auto lottie = to_lottie(curve, kind());
             good = good && is_finite(lottie.value.out.y) && is_finite(lottie.value.in.y);
@@ -1065,7 +1069,7 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
             good = good && (css.status() == Status::ok) == !css.value.empty();
         }
         if (!good && wrong++ == 0) wrong_at = i;
-        // Any curve at all, too.
+        // Also any curve.
         const auto curve = curve_of(place(), place(), place(), place());
         BlenderKey b0, b1;
         UnityKey u0, u1;
@@ -1081,13 +1085,13 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
     for (const std::size_t count : sound) CHECK(count > fuzz_count / 200);
 }
 
-TEST_CASE("any arrays end in a status or a sound track", "[animate][import][gltf][fuzz]") {
+TEST_CASE("fuzz: arrays give a status or a valid track", "[animate][import][gltf][fuzz]") {
     const std::uint64_t seed = 20240613;
     Random random(seed);
     std::size_t sound = 0, written = 0, wrong = 0, wrong_at = 0;
     for (std::size_t i = 0; i < fuzz_count; ++i) {
         Track track = random_track(random);
-        switch (random.below(4)) { // a quarter is left whole
+        switch (random.below(4)) { // a quarter is left unchanged
         case 0: track.values[random.below(track.values.size())] = any_float(random); break;
         case 1: track.times[random.below(track.times.size())] = any_float(random); break;
         case 2:
@@ -1104,7 +1108,7 @@ TEST_CASE("any arrays end in a status or a sound track", "[animate][import][gltf
         if (result.status() == Status::ok) {
             ++sound;
             for (const auto& curve : result.value) good = good && check(curve).status == Status::ok;
-            if (random.below(2) == 0) { // spoil a curve
+            if (random.below(2) == 0) { // corrupt a curve
                 auto& p = result.value[random.below(result.value.size())].points;
                 p[random.below(4)][random.below(2)] = any_number(random);
             }

@@ -1,4 +1,4 @@
-// The Dirichlet problem on grids as its callers see it: the printed examples, laws on random masks, refusals.
+// solve_dirichlet: published examples, properties on random masks, errors.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/larger.hpp"
@@ -23,7 +23,7 @@ struct Problem {
     std::vector<std::uint8_t> given;
 };
 
-/// Given on the rim and at some cells in the middle.
+/// Given on the boundary and at some inner cells.
 template <std::size_t D>
 Problem<D> random_problem(std::uint64_t seed) {
     Random random(seed);
@@ -47,11 +47,11 @@ void check_laws(int seed) {
     const std::size_t size = problem.cells.size();
     CAPTURE(seed, D, size);
     Random random(std::uint64_t(seed) + 1);
-    constexpr std::size_t fields = 19; // more than go together
+    constexpr std::size_t fields = 19; // more than one group
     const double scale = std::pow(10.0, random.uniform(-20, 20));
     std::vector<T> values(fields * size);
     for (T& value : values)
-        value = static_cast<T>(scale * random.uniform(-1, 1)); // unknown ones are not read
+        value = static_cast<T>(scale * random.uniform(-1, 1)); // unknown values are not read
     std::array<double, D + 1> linear{};
     for (double& x : linear) x = random.uniform(-1, 1);
     const auto linear_at = [&](std::size_t cell) {
@@ -71,7 +71,7 @@ void check_laws(int seed) {
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (problem.given[i % size] != 0) CHECK(values[i] == before[i]);
     }
-    // A linear field is found again; every other obeys the maximum principle and the equation.
+    // A linear field is reproduced; others satisfy the maximum principle and the equation.
     double range = 0;
     for (std::size_t cell = 0; cell < size; ++cell)
         range = cageform_tests::larger(range, std::fabs(linear_at(cell)));
@@ -101,7 +101,7 @@ void check_laws(int seed) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("given cells stay, the others are the mean of their neighbours",
+TEMPLATE_TEST_CASE("given cells keep their values, and others are the mean of their neighbours",
                    "[grid][dirichlet][property]", CAGEFORM_SCALARS) {
     const int seed = GENERATE(seeds(15));
     check_laws<1, TestType>(seed);
@@ -109,7 +109,7 @@ TEMPLATE_TEST_CASE("given cells stay, the others are the mean of their neighbour
     check_laws<3, TestType>(seed);
 }
 
-TEST_CASE("the printed grids are solved", "[grid][dirichlet][oracle]") {
+TEST_CASE("the published grids are solved", "[grid][dirichlet][oracle]") {
     const auto json = cageform_tests::read_json("discrete_dirichlet_grids");
     REQUIRE(json["grids"].size() >= 11);
     for (const auto& grid : json["grids"]) {
@@ -134,7 +134,7 @@ TEST_CASE("the printed grids are solved", "[grid][dirichlet][oracle]") {
 
 namespace {
 
-/// "447/196", or a whole number.
+/// "447/196", or an integer.
 double fraction(const nlohmann::json& text) {
     const auto words = text.get<std::string>();
     const std::size_t bar = words.find('/');
@@ -147,11 +147,11 @@ void for_each_entry(const nlohmann::json& table, const F& f) {
     for (const auto& part : table) for_each_entry(part, f);
 }
 
-/// Fields given exactly: what is neither given nor solved for is outside.
+/// Exact fields: cells neither given nor solved for are outside.
 template <std::size_t D>
 void check_puzzle(const nlohmann::json& puzzle) {
     CAPTURE(puzzle["name"].get<std::string>());
-    CellBox<D> cells; // tables have their first index outermost, a CellBox its first axis innermost
+    CellBox<D> cells; // tables have the first index outermost, a CellBox the first axis innermost
     for (std::size_t k = 0; k < D; ++k) cells.cells[k] = puzzle["shape"][D - 1 - k].get<std::size_t>();
     std::vector<double> values, expected;
     std::vector<cageform::Cell> kinds;
@@ -166,7 +166,7 @@ void check_puzzle(const nlohmann::json& puzzle) {
         ++place;
     });
     REQUIRE(place == values.size());
-    kinds.resize(cells.size()); // all fields have the same
+    kinds.resize(cells.size()); // equal for all fields
     const auto solved =
         cageform::solve_dirichlet(cells, kinds, values, {.tolerance = 1e-14, .rim = cageform::Rim::mirrored});
     REQUIRE(solved.status == Status::ok);
@@ -176,7 +176,7 @@ void check_puzzle(const nlohmann::json& puzzle) {
 
 } // namespace
 
-TEST_CASE("mirrored rims and cells outside: the exact fields", "[grid][dirichlet][oracle]") {
+TEST_CASE("mirrored boundaries and outside cells: the exact fields", "[grid][dirichlet][oracle]") {
     std::size_t solved = 0;
     const auto file = cageform_tests::read_json("puzzles");
     for (const auto& puzzle : file["puzzles"]) {
@@ -191,7 +191,7 @@ TEST_CASE("mirrored rims and cells outside: the exact fields", "[grid][dirichlet
     CHECK(solved >= 17);
 }
 
-TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part without is named",
+TEMPLATE_TEST_CASE("components of unknown cells depend only on their own data, one without data is reported",
                    "[grid][dirichlet][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     using cageform::Cell;
@@ -207,7 +207,7 @@ TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part
         if (random.below(rarity) == 0) kinds[i] = Cell::given;
         if (kinds[i] == Cell::given) values[i] = T(random.uniform(-1, 1));
     }
-    // Parts by a flood, the range that each is given.
+    // Components by a flood fill, and the range of the data of each.
     std::vector<std::size_t> part(size, size);
     std::vector<std::array<double, 2>> ranges;
     std::size_t unreached = 0, first = size;
@@ -239,7 +239,7 @@ TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part
         }
         ranges.push_back(range);
     }
-    // A third of the cells are walls: a maze, in which a cycle divides the error by 1.4 at worst.
+    // A third of the cells are walls: a maze, in which a cycle reduces the error by at least 1.4.
     const cageform::DirichletOptions options{
         .tolerance = sizeof(T) == 8 ? 1e-11 : 1e-6, .max_cycles = 300, .rim = cageform::Rim::mirrored};
     auto solved = cageform::solve_dirichlet(cells, kinds, values, options);
@@ -247,7 +247,7 @@ TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part
         CHECK(solved.status == Status::cells_unreached);
         CHECK(solved.solver.culprit == first);
         CHECK(solved.solver.unreached_cells == unreached);
-        for (std::size_t i = 0; i < size; ++i) { // the same without those parts
+        for (std::size_t i = 0; i < size; ++i) { // the same without those components
             if (kinds[i] != Cell::unknown) continue;
             CHECK(values[i] == T(-5));
             if (ranges[part[i]][0] > ranges[part[i]][1]) kinds[i] = Cell::outside;
@@ -269,7 +269,7 @@ TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part
     }
 }
 
-TEST_CASE("larger mirrored fields have the values of the reference file", "[grid][dirichlet][oracle]") {
+TEST_CASE("larger mirrored fields agree with the reference file", "[grid][dirichlet][oracle]") {
     const auto file = cageform_tests::read_json("fields");
     for (const char* name : {"height_map", "colours"}) {
         const auto& field = file[name];
@@ -305,7 +305,7 @@ TEST_CASE("larger mirrored fields have the values of the reference file", "[grid
         const double mean = std::accumulate(values.begin(), values.end(), 0.0) / double(size);
         CHECK(std::fabs(mean - field["mean"].get<double>()) < 1e-12);
     }
-    // 0 on the border, 1 at (5, 5, 5), 1/2 along a line.
+    // 0 on the boundary, 1 at (5, 5, 5), 1/2 along a line.
     const CellBox<3> cells{{12, 12, 12}};
     std::vector<cageform::Cell> kinds(cells.size(), cageform::Cell::unknown);
     std::vector<double> values(cells.size(), 0.0);
@@ -325,7 +325,7 @@ TEST_CASE("larger mirrored fields have the values of the reference file", "[grid
     }
 }
 
-TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid][dirichlet][status]") {
+TEST_CASE("grids that cannot be solved are refused and not changed", "[grid][dirichlet][status]") {
     const CellBox<2> cells{{5, 4}};
     std::vector<std::uint8_t> given(20, 1);
     std::vector<double> values(40, 2.0);
@@ -333,7 +333,7 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
                            const cageform::Running& running = {}) {
         return cageform::solve_dirichlet(cells, given, values, options, running);
     };
-    CHECK(solve().status == Status::ok); // nothing to do
+    CHECK(solve().status == Status::ok); // no unknown cells
     given[4] = 0;
     CHECK(solve().status == Status::rim_not_given);
     CHECK(solve().solver.culprit == 4);
@@ -344,7 +344,7 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     CHECK(solve().status == Status::value_not_finite);
     CHECK(solve().solver.culprit == 31);
     values[31] = 3;
-    // Behind a wall nothing is given.
+    // No data behind the wall.
     const CellBox<3> box{{4, 4, 4}};
     std::vector<cageform::Cell> walled(64, cageform::Cell::unknown);
     std::fill(walled.begin() + 16, walled.begin() + 32, cageform::Cell::outside);
@@ -377,7 +377,7 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     CHECK(values[7] == 2);
 }
 
-TEST_CASE("a long line is as right as its ends", "[grid][dirichlet]") {
+TEST_CASE("a long line is as accurate as its ends", "[grid][dirichlet]") {
     for (const std::size_t n : {std::size_t{3}, std::size_t{170}, std::size_t{1001}, std::size_t{100001}}) {
         CAPTURE(n);
         const CellBox<1> cells{{n}};
@@ -395,7 +395,7 @@ TEST_CASE("a long line is as right as its ends", "[grid][dirichlet]") {
     }
 }
 
-TEST_CASE("the Dirichlet solver asks its progress after every cycle", "[grid][dirichlet][progress]") {
+TEST_CASE("solve_dirichlet calls its progress after every cycle", "[grid][dirichlet][progress]") {
     const auto problem = random_problem<2>(4);
     std::vector<double> values(3 * problem.cells.size(), 1.0);
     for (std::size_t i = 0; i < values.size(); i += 3) values[i] = 2;

@@ -1,4 +1,4 @@
-// Puzzles, graphs and random walks: exact answers of tests/data/oracle/puzzles.json, laws, refusals.
+// Puzzles, graphs and random walks: exact results of tests/data/oracle/puzzles.json, properties, errors.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/larger.hpp"
@@ -45,7 +45,7 @@ std::vector<Json> flatten(const Json& table) {
     return entries;
 }
 
-/// Returns the links of a table of `shape`, whose last index runs along the first axis of the grid.
+/// Returns the links of a table of `shape`, whose last index is the first axis of the grid.
 std::vector<GraphLink> links_of(const Json& shape, const Json& stencil) {
     const auto neighbours = stencil == "face" ? CellNeighbours::face : CellNeighbours::all;
     const auto n = [&](std::size_t k) { return shape[k].get<std::size_t>(); };
@@ -104,7 +104,7 @@ TEMPLATE_TEST_CASE("solve_graph: the exact puzzles", "[grid][puzzle][oracle]", C
         Marks marks(size);
         std::vector<TestType> values(solution.size());
         for (std::size_t i = 0; i < values.size(); ++i) {
-            // Cells without a solution are no part of the puzzle.
+            // Cells without a solution are not part of the puzzle.
             if (solution[i].is_null() || given[i].is_string()) marks[i % size] = 1;
             if (given[i].is_string() && !solution[i].is_null()) values[i] = TestType(fraction(given[i]));
             if (marks[i % size] == 0) values[i] = std::numeric_limits<TestType>::quiet_NaN();
@@ -153,9 +153,9 @@ TEST_CASE("expected_steps and hit_first: the exact walks", "[grid][puzzle][oracl
     CHECK(starts == 20);
 }
 
-// No diagonal is stored, so nothing cancels. SimplicialLDLT of Eigen loses half of the digits at 1e-8, and finds
-// no pivot at 1e-17.
-TEST_CASE("solve_graph: conductances may be far apart", "[fields][graph]") {
+// The factorisation stores no diagonal, so there is no cancellation. Eigen's SimplicialLDLT loses half of
+// the digits at 1e-8, and finds no pivot at 1e-17.
+TEST_CASE("solve_graph: conductances of very different sizes", "[fields][graph]") {
     for (const double far : {1e-8, 1e-14, 1e-17, 1e-100}) {
         CAPTURE(far);
         const std::vector<cageform::GraphLink> links{{0, 1, far}, {1, 2, 1.0}, {2, 3, far}};
@@ -168,8 +168,7 @@ TEST_CASE("solve_graph: conductances may be far apart", "[fields][graph]") {
     }
 }
 
-TEST_CASE("solve_graph: the exact graphs; negative conductances only when asked for",
-          "[grid][puzzle][oracle]") {
+TEST_CASE("solve_graph: the exact graphs, negative conductances only if allowed", "[grid][puzzle][oracle]") {
     std::size_t negative = 0;
     const auto cases = cageform_tests::read_json("puzzles");
     for (const auto& json : cases.at("graphs")) {
@@ -200,7 +199,7 @@ TEST_CASE("solve_graph: the exact graphs; negative conductances only when asked 
     CHECK(negative == 1);
 }
 
-TEST_CASE("hit_first on random graphs: probabilities, whose mean of the values is the solution",
+TEST_CASE("hit_first on random graphs: probabilities, whose weighted mean of the values is the solution",
           "[grid][puzzle]") {
     const auto seed = GENERATE(range(0, 50));
     CAPTURE(seed);
@@ -212,7 +211,7 @@ TEST_CASE("hit_first on random graphs: probabilities, whose mean of the values i
     auto values = data;
     REQUIRE(cageform::solve_graph(graph, random_graph.given, std::span(values)).status == Status::ok);
     REQUIRE(cageform::expected_steps(graph, random_graph.given, std::span(steps)).status == Status::ok);
-    double change = 0, degree = 0; // of the steps over the first unknown node's links
+    double change = 0, degree = 0; // of the steps along the first unknown node's links
     const auto first = std::size_t(std::find(random_graph.given.begin(), random_graph.given.end(), 0) -
                                    random_graph.given.begin());
     for (const GraphLink& link : random_graph.links) {
@@ -230,7 +229,7 @@ TEST_CASE("hit_first on random graphs: probabilities, whose mean of the values i
     }
 }
 
-TEST_CASE("Random walks end where and when hit_first and expected_steps say", "[grid][puzzle]") {
+TEST_CASE("random walks agree with hit_first and expected_steps", "[grid][puzzle]") {
     const auto seed = GENERATE(range(0, 4));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -270,7 +269,8 @@ TEST_CASE("Random walks end where and when hit_first and expected_steps say", "[
     }
 }
 
-TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values", "[grid][puzzle][errors]") {
+TEST_CASE("solve_graph: errors have a status and a culprit and leave the values unchanged",
+          "[grid][puzzle][errors]") {
     std::vector<GraphLink> links{{0, 1, 1}, {1, 2, 1}, {2, 3, 1}};
     Marks given{1, 0, 0, 1};
     std::vector<double> values{0, 7, 7, 1};
@@ -305,7 +305,7 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
             refuses(Status::weights_not_positive, 1);
         }
     }
-    SECTION("allowed to be negative, not to be NaN") {
+    SECTION("allowed to be negative, but not NaN") {
         options.allow_negative = true;
         for (const double bad : {nan, inf, -inf}) {
             links[1].conductance = bad;
@@ -318,16 +318,16 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
             refuses(Status::value_not_finite, 3);
         }
     }
-    SECTION("a part without data") {
+    SECTION("a component without data") {
         links = {{0, 1, 1}, {0, 3, 1}};
         refuses(Status::cells_unreached, 2);
     }
-    SECTION("a link of conductance zero reaches nothing") {
+    SECTION("a link of conductance zero connects nothing") {
         options.allow_negative = true;
         links = {{0, 1, 1}, {1, 2, 0}, {0, 3, 1}};
         refuses(Status::cells_unreached, 2);
     }
-    SECTION("nothing given") {
+    SECTION("no given node") {
         given[0] = given[3] = 0;
         refuses(Status::cells_unreached, 0);
     }
@@ -340,7 +340,7 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
         links[0].conductance = links[1].conductance = 1.7e308;
         refuses(Status::not_converged, none);
     }
-    SECTION("a value that float cannot hold") {
+    SECTION("a value out of the range of float") {
         const std::vector<GraphLink> pair{{0, 1, 1}, {1, 2, -0.5}};
         std::vector<float> large{3e38F, 7, 0}; // the middle one would be 6e38
         const auto done = cageform::solve_graph(Graph{3, pair}, Marks{1, 0, 1}, std::span(large), {true});
@@ -355,15 +355,15 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
               Status::cancelled);
         CHECK(values == std::vector<double>{0, 7, 7, 1});
     }
-    SECTION("where a walk begins") {
+    SECTION("the start of a walk") {
         CHECK(cageform::hit_first(Graph{4, links}, given, 4, std::span(values)).status ==
               Status::index_out_of_range);
     }
 }
 
-TEST_CASE("solve_graph: the factors stay small about hubs", "[grid][puzzle]") {
-    // A ring and two hubs that all of it is linked to: a level of a search from a hub is the whole ring.
-    // Then each hub linked to half of the ring, a chain that begins at the hubs, and a star.
+TEST_CASE("solve_graph: the factors stay small near hubs", "[grid][puzzle]") {
+    // A ring with two hubs linked to all of it: one level of a breadth-first search from a hub is the whole
+    // ring. Then each hub linked to half of the ring, a chain that begins at the hubs, and a star.
     constexpr std::uint32_t count = 2000;
     const auto ring = [](std::uint32_t i) { return 2 + i % count; };
     for (const int kind : {0, 1, 2, 3}) {
@@ -383,7 +383,7 @@ TEST_CASE("solve_graph: the factors stay small about hubs", "[grid][puzzle]") {
         const auto done = cageform::solve_graph(Graph{count + 2, links}, given, std::span(values));
         REQUIRE(done.status == Status::ok);
         CHECK(done.solver.bytes < 100 * sizeof(double) * count);
-        for (const auto& [a, b, k] : links) { // what flows into a node flows out
+        for (const auto& [a, b, k] : links) { // the flow into a node equals the flow out of it
             flow[a] += k * (values[b] - values[a]);
             flow[b] += k * (values[a] - values[b]);
         }
@@ -394,7 +394,7 @@ TEST_CASE("solve_graph: the factors stay small about hubs", "[grid][puzzle]") {
     }
 }
 
-TEST_CASE("solve_graph with nothing to do", "[grid][puzzle]") {
+TEST_CASE("solve_graph without unknown nodes", "[grid][puzzle]") {
     std::vector<double> none, values{3, 4};
     CHECK(cageform::solve_graph(Graph{0, {}}, {}, std::span(none)).status == Status::ok);
     CHECK(cageform::solve_graph(Graph{2, {}}, Marks{1, 1}, std::span(values)).status == Status::ok);

@@ -1,4 +1,4 @@
-// Harmonic functions on meshes: tests/data/oracle/surface.json, laws on random meshes, refusals.
+// Harmonic functions on meshes: tests/data/oracle/surface.json, properties on random meshes, errors.
 #include "../catch.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
@@ -33,7 +33,7 @@ MeshData mesh_of(const Json& json) {
     return mesh;
 }
 
-/// The fields of a case, and its marks; unknown values are NaN.
+/// The fields of a case and its marks; unknown values are NaN.
 template <class T>
 std::pair<std::vector<T>, Marks> given_of(const Json& json, std::size_t size) {
     const Json given = json.at("given");
@@ -53,7 +53,7 @@ std::pair<std::vector<T>, Marks> given_of(const Json& json, std::size_t size) {
     return {values, marks};
 }
 
-/// A grid of cells whose inner vertices are moved at random, with diagonals at random.
+/// A grid of cells with random inner vertices and random diagonals.
 MeshData random_sheet(Random& random, int cells, double jitter) {
     MeshData mesh;
     const int n = cells + 1;
@@ -68,7 +68,7 @@ MeshData random_sheet(Random& random, int cells, double jitter) {
     for (int y = 0; y < cells; ++y) {
         for (int x = 0; x < cells; ++x) {
             const int a = y * n + x, b = a + 1, c = b + n, d = a + n;
-            // Along either diagonal, whichever leaves both triangles their right side up.
+            // A diagonal that keeps the orientation of both triangles.
             const auto area = [&](int i, int j, int k) {
                 const auto u = mesh.vertices[std::size_t(j)] - mesh.vertices[std::size_t(i)],
                            v = mesh.vertices[std::size_t(k)] - mesh.vertices[std::size_t(i)];
@@ -86,7 +86,7 @@ MeshData random_sheet(Random& random, int cells, double jitter) {
     return mesh;
 }
 
-/// A closed mesh of slivers: a sphere or torus moved and stretched at random.
+/// A closed mesh of slivers: a sphere or torus, randomly moved and stretched.
 MeshData random_closed_mesh(Random& random) {
     MeshData mesh = random.below(2) == 0 ? cageform_tests::sphere(3) : cageform_tests::torus(14, 9);
     const double stretch = std::pow(10.0, random.uniform(0, 1.5));
@@ -157,7 +157,7 @@ TEMPLATE_TEST_CASE("solve_surface: reference values", "[surface][oracle]", CAGEF
     CHECK(cases == 12);
 }
 
-TEST_CASE("cotangent_weights: the obtuse pair's, exactly", "[surface][oracle]") {
+TEST_CASE("cotangent_weights: exact for a pair of obtuse triangles", "[surface][oracle]") {
     const auto file = cageform_tests::read_json("surface");
     for (const auto& json : file.at("cases")) {
         if (json.at("name") != "obtuse_pair") continue;
@@ -199,7 +199,8 @@ TEST_CASE("solve_surface: linear functions on flat sheets", "[surface][property]
     CHECK(difference(solve(mesh, values, marks, MeshWeights::own), expected) < 1e-12);
 }
 
-TEST_CASE("solve_surface: in the range of the data, sums to one, on closed meshes", "[surface][property]") {
+TEST_CASE("solve_surface: values within the range of the data and sums of one on closed meshes",
+          "[surface][property]") {
     const auto seed = GENERATE(range(0, 12));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -219,7 +220,7 @@ TEST_CASE("solve_surface: in the range of the data, sums to one, on closed meshe
     }
 }
 
-TEST_CASE("solve_surface: what does not matter", "[surface][property]") {
+TEST_CASE("solve_surface: invariances", "[surface][property]") {
     const auto seed = GENERATE(range(0, 8));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -228,7 +229,7 @@ TEST_CASE("solve_surface: what does not matter", "[surface][property]") {
     const auto [given, marks] = random_fields(random, size);
     const auto solved = solve(mesh, given, marks);
 
-    MeshData other = mesh; // the directions of faces, their order and first corners
+    MeshData other = mesh; // the orientation, order and first corners of faces
     for (auto& face : other.faces) {
         if (random.below(2) == 0) std::swap(face[0], face[1]);
         std::rotate(face.begin(), face.begin() + std::ptrdiff_t(random.below(3)), face.end());
@@ -237,24 +238,24 @@ TEST_CASE("solve_surface: what does not matter", "[surface][property]") {
         std::swap(other.faces[f - 1], other.faces[random.below(f)]);
     CHECK(difference(solve(other, given, marks), solved) < 1e-10);
 
-    other = mesh; // units, far beyond where squares overflow
+    other = mesh; // units far beyond the overflow of squares
     const double scale = std::ldexp(1.0, random.below(2) == 0 ? 900 : -900);
     for (auto& v : other.vertices) v = scale * v;
     CHECK(difference(solve(other, given, marks), solved) == 0);
 
-    other = mesh; // the names of the vertices
+    other = mesh; // the numbering of vertices
     for (auto& face : other.faces) {
         for (auto& i : face) i = int(size) - 1 - i;
     }
     std::reverse(other.vertices.begin(), other.vertices.end());
-    std::vector<double> turned(given.rbegin(), given.rend()); // and of the fields
+    std::vector<double> turned(given.rbegin(), given.rend()); // and of fields
     auto back = solve(other, turned, Marks(marks.rbegin(), marks.rend()));
     std::reverse(back.begin(), back.end());
     CHECK(difference(back, solved) < 1e-10);
 }
 
 TEST_CASE("solve_surface: a Möbius strip", "[surface]") {
-    // Two rows around: each function of the angle alone is a function on a ring of 20 with weights alike.
+    // Two rows around: each function of the angle is a function on a ring of 20 with equal weights.
     MeshData mesh;
     constexpr int around = 20;
     for (int n = 0; n < around; ++n) {
@@ -282,9 +283,9 @@ TEST_CASE("solve_surface: a Möbius strip", "[surface]") {
     for (const double value : values) CHECK((value >= 0 && value <= 1));
 }
 
-TEST_CASE("solve_surface: the two sides of a flat triangle, exactly", "[surface][property]") {
-    // The flip of the side that the obtuse corner c faces leaves faces that are glued to themselves, in
-    // which the other sides are faced by twice π/2 − β and twice π/2 − α.
+TEST_CASE("solve_surface: exact on the two sides of a flat triangle", "[surface][property]") {
+    // Flipping the side opposite to the obtuse corner c leaves faces that are glued to themselves. The
+    // angles opposite to the other sides are twice π/2 − β and twice π/2 − α.
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -304,7 +305,7 @@ TEST_CASE("solve_surface: the two sides of a flat triangle, exactly", "[surface]
     }
 }
 
-TEST_CASE("solve_surface: flat pillows, their faces turned at random", "[surface][property]") {
+TEST_CASE("solve_surface: flat pillows with random orientation of faces", "[surface][property]") {
     std::size_t flips = 0;
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         CAPTURE(seed);
@@ -316,7 +317,7 @@ TEST_CASE("solve_surface: flat pillows, their faces turned at random", "[surface
         MeshData mesh;
         for (const double t : angles)
             mesh.vertices.push_back({std::cos(t), 0.3 * std::sin(t) * (1 + 0.2 * std::cos(t)), 0});
-        for (int n = 1; n + 1 < count; ++n) { // fans about two corners: no edge is there twice
+        for (int n = 1; n + 1 < count; ++n) { // fans around two corners: no edge occurs twice
             mesh.faces.push_back({0, n, n + 1});
             mesh.faces.push_back({1, (n + 2) % count, n + 1});
         }
@@ -348,8 +349,8 @@ TEST_CASE("solve_surface: flat pillows, their faces turned at random", "[surface
     CHECK(flips > 1000);
 }
 
-TEST_CASE("solve_surface: vertices almost at one place, needles", "[surface][property]") {
-    // Conductances differ by 1e12 and more. Subtraction gave values of −8, and flips numbers that are none.
+TEST_CASE("solve_surface: nearly coincident vertices, needles", "[surface][property]") {
+    // Conductances differ by 1e12 and more. Subtraction gave values of −8, and flips gave NaN.
     std::size_t flips = 0, negative = 0;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         CAPTURE(seed);
@@ -386,7 +387,7 @@ TEST_CASE("solve_surface: vertices almost at one place, needles", "[surface][pro
     CHECK(negative < 30);
 }
 
-TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
+TEST_CASE("cotangent_weights: errors have a status", "[surface][errors]") {
     const MeshData good = cageform_tests::sphere(1);
     const auto refused = [](const MeshData& mesh, Status status, CageFaultKind kind, std::size_t a) {
         const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
@@ -422,11 +423,11 @@ TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
     CHECK(cotangent_weights(bad.vertices, cageform_tests::Faces{}).report.status == Status::ok);
 }
 
-TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surface][errors]") {
+TEST_CASE("solve_surface: errors have a status and nothing is written", "[surface][errors]") {
     MeshData mesh = cageform_tests::sphere(1);
     const std::size_t size = mesh.vertices.size();
     for (const Point& v : {Point{5, 0, 0}, Point{6, 0, 0}, Point{5, 1, 0}, Point{9, 9, 9}})
-        mesh.vertices.push_back(v); // a triangle apart, and a vertex without a face
+        mesh.vertices.push_back(v); // a separate triangle, and a vertex without a face
     mesh.faces.push_back({int(size), int(size) + 1, int(size) + 2});
     const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
     REQUIRE(weights.report.status == Status::ok);
@@ -443,7 +444,7 @@ TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surfa
     CHECK(std::count(values.begin(), values.end(), 7.0) == std::ptrdiff_t(values.size()));
 
     marks[size + 1] = marks[size + 3] = 1;
-    values[size + 3] = nan; // of the vertex without a face: not looked at
+    values[size + 3] = nan; // of the vertex without a face: ignored
     values[size + 1] = nan;
     evaluation = cageform::solve_surface(weights.value, marks, std::span(values));
     CHECK(evaluation.status == Status::value_not_finite);
@@ -460,11 +461,11 @@ TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surfa
     CHECK(cageform::solve_surface(weights.value, marks, std::span(values), stop).status == Status::cancelled);
 }
 
-TEST_CASE("cotangent_weights: an open rim that an obtuse angle faces is counted", "[surface]") {
+TEST_CASE("cotangent_weights: boundary edges opposite to an obtuse angle are counted", "[surface]") {
     const MeshData mesh{{{0, 0, 0}, {4, 0, 0}, {2, 0.5, 0}, {2, 3, 0}}, {{0, 1, 2}, {0, 2, 3}, {1, 3, 2}}};
     const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
     REQUIRE(weights.report.status == Status::ok);
-    CHECK(weights.report.negative_weights == 3); // all of the rim
+    CHECK(weights.report.negative_weights == 3); // the whole boundary
     double negative = 0;
     for (const auto& link : weights.value.links) negative = std::min(negative, link.conductance);
     CHECK(negative == Approx(-15.0 / 16).epsilon(1e-14)); // ½ cot, of (−2, −½)·(2, −½) over 2

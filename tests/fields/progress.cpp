@@ -1,4 +1,4 @@
-// Tests the progress that the functions that solve fields report.
+// The progress reported by the functions of this room.
 #include "../support/progress.hpp"
 #include "../catch.hpp"
 #include "../support/meshes.hpp"
@@ -13,7 +13,7 @@ namespace fields_progress_tests {
 
 using namespace cageform_tests;
 
-TEST_CASE("progress never falls and ends with 1: grids and graphs", "[fields][progress]") {
+TEST_CASE("progress is monotone and ends with 1: grids and graphs", "[fields][progress]") {
     const std::vector<cageform::GraphLink> links{{0, 1, 1.0}, {1, 2, 1.0}};
     const std::vector<std::uint8_t> ends{1, 0, 1}, all{1, 1, 1};
     for (const auto& given : {ends, all}) {

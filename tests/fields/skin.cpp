@@ -1,5 +1,5 @@
-// Weights of bones: the reference of tests/data/oracle/surface.json, laws on random meshes, what vertices
-// see, refusals.
+// Bone weights: the reference of tests/data/oracle/surface.json, properties on random meshes, visibility,
+// errors.
 #include "../catch.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
@@ -28,7 +28,7 @@ namespace {
 
 constexpr SurfaceSkinOptions blind{.visibility = BoneVisibility::ignored};
 
-/// A torus and bones along parts of its core; for every other seed one more in its hole, at the wall.
+/// A torus and bones along parts of its core; for every other seed one more in its hole, near the wall.
 struct Ring {
     MeshData mesh = cageform_tests::torus(24, 12);
     std::vector<BoneSegment> bones;
@@ -80,7 +80,7 @@ TEMPLATE_TEST_CASE("bone_heat: reference values", "[surface][skin][oracle]", CAG
             bones.push_back({end(0), end(1)});
         }
         const auto points = mesh.mesh<TestType>();
-        for (const auto& options : {blind, SurfaceSkinOptions{}}) { // in a ball all is seen
+        for (const auto& options : {blind, SurfaceSkinOptions{}}) { // in a ball everything is visible
             const auto skin = bone_heat(points.vertices(), mesh.faces, bones, options);
             REQUIRE(skin.report.status == Status::ok);
             CHECK(skin.report.hidden == 0);
@@ -97,7 +97,7 @@ TEMPLATE_TEST_CASE("bone_heat: reference values", "[surface][skin][oracle]", CAG
     CHECK(checked == 2 * 3 * 162);
 }
 
-TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
+TEST_CASE("bone weights: properties", "[surface][skin][property]") {
     const auto seed = GENERATE(range(0, 8));
     CAPTURE(seed);
     const Ring ring{std::uint64_t(seed)};
@@ -118,7 +118,7 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
             REQUIRE(sum == Approx(1).epsilon(1e-12));
         }
     }
-    // The bone in the hole: no vertex that it is nearest to sees it.
+    // The bone in the hole is not visible from any vertex nearest to it.
     const bool has_outer = seed % 2 == 1;
     CHECK((heat.report.hidden > 0 || !has_outer));
     CHECK(heat.report.idle_bones == (has_outer ? std::vector{bones - 1} : std::vector<std::size_t>{}));
@@ -146,12 +146,12 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
     }
 }
 
-TEST_CASE("weights of bones: the same far from the origin", "[surface][skin][property]") {
+TEST_CASE("bone weights: equal far from the origin", "[surface][skin][property]") {
     const auto seed = GENERATE(seeds(6));
     CAPTURE(seed);
     const Ring near_origin(static_cast<std::uint64_t>(seed));
     Ring far_away = near_origin;
-    const Point shift{500000.25, -4600000.5, 3e6}; // rounds places to 1e-9
+    const Point shift{500000.25, -4600000.5, 3e6}; // rounds positions to 1e-9
     for (auto& v : far_away.mesh.vertices) {
         for (std::size_t k = 0; k < 3; ++k) v[k] += shift[k];
     }
@@ -167,8 +167,8 @@ TEST_CASE("weights of bones: the same far from the origin", "[surface][skin][pro
     CHECK(largest_difference(weights(near_origin, harmonic), weights(far_away, harmonic)) <= 1e-6);
 }
 
-TEST_CASE("weights of bones: a mesh and bones that mirror each other", "[surface][skin][property]") {
-    // The octahedron's sphere is its own mirror image; bone 1 is that of bone 0, bone 2 of itself.
+TEST_CASE("bone weights: symmetric for a symmetric mesh and symmetric bones", "[surface][skin][property]") {
+    // The octahedron's sphere is symmetric; bone 1 is the mirror image of bone 0, and bone 2 of itself.
     MeshData mesh = cageform_tests::sphere(3);
     for (auto& v : mesh.vertices) v = {2 * v[0], v[1], 0.4 * v[2] * (1 + v[1])};
     const std::vector<BoneSegment> bones{
@@ -191,8 +191,8 @@ TEST_CASE("weights of bones: a mesh and bones that mirror each other", "[surface
     }
 }
 
-TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface][skin][property]") {
-    // Then the weights are alike at all vertices: Σ M H p / Σ M H. At 1e-18 nothing was left of it.
+TEST_CASE("bone_heat: for little heat, the mean over the vertices", "[surface][skin][property]") {
+    // Then the weights are equal at all vertices: Σ M H p / Σ M H. They must not vanish at 1e-18.
     const MeshData mesh = cageform_tests::sphere(3);
     const auto areas = cageform::cotangent_weights(mesh.vertices, mesh.faces).value.areas;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
@@ -223,14 +223,14 @@ TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface]
             for (std::size_t n = 0; n < skin.value.size(); ++n)
                 REQUIRE(skin.value[n] == Approx(shares[n % 3] / all).epsilon(0).margin(margin));
         }
-        options.heat = 1e308; // of what neighbours say
+        options.heat = 1e308; // compared with the influence of neighbours
         const auto skin = bone_heat(mesh.vertices, mesh.faces, bones, options);
         REQUIRE(skin.report.status == Status::ok);
         for (const double w : skin.value) REQUIRE((w == 1 || w < 1e-100));
     }
 }
 
-TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinning",
+TEST_CASE("bone weights: binding, posing and cloning give linear blend skinning",
           "[surface][skin][property]") {
     const auto seed = GENERATE(range(0, 4));
     CAPTURE(seed);
@@ -274,8 +274,8 @@ TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinn
     }
 }
 
-TEST_CASE("harmonic_skin: a bone moves nothing beyond its neighbours", "[surface][skin]") {
-    const MeshData mesh = cageform_tests::torus(60, 9); // five bones around, a third of each its own
+TEST_CASE("harmonic_skin: a bone moves nothing beyond its neighbouring bones", "[surface][skin]") {
+    const MeshData mesh = cageform_tests::torus(60, 9); // five bones around, each with its own third
     std::vector<BoneSegment> bones;
     const auto at = [](double turn) {
         return Point{std::cos(2 * std::numbers::pi * turn), std::sin(2 * std::numbers::pi * turn), 0};
@@ -285,7 +285,7 @@ TEST_CASE("harmonic_skin: a bone moves nothing beyond its neighbours", "[surface
     REQUIRE(skin.report.status == Status::ok);
     std::size_t shared = 0;
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-        const double turn = double(i / 9) / 60 * 5; // the bone beside it, and where
+        const double turn = double(i / 9) / 60 * 5; // the adjacent bone, and the position
         for (std::size_t b = 0; b < 5; ++b) {
             CAPTURE(i, b);
             const double away = std::fabs(std::remainder(turn - (double(b) + 0.5), 5.0));
@@ -299,8 +299,8 @@ TEST_CASE("harmonic_skin: a bone moves nothing beyond its neighbours", "[surface
     CHECK(shared > 50);
 }
 
-TEST_CASE("weights of bones: a mesh in the plane", "[surface][skin]") {
-    // A bar, open as all are: as the same bar in space.
+TEST_CASE("bone weights: a mesh in 2D", "[surface][skin]") {
+    // A bar, which is an open mesh: as the same bar in 3D.
     std::vector<cageform::Vec<float, 2>> flat;
     MeshData mesh;
     for (int n = 0; n < 45; ++n) {
@@ -328,15 +328,15 @@ TEST_CASE("weights of bones: a mesh in the plane", "[surface][skin]") {
     CHECK(bad.report.mesh.faults[0].a == 7);
 }
 
-TEST_CASE("FaceTree: against every face, and the winding number", "[surface][skin][property]") {
+TEST_CASE("FaceTree agrees with a loop over all faces and the winding number", "[surface][skin][property]") {
     const auto seed = GENERATE(range(0, 10));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
-    // On lattices rays pass through vertices and along edges and faces.
+    // On lattices rays meet vertices, edges and faces.
     MeshData mesh =
         seed % 2 == 0 ? cageform_tests::divided_box({4, 3, 5}, 1.0) : cageform_tests::torus(13, 7);
     const MeshData inner = cageform_tests::divided_box({2, 1, 1}, 1.0);
-    if (seed % 2 == 0) { // a cavity, whichever way it turns
+    if (seed % 2 == 0) { // a cavity in either orientation
         const int first = int(mesh.vertices.size());
         for (const auto& v : inner.vertices) mesh.vertices.push_back(v + Point{0, 0.5, 0.5});
         for (const auto& f : inner.faces) mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
@@ -370,7 +370,7 @@ TEST_CASE("FaceTree: against every face, and the winding number", "[surface][ski
 }
 
 TEST_CASE("FaceTree: no segment passes between faces", "[surface][skin][property]") {
-    // Out through a place on an edge that rounding puts to either side of both faces or to neither.
+    // Outwards through a point on an edge that rounding moves to either side of both faces.
     MeshData mesh = cageform_tests::sphere(2);
     Random random(5);
     for (auto& v : mesh.vertices) v = {v[0] + 0.1 * v[1], v[1] - 0.3 * v[2], v[2] / 3};
@@ -381,9 +381,9 @@ TEST_CASE("FaceTree: no segment passes between faces", "[surface][skin][property
         const auto vertex = std::uint32_t(random.below(mesh.vertices.size()));
         const auto& face = shape.faces()[random.below(mesh.faces.size())];
         const auto &p = shape[vertex], &a = shape[face[0]], &b = shape[face[1]];
-        const double part = random.below(8) == 0 ? 0 : random.uniform(0, 1); // vertices, too
+        const double part = random.below(8) == 0 ? 0 : random.uniform(0, 1); // vertices too
         const Point q = p + random.uniform(1.5, 3) * (a + part * (b - a) - p);
-        if (dot(a - p, a - p) < 1 || dot(b - p, b - p) < 1) continue; // nor along the surface
+        if (dot(a - p, a - p) < 1 || dot(b - p, b - p) < 1) continue; // not along the surface
         CAPTURE(vertex, q[0], q[1], q[2]);
         REQUIRE(!tree.is_free(vertex, q));
         ++checked;
@@ -391,8 +391,8 @@ TEST_CASE("FaceTree: no segment passes between faces", "[surface][skin][property
     CHECK(checked > 5000);
 }
 
-TEST_CASE("FaceTree: to a face, along a face, and as faces are turned", "[surface][skin]") {
-    MeshData mesh = cageform_tests::divided_box({2, 2, 2}, 1.0); // 3³ places but the middle
+TEST_CASE("FaceTree: segments to a face, along a face, and with reversed faces", "[surface][skin]") {
+    MeshData mesh = cageform_tests::divided_box({2, 2, 2}, 1.0); // 3³ points without the centre
     const auto vertex_at = [&](const Point& p) {
         const auto at = std::find(mesh.vertices.begin(), mesh.vertices.end(), p);
         REQUIRE(at != mesh.vertices.end());
@@ -413,7 +413,7 @@ TEST_CASE("FaceTree: to a face, along a face, and as faces are turned", "[surfac
                 CHECK(tree.is_free(top, {x, y, 0.5}));
                 CHECK(tree.is_free(top, {x, y, 1.5}));
                 CHECK(tree.is_free(corner, {x, y, 0.25}) == (y > -1)); // not along the side
-                CHECK(!tree.is_free(corner, {x, y, 1})); // along the faces, of its own and others
+                CHECK(!tree.is_free(corner, {x, y, 1}));               // along faces of the vertex and others
                 CHECK(tree.encloses({0.5 * x, 0.5 * y, 0.25}));
             }
         }
@@ -424,7 +424,7 @@ TEST_CASE("FaceTree: to a face, along a face, and as faces are turned", "[surfac
     }
 }
 
-TEST_CASE("harmonic_skin: groups that are named", "[surface][skin]") {
+TEST_CASE("harmonic_skin: given groups", "[surface][skin]") {
     const MeshData mesh = cageform_tests::sphere(2);
     const std::vector<BoneSegment> bones(2);
     std::vector<std::uint32_t> groups(mesh.vertices.size(), cageform::no_bone);
@@ -448,7 +448,7 @@ TEST_CASE("harmonic_skin: groups that are named", "[surface][skin]") {
           Status::labels_do_not_match);
 }
 
-TEST_CASE("weights of bones: what is refused, by name", "[surface][skin][errors]") {
+TEST_CASE("bone weights: errors have a status", "[surface][skin][errors]") {
     const MeshData mesh = cageform_tests::sphere(2);
     const std::vector<BoneSegment> good{{{-0.5, 0, 0}, {-0.1, 0, 0}}, {{0.1, 0, 0}, {0.5, 0, 0}}};
     using Bones = std::vector<BoneSegment>;
@@ -471,7 +471,7 @@ TEST_CASE("weights of bones: what is refused, by name", "[surface][skin][errors]
     CHECK(status(mesh, good, {.heat = 0}) == Status::weights_not_positive);
     CHECK(status(mesh, good, {.heat = std::numeric_limits<double>::quiet_NaN()}) ==
           Status::weights_not_positive);
-    // Outside, seen by no vertex: the segments to it do not stay inside.
+    // Outside and not visible: the segments to it do not stay inside.
     CHECK(status(mesh, {{{3, 0, 0}, {4, 0, 0}}}) == Status::cells_unreached);
     CHECK(status(mesh, {{{3, 0, 0}, {4, 0, 0}}}, blind) == Status::ok);
     MeshData open = mesh;

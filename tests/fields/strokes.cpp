@@ -1,4 +1,4 @@
-// Fields diffused from strokes: laws over random drawings, orders of convergence, refusals.
+// Fields diffused from strokes: properties on random drawings, orders of convergence, errors.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/effort.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr Bounds<double, 2> unit_square{{0, 0}, {1, 1}};
 
-/// Two to five lines of two to six points, about every second with two sides; two channels.
+/// Two to five lines of two to six points, half of them with two sides; two channels.
 template <class T>
 std::vector<Stroke<T>> random_strokes(std::uint64_t seed) {
     Random random(seed);
@@ -43,7 +43,7 @@ std::vector<Vec<double, 2>> random_places(std::uint64_t seed, std::size_t count)
     return places;
 }
 
-/// The channels at places, after a solve that is ok.
+/// The channels at points, after a successful solve.
 template <class T, std::size_t D, class R>
 std::vector<T> values_at(Diffusion<T, D>& field, const R& places, double tolerance = 1e-11) {
     const auto solved = field.solve({.tolerance = tolerance, .max_cycles = 100});
@@ -69,7 +69,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
     return most;
 }
 
-/// A closed line about a centre, with the values of a function on both sides.
+/// A closed line around a centre, with the values of a function on both sides.
 template <class F>
 Stroke<double> circle(double radius, std::size_t points, const F& value) {
     Stroke<double> stroke;
@@ -82,7 +82,7 @@ Stroke<double> circle(double radius, std::size_t points, const F& value) {
 }
 constexpr Bounds<double, 2> about_unit_circle{{-1.25, -1.25}, {1.25, 1.25}};
 
-/// The root mean square of the error at random places where `in(p)` holds.
+/// The root mean square error at random points with `in(p)`.
 template <class In, class Exact>
 double error_of(Diffusion<double>& field, const In& in, const Exact& exact) {
     std::vector<Vec<double, 2>> places;
@@ -130,7 +130,7 @@ TEMPLATE_TEST_CASE("a diffused field is a mean of the strokes' values", "[grid][
             CHECK(value <= high[channel] + rounding);
         }
     }
-    // At the ends of its points a stroke has the values given there, on the side that is asked for.
+    // At its end points a stroke has the values given there on the side of the query.
     for (std::size_t cell = 0; cell < field.lattice().size(); ++cell) {
         T value = 0;
         const std::array<Vec<double, 2>, 1> centre{field.lattice().centre(field.lattice().index(cell))};
@@ -141,8 +141,7 @@ TEMPLATE_TEST_CASE("a diffused field is a mean of the strokes' values", "[grid][
     }
 }
 
-TEST_CASE("moved drawings have moved fields, channels know nothing of each other",
-          "[grid][strokes][property]") {
+TEST_CASE("fields are invariant to translation, and channels are independent", "[grid][strokes][property]") {
     const int seed = GENERATE(seeds(cageform_tests::effort(12, 3)));
     CAPTURE(seed);
     const auto strokes = random_strokes<double>(std::uint64_t(seed));
@@ -170,9 +169,9 @@ TEST_CASE("moved drawings have moved fields, channels know nothing of each other
     CHECK(first_channel < 1e-9);
 }
 
-TEST_CASE("a stroke across the canvas has its two values right up to it", "[grid][strokes]") {
+TEST_CASE("a stroke across the canvas has its two values up to the line", "[grid][strokes]") {
     for (const double height :
-         {0.5, 0.53, 0.515625, 0.001, 0.9999}) { // through nodes, between, next to the rim
+         {0.5, 0.53, 0.515625, 0.001, 0.9999}) { // through nodes, between, next to the boundary
         CAPTURE(height);
         Diffusion<double> field(unit_square, 32, 1);
         REQUIRE(field.add({{{0, height}, {1, height}}, {1, 1}, {0, 0}, 0}) == Status::ok);
@@ -187,7 +186,7 @@ TEST_CASE("a stroke across the canvas has its two values right up to it", "[grid
     }
 }
 
-TEST_CASE("linear data on closed strokes is linear between them", "[grid][strokes]") {
+TEST_CASE("linear data on closed strokes gives a linear field between them", "[grid][strokes]") {
     const auto linear = [](const Vec<double, 2>& p) { return 0.3 + 1.5 * p[0] - 0.7 * p[1]; };
     Diffusion<double> field(about_unit_circle, 50, 1);
     REQUIRE(field.add(circle(1.1, 7, linear)) == Status::ok); // straight edges: no error of the shape
@@ -228,8 +227,9 @@ TEST_CASE("fields converge with the square of the spacing", "[grid][strokes]") {
     }
 }
 
-TEST_CASE("values of any size: the field is that of small ones, larger", "[grid][strokes]") {
-    // Links cut next to a node weigh up to 1e9: found by tests/fuzz/hostile_strokes.cpp, seed 40016468.
+TEST_CASE("fields scale with their values, for values of any size", "[grid][strokes]") {
+    // Links cut close to a node have weights up to 1e9: found by tests/fuzz/hostile_strokes.cpp, seed
+    // 40016468.
     const auto places = random_places(3, 60);
     const auto field_of = [&](double size) {
         const std::vector<Stroke<double>> strokes{{{{0.1, 0.2}, {0.9, 0.7}}, {-size, size}, {}},
@@ -246,7 +246,7 @@ TEST_CASE("values of any size: the field is that of small ones, larger", "[grid]
 }
 
 TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
-    // Where its circle crosses lattice lines no index holds (undefined behaviour before, found by a
+    // The crossings of its circle with lattice lines are out of the range of an index (found by a
     // sanitizer).
     for (const double radius : {10.0, 1e12, 1e59, 1e150}) {
         CAPTURE(radius);
@@ -255,7 +255,7 @@ TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
         REQUIRE(field.solve().status == Status::ok);
         for (const double value : field.field(0)) CHECK(value == 3);
     }
-    // Two, whose radii are infinite in cells: the mean of both (not a number before).
+    // Two discs with infinite radii in cells give the mean of both.
     Diffusion<double> field(about_unit_circle, 24, 1);
     REQUIRE(field.add({{{0.1, 0.2}}, {3.0}, {}, 1.7e308}) == Status::ok);
     REQUIRE(field.add({{{-0.3, 0.1}, {0.2, 0.3}}, {1.0, 1.0}, {}, 1.7e308}) == Status::ok);
@@ -263,7 +263,7 @@ TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
     for (const double value : field.field(0)) CHECK((value >= 1 && value <= 3));
 }
 
-TEST_CASE("at the end of a stroke with two sides the error falls with the spacing", "[grid][strokes]") {
+TEST_CASE("at the end of a stroke with two sides the error is of first order", "[grid][strokes]") {
     // r^½ sin(θ/2): ±√r on the two sides of a slit along the negative axis, zero ahead of it.
     const auto crack = [](const Vec<double, 2>& p) {
         return std::sqrt(std::hypot(p[0], p[1])) * std::sin(0.5 * std::atan2(p[1], p[0]));
@@ -272,7 +272,7 @@ TEST_CASE("at the end of a stroke with two sides the error falls with the spacin
     for (std::size_t level = 0; level < 3; ++level) {
         Diffusion<double> field(about_unit_circle, std::size_t{40} << level, 1);
         Stroke<double> slit;
-        for (int i = 400; i >= 0; --i) { // from the rim of the circle to its middle: above it is the left
+        for (int i = 400; i >= 0; --i) { // from the boundary of the circle to its centre: the left is above
             const double x = double(i) / 400 * double(i) / 400;
             slit.points.push_back({-x, 0});
             slit.left.push_back(std::sqrt(x));
@@ -280,7 +280,7 @@ TEST_CASE("at the end of a stroke with two sides the error falls with the spacin
         }
         REQUIRE(field.add(slit) == Status::ok);
         auto rim = circle(1, 2000, crack);
-        rim.points.erase(rim.points.begin() + 1000); // the place where it jumps
+        rim.points.erase(rim.points.begin() + 1000); // the position of the jump
         rim.left.erase(rim.left.begin() + 1000);
         REQUIRE(field.add(rim) == Status::ok);
         errors[level] = error_of(
@@ -291,7 +291,7 @@ TEST_CASE("at the end of a stroke with two sides the error falls with the spacin
     CHECK(errors[2] < 0.65 * errors[1]);
 }
 
-TEMPLATE_TEST_CASE("walls in space", "[grid][strokes]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("walls in 3D", "[grid][strokes]", CAGEFORM_SCALARS) {
     using T = TestType;
     const Bounds<T, 3> canvas{{0, 0, 0}, {1, 1, 1}};
     Random random(11);
@@ -330,7 +330,7 @@ TEMPLATE_TEST_CASE("walls in space", "[grid][strokes]", CAGEFORM_SCALARS) {
     CHECK(between.add(faulty) == Status::too_few_vertices);
 }
 
-TEST_CASE("strokes that cannot be drawn are refused, and change nothing", "[grid][strokes][status]") {
+TEST_CASE("invalid strokes are refused and change nothing", "[grid][strokes][status]") {
     const double nan = std::numeric_limits<double>::quiet_NaN(),
                  infinity = std::numeric_limits<double>::infinity();
     const Stroke<double> good{{{0.2, 0.2}, {0.8, 0.7}}, {1, 2}, {3, 4}, 0};
@@ -370,7 +370,7 @@ TEST_CASE("strokes that cannot be drawn are refused, and change nothing", "[grid
     cageform::Running cancelled;
     cancelled.progress = [](double) { return false; };
     CHECK(field.solve({}, cancelled).status == Status::cancelled);
-    // Later strokes are not yet seen, and what is too small for the grid is named.
+    // Later strokes are not tested yet; the first that is too small for the grid is reported.
     REQUIRE(field.add({{{0.4001, 0.4001}, {0.4002, 0.4001}}, {9, 9}, {}, 0}) == Status::ok);
     REQUIRE(field.sample(place, std::span(value)) == Status::ok);
     CHECK(value[0] == before);
@@ -393,8 +393,7 @@ TEST_CASE("strokes that cannot be drawn are refused, and change nothing", "[grid
     CHECK(status_of(unit_square, 2) == Status::ok);
 }
 
-TEST_CASE("fields have the same bits on four threads; strokes that are crowded are counted",
-          "[grid][strokes]") {
+TEST_CASE("fields do not depend on threads, crowded strokes are counted", "[grid][strokes]") {
     const auto draw = [](std::size_t channels) {
         Diffusion<double> field(unit_square, 40, channels);
         Random random(3);
@@ -410,13 +409,13 @@ TEST_CASE("fields have the same bits on four threads; strokes that are crowded a
     running.parallel = cageform::ThreadedFor{4};
     const auto report = one.solve();
     REQUIRE(report.status == Status::ok);
-    CHECK(report.solver.pyramid.crowded_cells > 10);
+    CHECK(report.solver.crowded_cells > 10);
     const auto crowded = [](double second) { // two lines along 31 links
         Diffusion<double> field(unit_square, 40, 1);
         for (const double y : {0.506, second}) {
             REQUIRE(field.add(Stroke<double>{{{0.11, y}, {0.89, y}}, {0, 1}, {}, 0}) == Status::ok);
         }
-        return field.solve().solver.pyramid.crowded_cells;
+        return field.solve().solver.crowded_cells;
     };
     CHECK(std::abs(double(crowded(0.508)) - 31) <= 1);
     CHECK(crowded(0.606) == 0);

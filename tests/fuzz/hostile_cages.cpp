@@ -187,7 +187,7 @@ Status with_fans(std::vector<Vec<T, 3>> vertices, const std::vector<std::vector<
     if (random.below(16) == 0) {
         HarmonicOptions grid;
         grid.resolution = 8 + random.below(24);
-        return take(UniformHarmonicCoordinates(mesh, grid), random, seed);
+        return take(HarmonicCoordinates(mesh, grid, cageform::UniformGrid{}), random, seed);
     }
     if (random.below(2) == 0) return take(GreenCoordinates(mesh), random, seed);
     return take(MeanValueCoordinates(mesh), random, seed);
@@ -221,7 +221,8 @@ Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, uns
     if (random.below(4) == 0) {
         HarmonicOptions options;
         options.resolution = 8 + random.below(24);
-        return take(UniformHarmonicCoordinates(PolyhedralMesh<T>(vertices, faces, off_plane), options),
+        return take(HarmonicCoordinates(PolyhedralMesh<T>(vertices, faces, off_plane), options,
+                                        cageform::UniformGrid{}),
                     random, seed);
     }
     return take(MeanValueCoordinates<T, 3, PolyhedralMesh<T>>(vertices, faces, off_plane), random, seed);

@@ -89,7 +89,7 @@ void bind_to(const Cage& cage, Random& random) {
     options.memory_limit = 1u << 28;
     auto points = places<T, D>(random, 1 + random.below(4));
     points.insert(points.end(), cage.vertices().begin(), cage.vertices().end());
-    const cageform::UniformHarmonicCoordinates coordinates(cage, options);
+    const cageform::HarmonicCoordinates coordinates(cage, options, cageform::UniformGrid{});
     const auto outside = random.below(2) == 0 ? cageform::OutsidePoints::nearest_boundary
                                               : cageform::OutsidePoints::keep_in_place;
     const auto [binding, report] = cageform::bind(coordinates, points, {.outside = outside});

@@ -271,12 +271,12 @@ for type in mean-value harmonic; do
 done
 grep -q TEXCOORD_0 textured_harmonic.gltf && report yes texture || report no "texture coordinates are there"
 works "a texture, targets" "$export" textured.obj --cage box.obj --pose box_pose.obj --morph -o textured_morph.glb
-works "a vertex kept in place" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep --skin 4 -o kept.gltf
+works "a vertex kept in place" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep-in-place --skin 4 -o kept.gltf
 grep -q '"still"' kept.gltf && report yes still || report no "a joint that stays is there"
 works "a vertex outside" "$export" stray.obj --cage box.obj --pose box_pose.obj --skin 4 -o outside.glb
 says 'warning: 1 of 8 vertices of stray.obj lie outside the cage box.obj, first v 7 (9, 3, 3); they follow the nearest points of the boundary'
-works "a vertex that follows the boundary" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside nearest --skin 4 -o nearest.glb
-works "a vertex kept in place, targets" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep --morph -o kept_morph.glb
+works "a vertex that follows the boundary" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside nearest-boundary --skin 4 -o nearest.glb
+works "a vertex kept in place, targets" "$export" stray.obj --cage box.obj --pose box_pose.obj --outside keep-in-place --morph -o kept_morph.glb
 
 # ---- objects and materials ----
 printf '%s\n' 'newmtl red' 'Kd 0.8 0.1 0.05' 'newmtl glass' 'Kd 0.5 0.7 0.9' 'd 0.25' 'newmtl lamp' 'Ke 3 2 1' 'newmtl wood' 'Kd 1 1 1' \

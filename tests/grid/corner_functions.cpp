@@ -1,5 +1,4 @@
-// The singular functions at corners: harmonic, with the data they are to have, and bounded where formulas
-// are not.
+// The singular functions at corners: harmonic, with their boundary data, and bounded.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -15,7 +14,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A corner at (3, 1) of interior angle `angle`, turned by `turn`.
+/// A corner at (3, 1) of interior angle `angle`, rotated by `turn`.
 Corner corner_of(double angle, double turn) {
     const Vec<double, 2> vertex{3, 1};
     const double other = turn + angle;
@@ -30,7 +29,7 @@ Vec<double, 2> place(double angle, double turn, double r, double part) {
 
 } // namespace
 
-TEST_CASE("corner functions vanish on the edges but for w, which is r on the one before",
+TEST_CASE("corner functions vanish on the edges, except w, which is r on the edge before",
           "[grid][corners][property]") {
     const double angle =
         GENERATE(0.4, pi / 2, 2.1, pi - 1e-7, pi, pi + 1e-4, 1.5 * pi, 2 * pi - 0.02, 2 * pi - 1e-9);
@@ -50,7 +49,7 @@ TEST_CASE("corner functions vanish on the edges but for w, which is r on the one
         CHECK(std::fabs(before[0] - r) <=
               1e-6 * 20); // rounding of the angle over its distance to a multiple of π
 
-        // The mean over a small circle is the value in the middle.
+        // The mean over a small circle is the value at its centre.
         const double part = random.uniform(0.2, 0.8);
         const auto middle = place(angle, turn, r, part);
         const auto value = corner.functions(middle);

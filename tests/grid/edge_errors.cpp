@@ -1,4 +1,4 @@
-// Sectors between faces about an edge: what the data of the handles is beside it.
+// Sectors between faces at an edge: the data of the handles next to it.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -10,7 +10,7 @@ namespace edge_errors_tests {
 using cageform::Vec;
 using cageform_tests::Random;
 
-TEST_CASE("the shares of the handles about an edge sum to one, and are those of the faces on them",
+TEST_CASE("the weights of the handles at an edge sum to one and agree with the faces",
           "[grid][edges][property]") {
     Random random(1);
     const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};

@@ -1,4 +1,4 @@
-// A polygon laid into a lattice: nodes, cut links, data and what is sampled between them.
+// A polygon embedded in a lattice: nodes, cut links, data and samples.
 #include "../catch.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
@@ -47,7 +47,7 @@ Vec<double, 2> place(const Polygon<double>& cage, const BoundaryValue<2>& value)
     return value.weight[0] * cage[value.handle[0]] + value.weight[1] * cage[value.handle[1]];
 }
 
-/// A polygon's boundary with nodes whose values are given besides.
+/// A polygon's boundary with additional fixed nodes.
 struct WithFixedNodes : SimplexBoundary<2> {
     WithFixedNodes(const SimplexBoundary<2>& boundary, std::vector<cageform::grid::FixedNode<2>> nodes)
         : SimplexBoundary<2>(boundary)
@@ -57,10 +57,40 @@ struct WithFixedNodes : SimplexBoundary<2> {
     std::vector<cageform::grid::FixedNode<2>> fixed;
 };
 
+/// Samples are means that reproduce linear functions at every point inside.
+void check_samples(const Polygon<double>& cage, const Lattice<double, 2>& lattice,
+                   SimplexBoundary<2>& boundary, const NodeRuns<2>& nodes) {
+    boundary.index_cells(1e-6);
+    Random random(3);
+    double missed = 0, sum_off = 0, least = 1;
+    for (int n = 0; n < 300; ++n) {
+        const auto p = random_inside(cage, random, 1e-6);
+        const auto stencil = boundary.sample(lattice.in_cells(p), nodes);
+        Vec<double, 2> q{};
+        double sum = 0;
+        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
+            const auto at = nodes.index(stencil.nodes[i].node);
+            q = q + stencil.nodes[i].share * place(lattice, at[0], at[1]);
+            sum += stencil.nodes[i].share;
+            least = std::min(least, stencil.nodes[i].share);
+        }
+        for (std::uint32_t i = 0; i < stencil.boundary_count; ++i) {
+            q = q + stencil.boundary_points[i].share * place(cage, stencil.boundary_points[i].value);
+            sum += stencil.boundary_points[i].share;
+            least = std::min(least, stencil.boundary_points[i].share);
+        }
+        missed = cageform_tests::larger(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
+        sum_off = cageform_tests::larger(sum_off, std::fabs(sum - 1));
+    }
+    CHECK(missed <= 1e-6);
+    CHECK(sum_off <= 1e-12);
+    CHECK(least >= 0);
+}
+
 void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& lattice) {
     SimplexBoundary<2> boundary(cage, lattice);
     const auto problem = cageform::grid::embed(boundary, boundary.crossings());
-    // Nodes are those inside, but for some on the boundary.
+    // Nodes are inside, except some on the boundary.
     std::size_t wrong = 0;
     for (std::int32_t y = 0; y < size_of(lattice)[1]; ++y) {
         for (std::int32_t x = 0; x < size_of(lattice)[0]; ++x) {
@@ -72,7 +102,7 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
         }
     }
     CHECK(wrong == 0);
-    // Every link of an unknown ends on an unknown or is cut, and the data lies where the link ends.
+    // Every link of an unknown ends at an unknown or is cut, and its data is that of its end.
     std::vector<Index> index(problem.nodes.count());
     problem.nodes.for_each([&](const Index& i, std::uint32_t node) { index[node] = i; });
     std::vector<unsigned> cut_mask(problem.nodes.count());
@@ -98,40 +128,14 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
         }
     });
     CHECK(open == 0);
-
-    // Sampling is a mean that reproduces linear functions at every point inside.
-    boundary.index_cells(1e-6);
-    Random random(3);
-    double missed = 0, sum_off = 0, least = 1;
-    for (int n = 0; n < 300; ++n) {
-        const auto p = random_inside(cage, random, 1e-6);
-        const auto stencil = boundary.sample(lattice.in_cells(p), problem.nodes);
-        Vec<double, 2> q{};
-        double sum = 0;
-        for (std::uint32_t i = 0; i < stencil.node_count; ++i) {
-            const auto& at = index[stencil.nodes[i].node];
-            q = q + stencil.nodes[i].share * place(lattice, at[0], at[1]);
-            sum += stencil.nodes[i].share;
-            least = std::min(least, stencil.nodes[i].share);
-        }
-        for (std::uint32_t i = 0; i < stencil.boundary_count; ++i) {
-            q = q + stencil.boundary_points[i].share * place(cage, stencil.boundary_points[i].value);
-            sum += stencil.boundary_points[i].share;
-            least = std::min(least, stencil.boundary_points[i].share);
-        }
-        missed = cageform_tests::larger(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
-        sum_off = cageform_tests::larger(sum_off, std::fabs(sum - 1));
-    }
-    CHECK(missed <= 1e-6);
-    CHECK(sum_off <= 1e-12);
-    CHECK(least >= 0);
+    check_samples(cage, lattice, boundary, problem.nodes);
 }
 
 } // namespace
 
 namespace {
 
-/// All that embed needs, and nothing to sample with: a boundary that no line crosses.
+/// A boundary without crossings, with the interface for embed and not for sampling.
 struct Nowhere {
     static constexpr std::size_t dimension = 2;
     Lattice<double, 2> lattice() const { return {{{4, 4}}, {}, 1}; }
@@ -154,7 +158,7 @@ struct WithoutSample : SimplexBoundary<3> {
 
 } // namespace
 
-TEST_CASE("what a boundary has to tell is a concept in two parts", "[grid][embed][concepts]") {
+TEST_CASE("the concepts of boundaries", "[grid][embed][concepts]") {
     using cageform::grid::EmbeddableBoundary;
     using cageform::grid::GridBoundary;
     using cageform::grid::SampledBoundary;
@@ -170,7 +174,7 @@ TEST_CASE("what a boundary has to tell is a concept in two parts", "[grid][embed
     STATIC_REQUIRE(!EmbeddableBoundary<Polygon<double>>);
 }
 
-TEST_CASE("a polygon is laid into a lattice where it is", "[grid][embed][property]") {
+TEST_CASE("a polygon is embedded without moving it", "[grid][embed][property]") {
     const int seed = GENERATE(seeds(40));
     CAPTURE(seed);
     const double cells = GENERATE(5.0, 23.0, 64.0), shift = GENERATE(0.0, 0.37);
@@ -198,13 +202,13 @@ TEST_CASE("edges on lattice lines and corners on nodes are on the boundary", "[g
     check_embedding(Polygon<double>(diamond), lattice_over(Polygon<double>(diamond), 8, 0));
 }
 
-TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[grid][embed][status]") {
+TEST_CASE("a handle without data at a node is unresolved until the grid is finer", "[grid][embed][status]") {
     // A spike as wide as a twentieth of the cage.
     const std::vector<Vec<double, 2>> spiked{{0, 0},    {1, 0}, {1, 0.5}, {1.4, 0.53},
                                              {1, 0.56}, {1, 1}, {0, 1}};
     const Polygon<double> cage(spiked);
     const auto unseen = [&](double cells) {
-        const auto seen = cageform::grid::seen_handles<2>(
+        const auto seen = cageform::grid::resolved_handles<2>(
             SimplexBoundary<2>(cage, lattice_over(cage, cells, 0.3)).crossings(), cage.size(),
             [](const cageform::BoundaryValue<2>& value, const auto& see) {
                 for (std::size_t n = 0; n < 2; ++n) {
@@ -217,7 +221,7 @@ TEST_CASE("a handle that no node feels is unseen until the grid is finer", "[gri
     CHECK(unseen(256) == 0);
 }
 
-TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to", "[grid][embed]") {
+TEST_CASE("fixed nodes are not unknowns, and their neighbours are linked to them", "[grid][embed]") {
     const Polygon<double> cage(random_star<double>(6));
     const auto lattice = lattice_over(cage, 40, 0.37);
     const SimplexBoundary<2> boundary(cage, lattice);
@@ -248,7 +252,7 @@ TEST_CASE("fixed nodes are no unknowns, and what their neighbours are linked to"
 
 namespace {
 
-/// From random places of the boundary's box, against a search of all facets.
+/// From random points of the boundary's box, against a search of all facets.
 template <std::size_t D, class Cage>
 void check_free_distances(const Cage& cage, double cells, std::uint64_t seed) {
     const auto bounds = cageform::bounds_of(cage.vertices());
@@ -289,7 +293,7 @@ void check_free_distances(const Cage& cage, double cells, std::uint64_t seed) {
 
 namespace {
 
-/// About the boundary, on it and elsewhere: cells tell where places lie, and mostly do tell.
+/// Near the boundary, on it and elsewhere: cells decide where points are, in most cases.
 template <std::size_t D, class Cage>
 void check_cells_tell(const Cage& cage, std::size_t resolution, std::uint64_t seed) {
     const auto bounds = cageform::bounds_of(cage.vertices());
@@ -319,12 +323,12 @@ void check_cells_tell(const Cage& cage, std::size_t resolution, std::uint64_t se
             q = q + found->value.weight[k] * cage.vertices()[found->value.handle[k]];
         CHECK(cageform::detail::length(q - p) <= 3 * tolerance);
     }
-    CHECK(told > count * 3 / 4); // a cell without a node inside does not
+    CHECK(told > count * 3 / 4); // a cell without a node inside does not decide
 }
 
 } // namespace
 
-TEST_CASE("what passes a cell tells where its places lie", "[grid][embed][property]") {
+TEST_CASE("the elements of a cell decide where its points are", "[grid][embed][property]") {
     const int seed = GENERATE(seeds(4));
     const std::size_t resolution = GENERATE(8u, 40u);
     CAPTURE(seed, resolution);
@@ -333,7 +337,7 @@ TEST_CASE("what passes a cell tells where its places lie", "[grid][embed][proper
     check_cells_tell<3>(mesh.mesh<double>(), resolution, std::uint64_t(seed));
 }
 
-TEST_CASE("free distances end at the nearest facet on the way", "[grid][embed][property]") {
+TEST_CASE("free distances end at the nearest facet", "[grid][embed][property]") {
     const int seed = GENERATE(seeds(5));
     const double cells = GENERATE(8.0, 21.0);
     CAPTURE(seed, cells);

@@ -1,7 +1,6 @@
+#include "averaging/lattice.hpp"
 #include "../catch.hpp"
 #include "../support/cages.hpp"
-
-#include <cageform/papers/detail/papers_lattice.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +14,8 @@ using cageform::CellBox;
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::Vec;
-using cageform::grid::lattice_about;
-using cageform::grid::papers_margin;
+using cageform_sources::averaging::lattice_about;
+using cageform_sources::averaging::papers_margin;
 using cageform_tests::Random;
 using cageform_tests::random_star;
 
@@ -46,7 +45,7 @@ void check_numbering(const CellBox<D>& box) {
     CHECK(seen.size() == box.size());
 }
 
-/// Checks the promises of lattice_about, for any bounds.
+/// Checks lattice_about for any bounds.
 template <class T, std::size_t D>
 void check_about(const Bounds<T, D>& bounds, std::size_t resolution) {
     const auto lattice = lattice_about(bounds, resolution);
@@ -59,7 +58,7 @@ void check_about(const Bounds<T, D>& bounds, std::size_t resolution) {
         CAPTURE(k);
         reached = reached || lattice.cells[k] == resolution;
         CHECK(lattice.cells[k] <= resolution);
-        // At least the margin, but for the thousandth of a cell that is rounded away; less than a cell
+        // At least the margin, except for a thousandth of a cell that is rounded off; less than one cell
         // more.
         const T margin = T(papers_margin) * lattice.spacing;
         const T below = bounds.lower[k] - lattice.origin[k];
@@ -74,7 +73,7 @@ void check_about(const Bounds<T, D>& bounds, std::size_t resolution) {
 
 } // namespace
 
-TEST_CASE("cells are numbered along the first axis first", "[grid][lattice]") {
+TEST_CASE("cells are numbered with the first axis fastest", "[grid][lattice]") {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -84,7 +83,8 @@ TEST_CASE("cells are numbered along the first axis first", "[grid][lattice]") {
     check_numbering<3>({{side(), side(), side()}});
 }
 
-TEMPLATE_TEST_CASE("the centre of a cell is half a cell into it", "[grid][lattice]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("the centre of a cell is half a cell from its corner", "[grid][lattice]",
+                   CAGEFORM_SCALARS) {
     Lattice<TestType, 3> lattice;
     lattice.cells = {4, 5, 6};
     lattice.origin = {-1, 2, 10};
@@ -99,8 +99,7 @@ TEMPLATE_TEST_CASE("the centre of a cell is half a cell into it", "[grid][lattic
     }
 }
 
-TEMPLATE_TEST_CASE("a lattice about a cage leaves its margin", "[grid][lattice][property]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a lattice around a cage has the margin", "[grid][lattice][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -116,7 +115,7 @@ TEMPLATE_TEST_CASE("a lattice about a cage leaves its margin", "[grid][lattice][
     }
 }
 
-TEMPLATE_TEST_CASE("short sides of a cage get as many cells as they need", "[grid][lattice]",
+TEMPLATE_TEST_CASE("short sides of a cage have as many cells as needed", "[grid][lattice]",
                    CAGEFORM_SCALARS) {
     const Bounds<TestType, 2> wide{{0, 0}, {12, 3}};
     CHECK(lattice_about(wide, 16).cells == CellBox<2>::Index{16, 7}); // 12 and 3 cells, and 2 · 2 more
@@ -127,8 +126,7 @@ TEMPLATE_TEST_CASE("short sides of a cage get as many cells as they need", "[gri
     CHECK(lattice_about(flat, 16).cells == CellBox<2>::Index{16, 5});
 }
 
-TEMPLATE_TEST_CASE("a rounding more than whole cells is no further cell", "[grid][lattice]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a rounding error adds no cell", "[grid][lattice]", CAGEFORM_SCALARS) {
     for (std::size_t n = 1; n <= 12; ++n) {
         for (const TestType size : {TestType(0.1), TestType(0.3), TestType(7)}) {
             CAPTURE(n, size);

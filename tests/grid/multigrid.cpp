@@ -36,7 +36,7 @@ struct Domain {
     std::vector<std::array<double, D>> places; ///< of the data, parallel to `cuts`
 };
 
-/// Where the data of a cut link lies.
+/// The position of a cut link's data.
 template <std::size_t D>
 std::array<double, D> place_of(const Index<D>& index, const CutLink& cut) {
     std::array<double, D> p{};
@@ -45,7 +45,7 @@ std::array<double, D> place_of(const Index<D>& index, const CutLink& cut) {
     return p;
 }
 
-/// A union of balls less some others. With `cut_inside`, every thirtieth link between unknowns is cut from
+/// A union of balls minus some others. With `cut_inside`, every thirtieth link between unknowns is cut from
 /// both sides. `theta` draws the lengths of cut links.
 template <std::size_t D, class Theta>
 Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool cut_inside, const Theta& theta) {
@@ -108,7 +108,7 @@ Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool cut_inside, 
     return domain;
 }
 
-/// Sets the data: right-hand side k takes value(cut, k) at a cut.
+/// Sets the data: right-hand side k is value(cut, k) at a cut.
 template <std::size_t D, class Value>
 void set_data(const Multigrid<D>& multigrid, const Domain<D>& domain, typename Multigrid<D>::Block& block,
               const Value& value) {
@@ -125,7 +125,7 @@ double largest(const Values& values) {
     return *std::max_element(values.begin(), values.end());
 }
 
-/// Cycles until the estimate is below `tolerance`; returns how many it took.
+/// Cycles until the estimate is below `tolerance`; returns their number.
 template <std::size_t D>
 int solve(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, double tolerance) {
     auto error = multigrid.start(block);
@@ -163,9 +163,8 @@ void check_linear(int seed) {
     set_data(multigrid, domain, block,
              [&](std::size_t c, std::size_t k) { return value(domain.places[c], k); });
     const int cycles = solve(multigrid, block, 1e-11);
-    // A factor of 0.2 a cycle, whether links are cut at random lengths or in scattered places that no
-    // coarse grid resolves.
-    // In the plane, where a cycle has five sweeps and not seven, these take one more.
+    // A reduction by 0.2 per cycle, with links cut at random lengths or at scattered positions that no
+    // coarse grid resolves. In 2D, with five instead of seven sweeps per cycle, one cycle more.
     CHECK(cycles <= (D == 2 ? 17 : 16));
     double error = 0;
     for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
@@ -176,7 +175,34 @@ void check_linear(int seed) {
     CHECK(error <= 1e-10);
 }
 
-/// Against the same equations solved directly.
+/// Assembles the equations link by link and solves them directly. `data` has `width` values per cut.
+template <std::size_t D>
+Eigen::MatrixXd direct_solution(const Domain<D>& domain, std::span<const double> data) {
+    const auto n = Eigen::Index(domain.nodes.count());
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(width));
+    std::vector<unsigned> cut_mask(domain.nodes.count());
+    for (std::size_t c = 0; c < domain.cuts.size(); ++c) {
+        const auto& cut = domain.cuts[c];
+        cut_mask[cut.node] |= 1u << cut.direction;
+        entries.emplace_back(int(cut.node), int(cut.node), cut.weight);
+        for (std::size_t k = 0; k < width; ++k)
+            right(Eigen::Index(cut.node), Eigen::Index(k)) += cut.weight * data[c * width + k];
+    }
+    for (std::uint32_t node = 0; node < domain.nodes.count(); ++node) {
+        for (std::size_t direction = 0; direction < 2 * D; ++direction) {
+            if (((cut_mask[node] >> direction) & 1u) != 0) continue;
+            auto there = domain.index[node];
+            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
+            entries.emplace_back(int(node), int(node), 1.0);
+            entries.emplace_back(int(node), int(domain.nodes.find(there)), -1.0);
+        }
+    }
+    Eigen::SparseMatrix<double> a(n, n);
+    a.setFromTriplets(entries.begin(), entries.end());
+    return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(a).solve(right);
+}
+
 template <std::size_t D>
 void check_estimate_and_bound(int seed) {
     Random random(std::uint64_t(seed) + 3);
@@ -192,31 +218,7 @@ void check_estimate_and_bound(int seed) {
     const Multigrid<D> multigrid(domain.nodes, domain.cuts, {});
     auto block = multigrid.make_block();
     set_data(multigrid, domain, block, [&](std::size_t c, std::size_t k) { return data[c * width + k]; });
-
-    // Assembles the equations link by link and solves them directly.
-    const auto n = Eigen::Index(multigrid.unknowns());
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(width));
-    std::vector<unsigned> cut_mask(multigrid.unknowns());
-    for (std::size_t c = 0; c < domain.cuts.size(); ++c) {
-        const auto& cut = domain.cuts[c];
-        cut_mask[cut.node] |= 1u << cut.direction;
-        entries.emplace_back(int(cut.node), int(cut.node), cut.weight);
-        for (std::size_t k = 0; k < width; ++k)
-            right(Eigen::Index(cut.node), Eigen::Index(k)) += cut.weight * data[c * width + k];
-    }
-    for (std::uint32_t node = 0; node < multigrid.unknowns(); ++node) {
-        for (std::size_t direction = 0; direction < 2 * D; ++direction) {
-            if (((cut_mask[node] >> direction) & 1u) != 0) continue;
-            auto there = domain.index[node];
-            there[direction / 2] += (direction & 1) != 0 ? 1 : -1;
-            entries.emplace_back(int(node), int(node), 1.0);
-            entries.emplace_back(int(node), int(domain.nodes.find(there)), -1.0);
-        }
-    }
-    Eigen::SparseMatrix<double> a(n, n);
-    a.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::MatrixXd exact = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(a).solve(right);
+    const Eigen::MatrixXd exact = direct_solution(domain, data);
 
     auto error = multigrid.start(block);
     for (int cycle = 0; cycle < 8; ++cycle) {
@@ -227,11 +229,11 @@ void check_estimate_and_bound(int seed) {
                 true_error = std::max(
                     true_error, std::fabs(block.value(node)[k] - exact(Eigen::Index(node), Eigen::Index(k))));
             }
-            // In float the bound leaves out what that rounds.
+            // In float the bound ignores rounding.
             const double rounding = block.is_refined() ? 1e-12 : 1e-5;
             CHECK(true_error <= error.bound[k] + rounding);
-            // An estimate is no bound: in 1000 such domains, full of cut links, it was at worst a seventh
-            // too small.
+            // An estimate is not a bound: in 1000 such domains, with many cut links, it was at most a
+            // seventh too small.
             CHECK(true_error <= 1.2 * error.estimate[k] + rounding);
         }
         error = multigrid.cycle(block);
@@ -302,13 +304,13 @@ void check_galerkin(int seed) {
 
 } // namespace
 
-TEST_CASE("coarse equations are Galerkin's on every level", "[grid][multigrid][property]") {
+TEST_CASE("coarse equations are Galerkin products on every level", "[grid][multigrid][property]") {
     const int seed = GENERATE(seeds(10));
     check_galerkin<2>(seed);
     check_galerkin<3>(seed);
 }
 
-TEST_CASE("the multigrid is exact for linear data, whatever the domain", "[grid][multigrid][property]") {
+TEST_CASE("the multigrid is exact for linear data on any domain", "[grid][multigrid][property]") {
     const int seed = GENERATE(seeds(effort(25, 8)));
     check_linear<1>(seed);
     check_linear<2>(seed);
@@ -322,7 +324,7 @@ TEST_CASE("the multigrid's estimate and bound cover the error", "[grid][multigri
     check_estimate_and_bound<3>(seed);
 }
 
-TEST_CASE("the multigrid solves the printed grids", "[grid][multigrid][oracle]") {
+TEST_CASE("the multigrid solves the published grids", "[grid][multigrid][oracle]") {
     const auto json = cageform_tests::read_json("discrete_dirichlet_grids");
     REQUIRE(json["grids"].size() >= 11);
     for (const auto& grid : json["grids"]) {
@@ -359,7 +361,7 @@ TEST_CASE("the multigrid solves the printed grids", "[grid][multigrid][oracle]")
     }
 }
 
-TEST_CASE("right-hand sides do not feel each other", "[grid][multigrid]") {
+TEST_CASE("right-hand sides are independent", "[grid][multigrid]") {
     const auto domain = random_domain<3>(4, 20, true, [](Random& r) { return r.uniform(0.01, 1); });
     const Multigrid<3> multigrid(domain.nodes, domain.cuts, {});
     const auto run = [&](double others) {
@@ -377,7 +379,7 @@ TEST_CASE("right-hand sides do not feel each other", "[grid][multigrid]") {
     CHECK(run(0) == run(1e6));
 }
 
-/// A corridor with data at its near end: functions fall by e^π/5 a node, below 1e-38 after 140.
+/// A corridor with data at its near end: functions decrease by e^π/5 per node, below 1e-38 after 140.
 Domain<2> corridor() {
     constexpr std::int32_t length = 400, height = 4;
     Domain<2> domain;
@@ -399,7 +401,7 @@ bool denormals_are_zero() {
     return !(half > 0);
 }
 
-TEST_CASE("solves leave the caller's mode of denormals as it is", "[grid][multigrid]") {
+TEST_CASE("solves preserve the caller's mode of denormals", "[grid][multigrid]") {
     const auto domain = corridor();
     const Multigrid<2> multigrid(domain.nodes, domain.cuts, {});
     const auto solve_all = [&] {
@@ -420,17 +422,17 @@ TEST_CASE("solves leave the caller's mode of denormals as it is", "[grid][multig
         const cageform::detail::FlushDenormals flush;
         const bool flushes = denormals_are_zero();
         CHECK(flushes == (cageform::detail::flushes_denormals != 0));
-        CHECK((solve_all() == values)); // the solver's mode is its own
+        CHECK((solve_all() == values)); // the solver sets its own mode
         CHECK(denormals_are_zero() == flushes);
     }
     CHECK_FALSE(denormals_are_zero());
-    // Separated by sines across: the first decides from the third node on.
+    // Separation by sines across: the first determines the values from the third node on.
     const double decay = std::acosh(2 - std::cos(std::acos(-1.0) / 5));
     CHECK(std::fabs(values[40] / values[20] - std::exp(-20 * decay)) < 1e-4 * std::exp(-20 * decay));
     CHECK(std::fabs(values[399]) < 1e-30);
 }
 
-/// The bits of groups whose function k is 1 at cut k alone, as `parallel` solves them.
+/// The bits of groups whose function k is 1 at cut k only, solved by `parallel`.
 template <std::size_t D>
 std::vector<std::vector<std::uint64_t>> solve_groups_by(const Multigrid<D>& multigrid,
                                                         const Domain<D>& domain, std::size_t groups,
@@ -468,17 +470,17 @@ void check_threads(const Domain<D>& domain, std::size_t groups) {
     running.parallel = cageform::ThreadedFor{3};
     const Multigrid<D> made_on_threads(domain.nodes, domain.cuts, {}, running);
     CHECK((solve_groups_by(made_on_threads, domain, groups, {}) == serial));
-    // A loop may run its ranges one after the other, from the last.
+    // A loop may run its ranges sequentially, from the last.
     const auto backwards = [](std::size_t count, std::size_t, const cageform::RangeBody& body) {
         for (std::size_t n = count; n-- > 0;) body(n, n + 1);
     };
     CHECK((solve_groups_by(multigrid, domain, groups, backwards) == serial));
 }
 
-TEST_CASE("functions have the same bits on any number of threads", "[grid][multigrid]") {
-    // Denormals would arise in every group; a thread that keeps them would have other bits.
+TEST_CASE("results do not depend on the number of threads", "[grid][multigrid]") {
+    // Denormals would occur in every group; a thread that keeps them would have other bits.
     check_threads(corridor(), 5);
-    // So large that threads share the work within a group.
+    // large enough that threads share the work within a group
     const auto theta = [](Random& r) { return r.uniform(0.1, 1); };
     const auto plane = random_domain<2>(5, effort(260, 230), true, theta);
     REQUIRE(Multigrid<2>(plane.nodes, plane.cuts, {}).helpers() > 0);
@@ -488,17 +490,17 @@ TEST_CASE("functions have the same bits on any number of threads", "[grid][multi
     check_threads(space, 1);
 }
 
-TEST_CASE("tiles cut slabs so that each stage finds the rows about its own done", "[grid][multigrid]") {
+TEST_CASE("tiles cut slabs so that the rows each stage needs are complete", "[grid][multigrid]") {
     cageform::detail::Level<3> level;
     for (const std::size_t slab_rows : {1u, 7u, 40u, 128u, 500u}) {
         for (const std::size_t stages : {1u, 3u, 16u}) {
             level.slab_rows = slab_rows;
-            level.rows.resize(3 * slab_rows + 1); // of three slabs
+            level.rows.resize(3 * slab_rows + 1); // three slabs
             level.count = std::uint32_t(level.rows.size() * 100);
             const cageform::detail::Tiles<3> tiles(level, stages);
             CAPTURE(slab_rows, stages, tiles.count, tiles.height);
             if (slab_rows < 8) CHECK(tiles.count == 1);
-            if (slab_rows == 500) CHECK(tiles.count > 1); // what is in flight would not fit
+            if (slab_rows == 500) CHECK(tiles.count > 1); // the working set of a slab would not fit
             bool in_order = true, reach = true;
             for (std::size_t slab = 0; slab < 3; ++slab) {
                 for (std::size_t stage = 0; stage < stages; ++stage) {
@@ -507,8 +509,8 @@ TEST_CASE("tiles cut slabs so that each stage finds the rows about its own done"
                         const auto rows = tiles.rows(tile, stage, slab);
                         in_order = in_order && rows.begin == done && rows.end >= done;
                         done = rows.end;
-                        // The stage before has left the row above the last, the one after has not come
-                        // below the first.
+                        // The stage before has completed the row above the last, and the next stage has not
+                        // reached below the first.
                         if (stage == 0) continue;
                         const auto before = tiles.rows(tile, stage - 1, slab);
                         reach = reach && (rows.begin == rows.end || rows.end == (slab + 1) * slab_rows ||
@@ -524,7 +526,7 @@ TEST_CASE("tiles cut slabs so that each stage finds the rows about its own done"
     }
 }
 
-/// Fails in a group.
+/// Fails in one group.
 struct FailingGroups {
     struct Block {};
     std::size_t fails;
@@ -540,7 +542,7 @@ struct FailingGroups {
     }
 };
 
-TEST_CASE("threads that help end when another fails", "[grid][multigrid]") {
+TEST_CASE("helping threads end when another thread fails", "[grid][multigrid]") {
     cageform::Running running;
     running.parallel = cageform::ThreadedFor{4};
     const auto take = [](std::size_t, const auto&) {};
@@ -558,7 +560,7 @@ TEST_CASE("threads that help end when another fails", "[grid][multigrid]") {
     }
 }
 
-TEST_CASE("a block needs the memory that was stated", "[grid][multigrid]") {
+TEST_CASE("a block needs the stated memory", "[grid][multigrid]") {
     const auto domain = random_domain<2>(9, 120, true, [](Random&) { return 0.5; });
     const Multigrid<2> multigrid(domain.nodes, domain.cuts, {});
     auto block = multigrid.make_block();
@@ -567,13 +569,13 @@ TEST_CASE("a block needs the memory that was stated", "[grid][multigrid]") {
     for (int cycle = 0; cycle < 4; ++cycle) (void)multigrid.cycle(block);
     CHECK(block.bytes() == multigrid.block_bytes());
     CHECK(multigrid.bytes() > 0);
-    // Four fields and what coarse levels need: nothing but inner nodes is paid for.
+    // Four fields and the coarse levels: only inner nodes need memory.
     CHECK(double(multigrid.block_bytes()) <
           64 * (4.8 * double(multigrid.unknowns()) + 5 * double(multigrid.source_count())));
 }
 
-TEST_CASE("the bound holds where there is no coarse grid", "[grid][multigrid]") {
-    // Every node with even indices is given, as when a picture is enlarged by two.
+TEST_CASE("the bound is valid without a coarse grid", "[grid][multigrid]") {
+    // Every node with even indices is given, as in an enlargement of a picture by two.
     constexpr std::int32_t side = 21;
     Domain<3> domain;
     domain.nodes = NodeRuns<3>({side, side, side});

@@ -1,4 +1,4 @@
-// Unknown nodes as runs, against a look at every place.
+// Unknown nodes as runs, against a test of every position.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -26,7 +26,7 @@ void check_runs(int seed) {
         CHECK(nodes.row(index) == r);
         for (std::int32_t x = 0; x < size[0];) {
             const auto end = std::min<std::int32_t>(size[0], x + std::int32_t(random.below(5)));
-            nodes.add_run(x, end); // may be empty, may touch the run before
+            nodes.add_run(x, end); // may be empty, may be adjacent to the run before
             for (index[0] = x; index[0] < end; ++index[0]) expected.insert(index);
             x = end + std::int32_t(random.below(3)) + (end == x ? 1 : 0);
         }
@@ -62,7 +62,7 @@ void check_runs(int seed) {
 
 } // namespace
 
-TEST_CASE("runs of nodes are found and end where they end", "[grid][node_runs][property]") {
+TEST_CASE("NodeRuns finds its nodes and the ends of runs", "[grid][node_runs][property]") {
     const int seed = GENERATE(seeds(60));
     check_runs<1>(seed);
     check_runs<2>(seed);

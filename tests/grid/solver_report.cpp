@@ -21,7 +21,7 @@ TEST_CASE("a report of several parts has their sums, and the worst of them", "[g
     small.multigrid.error_bound = 1e-5;
     small.tree.finest_size = 0.5;
     small.tree.finest_reason = SizeReason::facet;
-    small.pyramid.sweeps = 6;
+    small.relaxation.sweeps = 6;
     small.tree.grid_errors = {0.1F, 0.4F};
     large.cells = 10;
     large.solves = 7;
@@ -31,7 +31,7 @@ TEST_CASE("a report of several parts has their sums, and the worst of them", "[g
     large.multigrid.error_bound = 1e-4;
     large.tree.finest_size = 0.25;
     large.tree.finest_reason = SizeReason::bone;
-    large.pyramid.sweeps = 8;
+    large.relaxation.sweeps = 8;
     large.tree.grid_errors = {0.3F, 0.2F};
     for (const bool turned : {false, true}) {
         SolverReport sum;
@@ -39,7 +39,7 @@ TEST_CASE("a report of several parts has their sums, and the worst of them", "[g
         sum.add(turned ? small : large);
         CHECK(sum.cells == 13);
         CHECK(sum.solves == 9);
-        CHECK(sum.pyramid.sweeps == 14);
+        CHECK(sum.relaxation.sweeps == 14);
         CHECK(sum.multigrid.cycles == 9);
         CHECK(sum.multigrid.convergence_factor == 0.2);
         CHECK(sum.multigrid.error_estimate == 1e-6);

@@ -1,4 +1,4 @@
-// Trees of cells about a boundary: cells, unknowns, sizes, against a look at every place.
+// Trees of cells over a boundary: cells, unknowns, sizes, against a test of every position.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/meshes.hpp"
@@ -24,7 +24,7 @@ std::vector<typename CellTree<D>::Cell> leaves_of(const CellTree<D>& tree) {
     tree.for_each_leaf([&](const auto& leaf) { leaves.push_back(leaf); });
     return leaves;
 }
-/// Whether the closed cells have a place in common.
+/// Whether the closed cells have a common point.
 template <std::size_t D>
 bool touch(const typename CellTree<D>::Cell& a, const typename CellTree<D>::Cell& b) {
     bool touch = true;
@@ -33,7 +33,7 @@ bool touch(const typename CellTree<D>::Cell& a, const typename CellTree<D>::Cell
     return touch;
 }
 
-/// Split towards a few places.
+/// Split towards a few points.
 template <std::size_t D>
 CellTree<D> random_tree(Random& random) {
     CellTree<D> tree(7);
@@ -53,7 +53,7 @@ void check_cells(int seed) {
     CAPTURE(seed, D);
     Random random{std::uint64_t(seed)};
     CellTree<D> tree = random_tree<D>(random);
-    // Cells of the lower half along the last axis take no part, nor do what they are split into.
+    // Cells of the lower half along the last axis do not count, nor do their children.
     const auto counts = [&](std::uint32_t number) {
         const auto cell = tree.cell(number);
         return cell.low[D - 1] + cell.size > tree.size() / 2;
@@ -89,7 +89,7 @@ void check_cells(int seed) {
     CHECK(unbalanced == 0);
 }
 
-/// Against a look at all pairs of leaves, again and again.
+/// Against repeated tests of all pairs of leaves.
 template <std::size_t D>
 void check_least(int seed) {
     CAPTURE(seed, D);
@@ -147,13 +147,13 @@ TEST_CASE("trees are balanced across faces, edges and corners", "[grid][tree][pr
     check_cells<2>(seed);
     if (seed < 3) check_cells<3>(seed);
 }
-TEST_CASE("balance splits no more than it must", "[grid][tree][property]") {
+TEST_CASE("balance makes only necessary splits", "[grid][tree][property]") {
     const int seed = GENERATE(range(0, 8));
     check_least<1>(seed);
     check_least<2>(seed);
     if (seed < 3) check_least<3>(seed);
 }
-TEST_CASE("numbers sorted in runs are sorted, and each step is reported", "[grid][tree][property]") {
+TEST_CASE("sort_in_runs sorts and reports each step", "[grid][tree][property]") {
     const std::size_t count = GENERATE(0u, 1u, 99u, 100u, 101u, 300u, 499u, 500u, 777u);
     CAPTURE(count);
     Random random(count);
@@ -172,10 +172,10 @@ TEST_CASE("numbers sorted in runs are sorted, and each step is reported", "[grid
     cageform::detail::sort_in_runs(numbers, {.progress = progress}, 100);
     CHECK(std::equal(numbers.begin(), numbers.end(), expected.begin(), expected.end()));
     const std::size_t runs = (count + 99) / 100;
-    CHECK(reports >= (runs > 0 ? 2 * runs - 1 : 0)); // runs, and the merges that make them one
+    CHECK(reports >= (runs > 0 ? 2 * runs - 1 : 0)); // runs, and the merges that join them
 }
 
-TEST_CASE("nodes of a tree are found by their place", "[grid][tree][property]") {
+TEST_CASE("nodes of a tree are found by their position", "[grid][tree][property]") {
     const int seed = GENERATE(range(0, 5));
     check_nodes<1>(seed);
     check_nodes<2>(seed);
@@ -193,7 +193,7 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
     CutTree<D> tree(boundary);
     FinestCells<D> finest;
     REQUIRE(refine(tree, {.across = across}, 1000000, finest));
-    // Leaves that no facet passes are on one side, which is that of any place in them.
+    // Leaves without facets are on one side, that of any point in them.
     Random random(seed);
     std::size_t inside = 0, beyond = 0;
     const auto state_at = [&](const Vec<double, D>& p) { return locate(cage, boundary.in_cage(p), 0.0); };
@@ -209,7 +209,7 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
     });
     CHECK(inside > 0);
     CHECK(beyond > 0);
-    // Nodes are inside, and corners of leaves that are no nodes are not.
+    // Nodes are inside; corners of leaves that are not nodes are not.
     const auto nodes = nodes_of(tree);
     REQUIRE(nodes.count() > 0);
     for (std::uint32_t node = 0; node < nodes.count(); node += 1 + std::uint32_t(random.below(8)))
@@ -232,31 +232,31 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
     }
 }
 
-TEST_CASE("trees know what is inside, of polygons", "[grid][tree][property]") {
+TEST_CASE("trees decide what is inside polygons", "[grid][tree][property]") {
     const int seed = GENERATE(range(0, 6));
     CAPTURE(seed);
     auto star = cageform_tests::random_star<double>(std::uint64_t(seed));
     check_states(Polygon<double>(star), 3, std::uint64_t(seed));
-    // So thin that lines along it pass cut leaves alone, and other axes have to tell.
+    // So thin that lines along it cross only cut leaves, and the other axis decides.
     for (auto& p : star) p[std::size_t(seed % 2)] *= 0.02;
     check_states(Polygon<double>(star), 3, std::uint64_t(seed));
 }
-TEST_CASE("trees know what is inside, of meshes", "[grid][tree][property]") {
+TEST_CASE("trees decide what is inside meshes", "[grid][tree][property]") {
     const int seed = GENERATE(range(0, 3));
     CAPTURE(seed);
     check_states(cageform_tests::random_mesh(std::uint64_t(seed)).mesh<double>(), 1, std::uint64_t(seed));
     if (seed == 0) check_states(cageform_tests::divided_box({2, 1, 1}, 0.5).mesh<double>(), 2, 0);
 }
 
-/// A sharp wedge in the plane, its sides of many edges.
+/// A sharp wedge in 2D with sides of many edges.
 Polygon<double> tessellated_wedge(int edges, double height) {
     std::vector<Vec<double, 2>> points;
     for (int n = 0; n <= edges; ++n) points.push_back({double(n) / edges, 0});
     for (int n = edges; n > 0; --n) points.push_back({double(n) / edges, height * n / edges});
     return Polygon<double>(points);
 }
-// Between the corner as it is and as the tree rounds it, a part of 2^-30 of the cube.
-TEST_CASE("rays meet facets as they are, also where the rounded ones end short of them", "[grid][tree]") {
+// The exact corner and the one rounded by the tree differ by 2^-30 of the cube.
+TEST_CASE("rays meet exact facets, also where the rounded facets end before them", "[grid][tree]") {
     const Polygon<double> cage(std::vector<Vec<double, 2>>{{0, 0}, {1, 0}, {1, 1}, {0.3, 1}, {0, 1}});
     const TreeBoundary<2> boundary(cage, 20);
     const double exact = boundary.in_units(Vec<double, 2>{0.3, 1})[0];
@@ -273,7 +273,7 @@ TEST_CASE("rays meet facets as they are, also where the rounded ones end short o
     }
 }
 
-TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]") {
+TEST_CASE("sizes have a lower bound at wedges and narrow gaps", "[grid][tree][sizing]") {
     for (const double height : {0.3, 0.01, 1e-4, 1e-6}) {
         CAPTURE(height);
         const TreeBoundary<2> boundary(tessellated_wedge(200, height), 12);
@@ -311,10 +311,10 @@ void check_sizes(const Cage& cage, const RefinementOptions& options) {
             CHECK(leaf.size <= std::max(1.0, altitude / options.per_facet * (1 + 1e-9)));
         }
     });
-    CHECK(finest.size >= smallest); // before neighbours, and what is thin inside, asked for more
+    CHECK(finest.size >= smallest); // before balancing and thin parts require smaller cells
     CHECK(finest.size <= 4 * smallest);
 }
-TEST_CASE("cells are as small as facets ask", "[grid][tree][sizing][property]") {
+TEST_CASE("cells have the sizes that facets allow", "[grid][tree][sizing][property]") {
     const int seed = GENERATE(range(0, 3));
     CAPTURE(seed);
     check_sizes(cageform_tests::random_mesh(std::uint64_t(seed)).mesh<double>(), {.across = 3});
@@ -324,7 +324,7 @@ TEST_CASE("cells are as small as facets ask", "[grid][tree][sizing][property]") 
     check_sizes(star, {.across = 3});
     check_sizes(star, {.per_facet = 3, .corner_levels = 3, .corner_gradation = 2, .largest = 0.03});
 }
-/// Checks the size of the cell in the middle between a wall and the boundary, a gap apart.
+/// Checks the size of the cell in the middle of a gap between a wall and the boundary.
 template <class Cage>
 void check_gap(const Cage& cage, const Vec<double, Cage::dimension>& middle, double gap) {
     constexpr std::size_t D = Cage::dimension;
@@ -336,7 +336,8 @@ void check_gap(const Cage& cage, const Vec<double, Cage::dimension>& middle, dou
     const double size = tree.leaf_at(boundary.in_units(middle)).size;
     CHECK(boundary.unit() * size <= gap / options.across);
 }
-TEST_CASE("a gap at either side of a wall has as many cells as asked", "[grid][tree][sizing][property]") {
+TEST_CASE("a gap on either side of a wall has the requested number of cells",
+          "[grid][tree][sizing][property]") {
     const int seed = GENERATE(range(0, 3));
     const bool is_left = GENERATE(true, false), is_reversed = GENERATE(true, false);
     Random random(std::uint64_t(seed) + 70);
@@ -356,7 +357,7 @@ TEST_CASE("a gap at either side of a wall has as many cells as asked", "[grid][t
     (void)cube.add_faces(wall, std::vector<std::array<int, 3>>{{0, 1, 2}});
     check_gap(cube, Vec<double, 3>{middle - 0.5, -0.1, -0.1}, gap);
 }
-TEST_CASE("cells grow with the distance from a reflex vertex in the plane", "[grid][tree][sizing]") {
+TEST_CASE("cells grow with the distance from a reflex vertex in 2D", "[grid][tree][sizing]") {
     const Polygon<double> cage(std::vector<Vec<double, 2>>{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
     for (const double gradation : {1.0, 2.0, 4.0}) {
         CAPTURE(gradation);
@@ -378,7 +379,7 @@ TEST_CASE("cells grow with the distance from a reflex vertex in the plane", "[gr
         });
     }
 }
-TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
+TEST_CASE("the finest cells are reported with their reason", "[grid][tree][sizing]") {
     const auto finest_of = [](const TriangleMesh<double>& mesh, const RefinementOptions& options) {
         const TreeBoundary<3> boundary(mesh, 12);
         CutTree<3> tree(boundary);
@@ -386,7 +387,7 @@ TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
         REQUIRE(refine(tree, options, 2000000, finest));
         return std::tuple(boundary.unit() * finest.size, boundary.in_cage(finest.position), finest.reason);
     };
-    // A plate 0.1 thick.
+    // A plate of thickness 0.1.
     auto plate = cageform_tests::divided_box({1, 1, 1}, 1.0);
     for (auto& p : plate.vertices) p[2] *= 0.1;
     {
@@ -410,7 +411,7 @@ TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
         CHECK(reason == SizeReason::facet);
         CHECK((size <= std::sqrt(0.5) / 30 && size > std::sqrt(0.5) / 120));
     }
-    // An L-shaped prism, whose one reflex edge is at (1, 1).
+    // An L-shaped prism, whose only reflex edge is at (1, 1).
     const auto json = cageform_tests::read_json("harmonic3d_l_prism_triangulated");
     const TriangleMesh<double> prism(json["cage"]["vertices"].get<std::vector<std::array<double, 3>>>(),
                                      json["cage"]["faces"].get<std::vector<std::array<int, 3>>>());
@@ -432,14 +433,14 @@ void check_plan(const Cage& cage, const RefinementOptions& options) {
     CHECK(plan.leaves < factor * double(tree.cells().leaves()));
     CHECK(plan.leaves > 1 / factor * double(tree.cells().leaves()));
 }
-TEST_CASE("what trees take is known beforehand", "[grid][tree][sizing]") {
+TEST_CASE("the number of leaves is predicted", "[grid][tree][sizing]") {
     for (const double finer : {1.0, 2.0, 3.0}) {
         CAPTURE(finer);
         const RefinementOptions options{.across = 5 * finer, .per_facet = finer, .largest = 0.03 / finer};
         check_plan(cageform_tests::random_mesh(4).mesh<double>(), options);
         check_plan(Polygon<double>(cageform_tests::random_star<double>(4)), options);
     }
-    // Two plates 1e-6 apart: more cells than allowed are counted, not made.
+    // Two plates 1e-6 apart: more cells than allowed are counted, but not made.
     const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);
     auto vertices = box.vertices;
     for (auto& p : vertices) p[2] *= 1e-6;

@@ -1,4 +1,4 @@
-// The equations of a tree's nodes and their multigrid: laws of every row, order, slits, cycles.
+// The equations of a tree's nodes and their multigrid: properties of every row, order, slits, cycles.
 #include "../catch.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
@@ -16,7 +16,7 @@ using cageform_tests::Random;
 
 namespace {
 
-/// A size limit at a point: the leaf that holds it is at most `size` large. In units.
+/// A size limit at a point: the leaf that contains it has at most `size` units.
 template <std::size_t D>
 struct SizeSample {
     Vec<double, D> position;
@@ -38,13 +38,13 @@ struct Problem {
         REQUIRE(refine(tree, options, 1000000, finest));
         number_nodes();
     }
-    /// Leaves are no larger than `largest` of the cube, and than the samples in them allow.
+    /// Leaves are no larger than `largest` of the cube, and than the limits in them.
     template <class Cage>
     Problem(const Cage& cage, unsigned depth, double largest, const std::vector<SizeSample<D>>& samples)
         : boundary(cage, depth)
         , tree(boundary) {
         const auto& cells = tree.cells();
-        for (std::size_t n = 0; n < cells.cells(); ++n) { // the loop reaches cells that it adds
+        for (std::size_t n = 0; n < cells.cells(); ++n) { // the loop includes cells that it adds
             const auto cell = cells.cell(std::uint32_t(n));
             if (cells.is_leaf(cell.number) && cell.size > largest * double(cells.size())) tree.split(cell);
         }
@@ -81,7 +81,7 @@ std::vector<SizeSample<D>> random_samples(Random& random, unsigned depth) {
     return samples;
 }
 
-/// The laws of every row, on a tree refined wherever chance has it.
+/// The properties of every row, on a randomly refined tree.
 template <std::size_t D, class Cage>
 void check_rows(const Cage& cage, std::uint64_t seed) {
     Random random(seed);
@@ -120,7 +120,7 @@ void check_rows(const Cage& cage, std::uint64_t seed) {
             }
         }
         CHECK(std::fabs(sum - diagonal) <= 1e-12 * diagonal);
-        // Linear functions: the mean of where the neighbours and the data are is the node.
+        // Linear functions: the mean of the positions of the neighbours and the data is the node.
         CHECK(detail::length(moved[node]) <= 1e-5 * problem.tree.cells().size() * diagonal * 0.01);
         if (data_weight[node] > 0) continue;
         ++open;
@@ -141,7 +141,7 @@ TEST_CASE("equations on trees have positive weights and are exact for linear fun
     if (seed % 2 == 0) check_rows<3>(cageform_tests::random_mesh(seed).mesh<double>(), seed);
 }
 
-TEST_CASE("a tree of one size has the equations of a lattice", "[grid][tree]") {
+TEST_CASE("a uniform tree has the equations of a lattice", "[grid][tree]") {
     const auto box = cageform_tests::divided_box({1, 1, 1}, 2.0).mesh<double>();
     const Problem<3> problem(box, 4, 1.0 / 8, {});
     CHECK(problem.nodes.count() == 7 * 7 * 7);
@@ -165,7 +165,7 @@ TEST_CASE("a tree of one size has the equations of a lattice", "[grid][tree]") {
     CHECK(links.least_share == 1);
 }
 
-/// A function on the boundary, between 0 and 1, as the data of handle 0; the rest is handle 1's.
+/// A function on the boundary, between 0 and 1, as the data of handle 0; handle 1 has the rest.
 template <class F>
 struct FunctionData {
     const std::vector<Vec<double, 2>>& vertices;
@@ -180,7 +180,7 @@ struct FunctionData {
     }
 };
 
-/// Solves for a function given on the boundary; by node.
+/// Solves for a function given on the boundary; returns values per node.
 template <class F>
 std::vector<double> solve(const Problem<2>& problem, const std::vector<Vec<double, 2>>& vertices,
                           const F& function) {
@@ -198,7 +198,7 @@ std::vector<double> solve(const Problem<2>& problem, const std::vector<Vec<doubl
     return u;
 }
 
-TEST_CASE("on a refined patch in the plane the order is four", "[grid][tree]") {
+TEST_CASE("on a refined patch in 2D the order is four", "[grid][tree]") {
     std::vector<Vec<double, 2>> circle; // edges at all angles
     for (int n = 0; n < 20; ++n) {
         const double angle = 2 * std::numbers::pi * (n + 0.3) / 20;
@@ -208,7 +208,7 @@ TEST_CASE("on a refined patch in the plane the order is four", "[grid][tree]") {
         return 0.4 + 0.05 * (std::exp(1.5 * p[0]) * std::cos(1.5 * p[1]) + p[0] * p[0] - p[1] * p[1]);
     };
     std::vector<double> errors;
-    for (const unsigned level : {3u, 4u, 5u}) { // the coarse cells of a side
+    for (const unsigned level : {3u, 4u, 5u}) { // the coarse cells per side
         const unsigned depth = level + 2;
         std::vector<SizeSample<2>> samples; // two levels finer in a patch that reaches the boundary
         const int cells = 4 << level;
@@ -227,10 +227,10 @@ TEST_CASE("on a refined patch in the plane the order is four", "[grid][tree]") {
     CAPTURE(errors);
     CHECK(errors[0] < 1e-4);
     CHECK(std::log2(errors[0] / errors[1]) > 3.2);
-    CHECK(errors[2] < 1e-7); // of coefficients in float
+    CHECK(errors[2] < 1e-7); // for coefficients in float
 }
 
-TEST_CASE("starts, cycles and refinements of a large grid ask whether to go on", "[grid][tree][progress]") {
+TEST_CASE("starts, cycles and refinements of a large grid call KeepGoing", "[grid][tree][progress]") {
     const std::vector<Vec<double, 2>> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const Problem<2> problem(Polygon<double>(square), 10, std::ldexp(1.0, -10), {});
     const TreeMultigrid<2> multigrid(problem.tree, problem.nodes);
@@ -252,13 +252,13 @@ TEST_CASE("starts, cycles and refinements of a large grid ask whether to go on",
     CHECK(in_cycle >= 15); // three sweeps, restricts, interpolates
     CHECK(asked_in(refine) >= 6);
     const auto exact = value();
-    most = 1; // each sweep ends when it asks
+    most = 1; // each sweep ends at its call
     CHECK(asked_in(cycle) <= 6);
     CHECK(asked_in(refine) <= 2);
     CHECK(asked_in(start) <= 40);
     block = multigrid.make_block();
     CHECK(asked_in(start) <= 40);
-    most = 1000000; // what was stopped does not matter to the next start
+    most = 1000000; // an interrupted block can be started again
     start();
     cycle();
     refine();
@@ -277,13 +277,13 @@ double convergence_factor(const Problem<D>& problem) {
         if (c > 1 && before > 0) factor = larger(factor, std::pow(change / before, 1.0));
         before = change;
         multigrid.refine(block);
-        // Where few nodes are left of what the first cycle found, there is nothing to measure.
+        // No measurement where few nodes remain active after the first cycle.
         if (change < 1e-13) break;
     }
     CHECK(before < 1e-8);
     return factor;
 }
-TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage", "[grid][tree][oracle]") {
+TEST_CASE("a cycle reduces the error by at least four on every reference cage", "[grid][tree][oracle]") {
     for (const char* name :
          {"biped", "cat", "hexagon", "hole_hexagon_triangle_hole", "hole_square_square_hole", "l_shape",
           "rectangle", "spiral", "square_extra_vertex", "star", "triangle",
@@ -306,9 +306,8 @@ TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage",
     }
 }
 
-TEST_CASE("functions solved where they exceed a cutoff are off by half of it at most",
-          "[grid][tree][property]") {
-    // A long bar, its handles from one end to the other: sixteen of them are felt by few nodes.
+TEST_CASE("functions solved with a cutoff differ by at most half of it", "[grid][tree][property]") {
+    // A long bar with handles from one end to the other: sixteen of them affect few nodes.
     const auto bar = cageform_tests::divided_box({16, 1, 1}, 1.0).mesh<double>();
     const Problem<3> problem(bar, RefinementOptions{.across = 4});
     const TreeMultigrid<3> multigrid(problem.tree, problem.nodes);
@@ -336,14 +335,14 @@ TEST_CASE("functions solved where they exceed a cutoff are off by half of it at 
                 }
             }
             CHECK(largest > 0.5);
-            CHECK(off <= 0.5 * cutoff + 1e-6); // what float leaves
-            CHECK(least <= 1e-6);              // so far below zero
+            CHECK(off <= 0.5 * cutoff + 1e-6); // rounding of float
+            CHECK(least <= 1e-6);              // at most this far below zero
             CHECK(3 * local.active() < 2 * multigrid.unknowns());
         }
     }
 }
 
-TEST_CASE("what a wall or a common plane parts knows nothing of the other side", "[grid][tree]") {
+TEST_CASE("values on one side of a wall or a common plane do not affect the other side", "[grid][tree]") {
     // Two boxes with a common face, each with its own vertices.
     const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);
     auto vertices = box.vertices;

@@ -40,7 +40,7 @@ PROGRAMS = {  # rooms that instantiate the same templates are one program
     "enclose": ["enclose"],
     "pose": ["pose", "skeleton"],
     "binding": ["binding", "clone"],
-    "coordinates": ["coordinates", "grid", "fields", "papers", "cage"],
+    "coordinates": ["coordinates", "grid", "fields", "averaging", "cage"],
 }
 CLANG = ["clang++-19", "-std=c++20", "-w"]
 

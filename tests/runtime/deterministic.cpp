@@ -97,7 +97,7 @@ void print_clips(const char* what) {
         std::vector<Vec<T, D>> pose(clip.vertex_count());
         std::vector<T> values;
         const auto curve = track(8);
-        const cageform::QuantisedCubic<T> quantised(curve);
+        const cageform::detail::QuantisedCubic<T> quantised(curve);
         for (int frame = 0; frame < 400; ++frame) {
             if (frame == 200) clip.set_rigid_motion(motion);
             const T time = T(frame * (frame % 50 == 0 ? -3 : 1)) / T(10);

@@ -1,5 +1,5 @@
-// Laws of fitted skeletons: rest, rigid motions, planted skeletons, weights, threads, hierarchy, keys,
-// refusals, and figures that are flat, torn or at rest.
+// Laws of fitted skeletons: rigid motions, planted skeletons, weights, threads, hierarchy, keys, invalid input,
+// and degenerate figures.
 #include "../support/effort.hpp"
 #include "../support/progress.hpp"
 #include "../support/weights.hpp"
@@ -32,7 +32,7 @@ struct Sequence {
     double size() const { return cageform::bounds_of(std::span<const V>(rest)).diagonal(); }
 };
 
-/// A tube along x, without ends.
+/// An open tube along x.
 Sequence tube(std::size_t rings, std::size_t around) {
     Sequence result;
     for (std::size_t r = 0; r < rings; ++r) {
@@ -71,7 +71,7 @@ Map random_motion(Random& random, double angle, double shift) {
     return map;
 }
 
-/// Bones at places along the tube, each turned and shifted at random, with smooth weights of two.
+/// Bones along the tube with random rotations and shifts, and two smooth weights per vertex.
 Sequence planted(std::size_t bones, std::size_t frames, std::uint64_t seed) {
     Random random(seed);
     Sequence result = tube(24, 12);
@@ -123,7 +123,7 @@ double distance(const V& a, const V& b) {
 
 } // namespace
 
-TEST_CASE("one bone finds a rigid motion, of any angle and far away", "[skeleton]") {
+TEST_CASE("one bone reproduces a rigid motion, for any angle and far away", "[skeleton]") {
     const int seed = GENERATE(seeds(6));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1);
@@ -147,8 +147,7 @@ TEST_CASE("one bone finds a rigid motion, of any angle and far away", "[skeleton
     }
 }
 
-TEST_CASE("rigid bones turn, similar ones scale besides, and affine motions are exact by a stretched one",
-          "[skeleton]") {
+TEST_CASE("each kind of bone reproduces its motions: rigid, similar, affine", "[skeleton]") {
     const int seed = GENERATE(seeds(4));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 10);
@@ -178,12 +177,13 @@ TEST_CASE("rigid bones turn, similar ones scale besides, and affine motions are 
         return report.max_distance;
     };
     const Sequence scaled = moved(false), affine = moved(true);
-    CHECK(largest(scaled, BoneKind::similar) <= 2e-4); // the draw to the last rotation holds the scale back
+    CHECK(largest(scaled, BoneKind::similar) <= 2e-4); // regularisation slightly reduces the scale
     CHECK(largest(affine, BoneKind::stretched) <= 2e-3);
     CHECK(largest(affine, BoneKind::rigid) > 1e-2);
 }
 
-TEST_CASE("planted skeletons are found again, and rounds, weights and bones only help", "[skeleton]") {
+TEST_CASE("planted skeletons are recovered, and more rounds, weights and bones lower the error",
+          "[skeleton]") {
     const int seed = GENERATE(seeds(effort(6, 1)));
     CAPTURE(seed);
     const Sequence given = planted(4, 20, std::uint64_t(seed) + 100);
@@ -207,7 +207,7 @@ TEST_CASE("planted skeletons are found again, and rounds, weights and bones only
     CHECK(rms({.bones = 6, .kind = BoneKind::stretched}) <= 2e-3);
 }
 
-TEST_CASE("the report says what the skeleton does", "[skeleton]") {
+TEST_CASE("the report matches the skeleton", "[skeleton]") {
     const Sequence given = planted(4, 12, 7);
     const auto [skeleton, report] = given.fit({.bones = 3, .max_distance = 0.02});
     REQUIRE(report.status == Status::ok);
@@ -233,7 +233,7 @@ TEST_CASE("the report says what the skeleton does", "[skeleton]") {
     CHECK(report.seconds > 0);
 }
 
-TEST_CASE("by distance as many bones are taken as keep it", "[skeleton]") {
+TEST_CASE("by distance, the number of bones is sufficient", "[skeleton]") {
     const Sequence given = planted(5, 10, 3);
     const SkeletonOptions strict{.max_distance = 0.01, .rounds = 6, .moves = 4};
     const auto [skeleton, report] = given.fit(strict);
@@ -243,7 +243,7 @@ TEST_CASE("by distance as many bones are taken as keep it", "[skeleton]") {
     CHECK(report.bones > 2);
     const auto loose = given.fit({.max_distance = 0.08, .rounds = 6, .moves = 4});
     CHECK(loose.report.bones < report.bones);
-    // A distance that no number of bones keeps: the nearest is returned, and the report counts.
+    // An unreachable distance: the closest fit is returned, and the report counts the vertices beyond.
     Sequence torn = tube(4, 6);
     Random random(5);
     for (int t = 0; t < 9; ++t) {
@@ -257,8 +257,7 @@ TEST_CASE("by distance as many bones are taken as keep it", "[skeleton]") {
     check_finite(never.value);
 }
 
-TEST_CASE("of the numbers of bones that are tried, the least that keeps the distance is taken",
-          "[skeleton]") {
+TEST_CASE("the smallest number of bones tried within the distance is returned", "[skeleton]") {
     const int seed = GENERATE(seeds(effort(6, 2)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 700);
@@ -302,7 +301,7 @@ TEST_CASE("of the numbers of bones that are tried, the least that keeps the dist
 
 TEST_CASE("results have the same bits for any number of threads, and in float", "[skeleton]") {
     const Sequence given = planted(5, 13, 11);
-    const SkeletonOptions options{.bones = 6, .rounds = 14, .moves = 3}; // the last ones accelerated
+    const SkeletonOptions options{.bones = 6, .rounds = 14, .moves = 3}; // the last ones are accelerated
     const auto alone = given.fit(options);
     for (const unsigned threads : {2u, 3u, 7u}) {
         const auto many = given.fit(options, {cageform::ThreadedFor{threads}, {}});
@@ -313,7 +312,7 @@ TEST_CASE("results have the same bits for any number of threads, and in float", 
         CHECK(many.report.rms == alone.report.rms);
         CHECK(many.report.turn == alone.report.turn);
     }
-    // Strided views of float, as an engine has them.
+    // Strided float views, as in an engine.
     std::vector<float> numbers;
     for (const auto& frame : given.frames) {
         for (const V& v : frame) numbers.insert(numbers.end(), {float(v[0]), float(v[1]), float(v[2]), 9.f});
@@ -329,7 +328,7 @@ TEST_CASE("results have the same bits for any number of threads, and in float", 
     CHECK(std::fabs(single.report.rms - alone.report.rms) <= 0.5 * alone.report.rms + 1e-6);
 }
 
-TEST_CASE("a skeleton's fit tells of its progress and can be cancelled", "[skeleton]") {
+TEST_CASE("fit_skeleton reports progress and can be cancelled", "[skeleton]") {
     const Sequence given = planted(4, 9, 21);
     check_progress("by number",
                    [&](const Running& r) { return given.fit({.bones = 4, .rounds = 2, .moves = 1}, r); });
@@ -338,7 +337,7 @@ TEST_CASE("a skeleton's fit tells of its progress and can be cancelled", "[skele
     });
 }
 
-TEST_CASE("joints make a tree, and products of its local transforms are the bones' maps", "[skeleton]") {
+TEST_CASE("joints form a tree, and products of local transforms equal the maps", "[skeleton]") {
     const BoneKind kind = GENERATE(BoneKind::rigid, BoneKind::similar, BoneKind::stretched);
     Sequence given = planted(5, 12, 33);
     const auto [skeleton, report] = given.fit({.bones = 6, .kind = kind, .rounds = 3, .moves = 2});
@@ -380,7 +379,7 @@ TEST_CASE("a hinge's joint lies on its axis", "[skeleton]") {
     CHECK(distance(skeleton.joints[1], hinge) <= 0.05);
 }
 
-TEST_CASE("vertices that are together in all frames have one skin", "[skeleton]") {
+TEST_CASE("vertices that coincide in all frames share their weights", "[skeleton]") {
     Sequence given = planted(4, 9, 51);
     const std::size_t n = given.rest.size();
     for (std::size_t i = 0; i < 40; ++i) {
@@ -398,7 +397,7 @@ TEST_CASE("vertices that are together in all frames have one skin", "[skeleton]"
     }
 }
 
-TEST_CASE("degenerate figures have skeletons too", "[skeleton]") {
+TEST_CASE("degenerate figures can be fitted", "[skeleton]") {
     const BoneKind kind = GENERATE(BoneKind::rigid, BoneKind::similar, BoneKind::stretched);
     Random random(61);
     const auto check = [&](const char* name, const Sequence& given, double nearness) {
@@ -437,7 +436,7 @@ TEST_CASE("degenerate figures have skeletons too", "[skeleton]") {
     check("one triangle", moved({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, true), exact);
     check("one vertex", moved({{4, 5, 6}}, {}, true), exact);
     check("at rest", moved(tube(6, 6).rest, tube(6, 6).faces, false),
-          1e-7); // weights are in single precision
+          1e-7); // single-precision weights
     check("faces of one vertex", moved(plane, {{3, 3, 3}, {0, 1, 1}}, true), exact);
     Sequence torn = tube(6, 6);
     for (int t = 0; t < 4; ++t) {
@@ -448,7 +447,7 @@ TEST_CASE("degenerate figures have skeletons too", "[skeleton]") {
     Sequence collapsed = moved(tube(6, 6).rest, tube(6, 6).faces, false);
     for (V& v : collapsed.frames[2]) v = {1, 1, 1};
     check("collapsed", collapsed, 2);
-    // At rest one bone is enough, and it does not move.
+    // Without motion one bone suffices and does not move.
     const auto still = moved(tube(8, 8).rest, {}, false).fit({.max_distance = 0.001});
     CHECK(still.report.bones == 1);
     for (const Map& map : still.value.maps) {
@@ -457,7 +456,7 @@ TEST_CASE("degenerate figures have skeletons too", "[skeleton]") {
     }
 }
 
-TEST_CASE("parts that touch nowhere hang on the root", "[skeleton]") {
+TEST_CASE("disconnected parts are children of the root", "[skeleton]") {
     Sequence given = tube(8, 8);
     const std::size_t n = given.rest.size(), faces = given.faces.size();
     for (std::size_t i = 0; i < n; ++i) given.rest.push_back(given.rest[i] + V{0, 20, 0});
@@ -478,7 +477,7 @@ TEST_CASE("parts that touch nowhere hang on the root", "[skeleton]") {
     CHECK(skeleton.parents[1] == 0);
 }
 
-TEST_CASE("what cannot be fitted is refused by name", "[skeleton]") {
+TEST_CASE("invalid input of fit_skeleton is reported", "[skeleton]") {
     const Sequence good = planted(3, 4, 81);
     const auto refused = [](const Sequence& given, const SkeletonOptions& options) {
         const auto result = given.fit(options);
@@ -517,8 +516,7 @@ TEST_CASE("what cannot be fitted is refused by name", "[skeleton]") {
     CHECK(refused(bad, three).status == Status::face_without_vertex);
 }
 
-TEST_CASE("random sequences, of any size and with any number out of place, are fitted or refused",
-          "[skeleton]") {
+TEST_CASE("random valid and invalid sequences are fitted or rejected", "[skeleton]") {
     const int seed = GENERATE(seeds(effort(300, 60)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 1000);
@@ -566,14 +564,14 @@ TEST_CASE("random sequences, of any size and with any number out of place, are f
     const auto times = times_of(skeleton.frames);
     const double allowed = random.uniform(0, 0.05);
     const auto [keys, made] = cageform::fit_skeleton_keys(skeleton, given.rest, times, {allowed});
-    if (made.status == Status::value_not_finite) return; // bones that have shrunk to nothing
+    if (made.status == Status::value_not_finite) return; // bones of scale 0
     REQUIRE(made.status == Status::ok);
     CHECK(made.max_distance <= allowed + 1e-6);
 }
 
 namespace {
 
-/// A skeleton of random bones on the vertices of a tube, with random weights and smooth motions.
+/// Random bones on a tube with random weights and smooth motions.
 FittedSkeleton<double> random_skeleton(Random& random, const std::vector<V>& rest, std::size_t bones,
                                        std::size_t frames, BoneKind kind) {
     FittedSkeleton<double> result;
@@ -618,7 +616,7 @@ FittedSkeleton<double> random_skeleton(Random& random, const std::vector<V>& res
     return result;
 }
 
-/// The largest distance between a figure by maps and by keys, a share of its size.
+/// Maximum distance between a figure by maps and by keys, relative to its size.
 double lost(const FittedSkeleton<double>& skeleton, const std::vector<V>& rest,
             const std::vector<double>& times, const cageform::SkeletonKeys<double>& keys) {
     FittedSkeleton<double> played = skeleton;
@@ -642,8 +640,7 @@ void for_each_channel(const cageform::SkeletonKeys<double>& keys, const Body& bo
     }
 }
 
-/// Keys at all times, whose rotations go between the keys as in players without slerp: by components, then
-/// normalised.
+/// Keys at all times with nlerp rotations, as in players without slerp.
 cageform::SkeletonKeys<double> by_components(const cageform::SkeletonKeys<double>& keys,
                                              const std::vector<double>& times) {
     cageform::SkeletonKeys<double> dense = keys;
@@ -676,7 +673,7 @@ cageform::SkeletonKeys<double> by_components(const cageform::SkeletonKeys<double
 
 } // namespace
 
-TEST_CASE("keys keep the figure within the distance, for any tree and kind of bones", "[skeleton]") {
+TEST_CASE("keys keep the distance for any hierarchy and kind of bones", "[skeleton]") {
     const int seed = GENERATE(seeds(effort(24, 6)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 3000);
@@ -721,7 +718,7 @@ TEST_CASE("keys keep the figure within the distance, for any tree and kind of bo
                         along += q[c] * channel.values[k == 0 ? 0 : k - 1][c];
                     }
                     CHECK(std::fabs(square - 1) <= 1e-12);
-                    // Neighbours differ by at most 90°: half of that as quaternions.
+                    // Neighbours differ by at most 90°, quaternions by half of that.
                     CHECK((along >= std::sqrt(0.5) - 1e-12 || !channel.in_tangents.empty()));
                 }
             }
@@ -736,7 +733,7 @@ TEST_CASE("keys keep the figure within the distance, for any tree and kind of bo
     }
 }
 
-TEST_CASE("frames that differ by any turn get keys that slerp and nlerp play alike", "[skeleton]") {
+TEST_CASE("slerp and nlerp agree between keys for rotations of any angle", "[skeleton]") {
     const int seed = GENERATE(seeds(effort(24, 6)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 4000);
@@ -761,7 +758,7 @@ TEST_CASE("frames that differ by any turn get keys that slerp and nlerp play ali
     for (const double time : dense) played.maps.push_back(keys.maps(skeleton, time)[0]);
     played.frames = dense.size();
     CHECK(lost(played, rest, dense, by_components(keys, dense)) <= allowed);
-    double turned = 0; // about the axis, by the ways between keys
+    double turned = 0; // about the axis, summed between keys
     const auto& values = keys.bones[0].rotation.values;
     for (std::size_t k = 1; k < values.size(); ++k) {
         const auto &a = values[k - 1], &b = values[k];
@@ -773,7 +770,7 @@ TEST_CASE("frames that differ by any turn get keys that slerp and nlerp play ali
     if (seed % 2 == 0) CHECK(std::fabs(std::fabs(turned) - pi * double(skeleton.frames - 1)) <= 1e-5);
 }
 
-TEST_CASE("what stands has one key, what moves evenly two", "[skeleton]") {
+TEST_CASE("constant channels have one key, linear ones two", "[skeleton]") {
     Random random(5);
     const auto rest = tube(8, 6).rest;
     auto skeleton = random_skeleton(random, rest, 3, 20, BoneKind::rigid);
@@ -781,7 +778,7 @@ TEST_CASE("what stands has one key, what moves evenly two", "[skeleton]") {
     for (std::size_t t = 0; t < skeleton.frames; ++t) {
         for (std::size_t b = 0; b < 3; ++b) {
             Map& map = skeleton.maps[3 * t + b];
-            // So small a turn is even by the components of its quaternion, too.
+            // For such a small angle nlerp is also nearly linear.
             map = b == 0 ? Map{} : rotation(axis, 0.005 * double(t));
             map.shift = skeleton.joints[b] - map(skeleton.joints[b]);
             if (b > 0) map.shift = map.shift + double(t) * shift;
@@ -796,11 +793,11 @@ TEST_CASE("what stands has one key, what moves evenly two", "[skeleton]") {
     CHECK(turned.translation.times.size() == 2);
     CHECK(turned.rotation.times.size() == 2);
     CHECK(turned.rotation.in_tangents.empty());
-    // The child goes with its parent, but for the shift of its joint.
+    // The child moves with its parent, except for the shift of its joint.
     CHECK(child.rotation.times.size() == 1);
 }
 
-TEST_CASE("keys of floats, of figures of any size, progress, and what is refused", "[skeleton]") {
+TEST_CASE("keys in float, at any scale, with progress and invalid input", "[skeleton]") {
     Random random(6);
     const auto rest = tube(6, 6).rest;
     const auto skeleton = random_skeleton(random, rest, 4, 12, BoneKind::similar);

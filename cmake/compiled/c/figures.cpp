@@ -1,4 +1,4 @@
-// Compiles what the C interface does with figures, clips and samples.
+// Compiles the functions of the C interface for figures, clips and samples.
 #include "../instantiate.hpp"
 
 #include <cageform/c/detail/clone_view.impl.hpp>

@@ -1,9 +1,8 @@
-// Compiles `fit_skeleton` and `fit_skeleton_keys`, in space.
+// Compiles `fit_skeleton` and `fit_skeleton_keys`.
 #include "../instantiate.hpp"
 
 #include <cageform/skeleton/detail/fit_motion.hpp>
 #include <cageform/skeleton/detail/fit_motion.impl.hpp>
-#include <cageform/skeleton/detail/make_keys.hpp>
 #include <cageform/skeleton/detail/make_keys.impl.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

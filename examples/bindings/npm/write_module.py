@@ -60,6 +60,8 @@ def write_script(header, layouts, version):
     lines += ["  %d: '%s'," % (number, name) for number, name in header.statuses.items()] + ['};', '', 'export const CONSTANTS = {']
     named = {name[len('CAGEFORM_'):]: number for name, number in header.constants.items()}
     lines += ['  %s: %d,' % constant for constant in named.items() if constant[0].lower() not in header.statuses.values()]
+    lines += ['};', '', '// The words of options.', 'export const CHOICES = {']
+    lines += ['  %s: { %s },' % (camel(name), ', '.join("'%s': %d" % its for its in choices.items())) for name, choices in header.choices.items()]
     lines += ['};', '']
     return '\n'.join(lines)
 
@@ -69,6 +71,8 @@ def write_types(header, layouts):
              '/** The name of a status of the library. */', 'export type LibraryStatus =']
     lines += ["  | '%s'" % name for number, name in header.statuses.items() if number != 0]
     lines[-1] += ';'
+    for name, choices in header.choices.items():
+        lines += ['', 'export type %s = %s;' % (camel('_' + name), ' | '.join("'%s'" % word for word in choices))]
     lines += ['', '/** Numbers of a report, as the header of C describes them; a call sets those that it knows, others are 0. */',
               'export interface ReportNumbers {']
     for name, (kind, _, count, _) in layouts['cageform_report']['fields'].items():

@@ -4,6 +4,7 @@
     python3 read_header.py layout include/cageform/c/cageform.h >layout.c  a C program that prints where members lie
 """
 
+import os.path
 import re
 import sys
 
@@ -12,7 +13,8 @@ NUMBERS = {'size_t': 'c_size_t', 'uint16_t': 'c_uint16', 'uint32_t': 'c_uint32',
 
 
 class Header:
-    """constants: name to number; statuses: number to name in small letters; structs: name to a list of members (name,
+    """constants: name to number; choices: enumeration to name to number, names as other languages have them, such as
+    'mean-value' for CAGEFORM_MEAN_VALUE; statuses: number to name in small letters; structs: name to a list of members (name,
     type, lengths of the array that it is); functions: name to (type, types of arguments). Types are those of C without
     const; 'function' is a pointer to one."""
 
@@ -24,12 +26,20 @@ class Header:
         text = re.sub(r'/\*.*?\*/', '', text, flags=re.S)
         text = re.sub(r'^\s*#.*(?:\\\n.*)*$', '', text, flags=re.M)
         self.constants.update((name, int(number)) for name, number in re.findall(r'\b(CAGEFORM_\w+) = (\d+)', text))
+        self.choices = {name: named_choices(body) for name, body in re.findall(r'enum cageform_(\w+) \{(.*?)\};', text, flags=re.S)}
         self.structs = {name: [member for line in body.split(';') if line.strip() for member in members_of(line)]
                         for name, body in re.findall(r'typedef struct (\w+) \{(.*?)\} \1;', text, flags=re.S)}
         self.functions = {}
         for kind, name, arguments in re.findall(r'CAGEFORM_API ([\w \*]+?)(\w+)\((.*?)\);', text, flags=re.S):
             listed = [] if arguments.strip() == 'void' else arguments.split(',')
             self.functions[name] = plain(kind), [declared(argument)[1] for argument in listed]
+
+
+def named_choices(body):
+    """Returns what enumerators have in common taken off: 'half' for CAGEFORM_FORMAT_HALF."""
+    listed = re.findall(r'(CAGEFORM_\w+) = (\d+)', body)
+    common = os.path.commonprefix([name for name, _ in listed]).rfind('_') + 1
+    return {name[common:].lower().replace('_', '-'): int(number) for name, number in listed}
 
 
 def plain(kind):
@@ -79,6 +89,7 @@ def write_ctypes(header):
              "    'parallel_for': CFUNCTYPE(None, c_void_p, c_size_t, c_size_t, RANGE_BODY, c_void_p),",
              "    'progress': CFUNCTYPE(c_int, c_void_p, c_double),", '}', '']
     lines += ['%s = %d' % constant for constant in header.constants.items()]
+    lines += ['', 'CHOICES: Dict[str, Dict[str, int]] = {'] + ["    '%s': %r," % its for its in header.choices.items()] + ['}']
     lines += ['', 'STATUSES: Dict[int, str] = {'] + ["    %d: '%s'," % status for status in header.statuses.items()] + ['}', '']
     for name, members in header.structs.items():
         lines += ['', 'class %s(Structure):' % name]

@@ -9,6 +9,7 @@ import copy
 import ctypes
 import gc
 import io
+import itertools
 import os
 import pathlib
 import pickle
@@ -25,6 +26,7 @@ import weakref
 import numpy as np
 
 import cageform
+from cageform import CageformError
 from cageform import _arrays as arrays
 from cageform import _c, errors
 
@@ -32,6 +34,8 @@ SQUARE = np.array([(0, 0), (4, 0), (4, 4), (0, 4)], dtype=np.float64)
 CUBE = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], dtype=np.float64)
 QUADS = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)])
 TRIANGLES = np.concatenate([QUADS[:, [0, 1, 2]], QUADS[:, [0, 2, 3]]])
+TETRAHEDRON = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+CURVES = [[(0, 0), (2, -1), (4, 0)], [(4, 0), (4, 4)], [(4, 4), (3, 5), (1, 3), (0, 4)], [(0, 4), (0, 0)]]
 rng = np.random.default_rng(20261126)
 
 
@@ -143,7 +147,7 @@ class Arrays(unittest.TestCase):
                 (ValueError, r'normals.*\(5, 3\)', lambda: coordinates.bind(inside(5), normals=np.zeros((5, 3)))),
                 (ValueError, "outside: .*'extend'.*not 'away'", lambda: coordinates.bind(inside(5), outside='away')),
                 (ValueError, 'threads.*-1', lambda: coordinates.bind(inside(5), threads=-1)),
-                (ValueError, 'sibson_degree: -1', lambda: cageform.Coordinates(polygon, degree=-1)),
+                (ValueError, 'kind: one of', lambda: cageform.Coordinates(polygon, 'sibson-c2')),
                 (ValueError, 'largest.*-3', lambda: coordinates.bind(inside(5)).pack(largest=-3)),
                 (TypeError, 'largest', lambda: coordinates.bind(inside(5)).pack(largest=1.5)),
                 (ValueError, 'first', lambda: coordinates.bind(inside(5)).weights(-1)),
@@ -308,30 +312,32 @@ class BesideCpp(unittest.TestCase):
 
 
 class Laws(unittest.TestCase):
-    def coordinates(self):
-        polygon, mesh = cageform.Cage.polygon(SQUARE), cageform.Cage.mesh(CUBE, TRIANGLES)
-        for dtype in (np.float32, np.float64):
-            for kind in ('mean-value', 'harmonic', 'green', 'wachspress', 'discrete-harmonic', 'sibson'):
-                yield cageform.Coordinates(polygon, kind, dtype)
-            for kind in ('mean-value', 'harmonic', 'green', 'sibson'):
-                yield cageform.Coordinates(mesh, kind, dtype)
-            yield cageform.Coordinates(cageform.Cage.mesh(CUBE, QUADS, divisions=2), dtype=dtype)
-            yield cageform.Coordinates(cageform.Cage.lattice(3, (-1, -1, -1), 2 * np.eye(3)), dtype=dtype)
-            yield cageform.Coordinates(cageform.Cage.sites(CUBE), degree=3, dtype=dtype)
-            yield cageform.Coordinates(cageform.Cage.polygon(SQUARE[:3]), 'barycentric', dtype)
+    def bindings(self):
+        """Every type on each cage that it takes: its name, coordinates, points, their binding."""
+        cages = [cageform.Cage.polygon(SQUARE), cageform.Cage.polygon(SQUARE[:3]), cageform.Cage.mesh(CUBE, TRIANGLES),
+                 cageform.Cage.mesh(CUBE, QUADS, divisions=2), cageform.Cage.mesh(CUBE[[0, 1, 2, 4]], TETRAHEDRON),
+                 cageform.Cage.lattice(3, (-1, -1, -1), 2 * np.eye(3)), cageform.Cage.sites(CUBE), cageform.Cage.curves(CURVES)]
+        for kind, cage, dtype in itertools.product(cageform.Coordinates.kinds, cages, (np.float32, np.float64)):
+            try:
+                coordinates = cageform.Coordinates(cage, kind, dtype)
+                points = inside(20, coordinates.dimension, coordinates.dtype)
+                if coordinates.vertices == coordinates.dimension + 1:  # within the simplex
+                    points = (points / 8 + ((2.5, 0.5) if coordinates.dimension == 2 else -0.7)).astype(dtype)
+                yield kind, coordinates, points, coordinates.bind(points)
+            except CageformError as error:
+                self.assertIn(error.name, ('cage_kind_not_supported', 'not_a_simplex', 'divisions_not_supported'))
 
     def test_every_type(self):
-        for coordinates in self.coordinates():
-            points = inside(20, coordinates.dimension, coordinates.dtype)
-            if coordinates.handles == 3:
-                points = (points / 8 + (2.5, 0.5)).astype(coordinates.dtype)
-            figure = coordinates.bind(points).figure
+        seen = set()
+        for kind, coordinates, points, binding in self.bindings():
+            seen.add(kind)
+            figure = binding.figure
             np.testing.assert_array_equal(figure.clone(figure.rest()), points)  # to the bit
             vertices = figure.rest()[:coordinates.vertices] + np.asarray(0.25, coordinates.dtype)
             moved = figure.clone(figure.pose_handles(vertices))
             np.testing.assert_allclose(moved, points + 0.25, atol=2e-5 if coordinates.dtype == np.float32 else 1e-12)
-            weights = coordinates.bind(points).weights()
-            np.testing.assert_allclose(weights[:, :coordinates.vertices].sum(axis=1), 1, atol=1e-4)
+            np.testing.assert_allclose(binding.weights()[:, :coordinates.vertices].sum(axis=1), 1, atol=1e-4)
+        self.assertEqual(seen, set(cageform.Coordinates.kinds))
 
     def test_cells(self):
         """A vertex inside is a handle: what is about it follows it."""
@@ -461,6 +467,15 @@ class Figures(unittest.TestCase):
                 cageform.open(b'')
             with self.assertRaises(FileNotFoundError):
                 cageform.open(os.path.join(folder, 'none'))
+
+    def test_file_of_bind_mesh(self):
+        """A figure of `bind_mesh --move 3:0,0,0.5 --seconds 0.5`: its clip is one of the library's."""
+        path = os.path.join(os.path.dirname(__file__), '../../../tests/data/figures/clip.figure')
+        if not os.path.exists(path):
+            self.skipTest('only in the repository')
+        clip = cageform.open(path).clip('pose')
+        self.assertEqual((clip.begin, clip.end, clip.vertices), (0, 1, 4))
+        np.testing.assert_array_equal(clip.sample(0.5)[3], (0, 0, 1.5))
 
     def test_normals(self):
         points, normals = inside(30, 3), rng.normal(size=(30, 3))

@@ -3,14 +3,13 @@
 //
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 
+#include "averaging/averaging_pyramid.hpp"
 #include "cli/command_line.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv.hpp"
 #include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/render.hpp"
-
-#include <cageform/papers/averaging_pyramid.hpp>
 
 #include <iostream>
 
@@ -70,10 +69,10 @@ std::vector<double> solution_of(const Line& line) {
     return solution;
 }
 
-using cageform::grid::AveragingPyramid;
-using cageform::grid::CellTag;
+namespace averaging = cageform_sources::averaging;
+using averaging::AveragingPyramid, averaging::CellTag;
 
-AveragingPyramid<double, 1> make_pyramid(const Line& line, const cageform::grid::AveragingOptions& options) {
+AveragingPyramid<double, 1> make_pyramid(const Line& line, const averaging::AveragingOptions& options) {
     std::vector<CellTag> tags;
     for (const bool given : line.given) tags.push_back(given ? CellTag::boundary : CellTag::interior);
     return {cageform::CellBox<1>{{tags.size()}}, std::move(tags), options};

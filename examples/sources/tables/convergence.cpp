@@ -6,6 +6,7 @@
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
 
+#include "averaging/averaged_coordinates.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
 #include "files/bind_report.hpp"
@@ -30,6 +31,7 @@
 namespace {
 
 using namespace cageform_support;
+using cageform_sources::averaged_coordinates;
 
 struct Curve {
     std::string name, colour, dashes;
@@ -98,18 +100,26 @@ std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t
 
 constexpr std::size_t finest = 512; // cells shown
 
+/// A way to compute weights, and how its curve is drawn.
+struct Way {
+    const char* name = "";
+    const char* dashes = "none";
+    cageform::HarmonicOptions options{};
+    bool is_averaged = false; // by the papers' sweeps
+};
+
 cageform::Result<cageform::Binding<double, 2>, cageform::BindReport>
-weights_of(const CageFile& cage, const cageform::HarmonicOptions& options, std::size_t resolution) {
-    return make_coordinates<double>({.name = "harmonic", .resolution = resolution, .harmonic = options}, cage)
+weights_of(const CageFile& cage, const Way& way, std::size_t resolution) {
+    const CoordinatesChoice choice{.name = "harmonic", .resolution = resolution, .harmonic = way.options};
+    return (way.is_averaged ? averaged_coordinates(choice, cage) : make_coordinates<double>(choice, cage))
         .bind(points_in(cage.polygon<double>(), 1000));
 }
 
 /// The largest difference between weights and `exact` weights.
-Curve error_by_cells(const CageFile& cage, const cageform::HarmonicOptions& options,
-                     const cageform::Binding<double, 2>& exact) {
+Curve error_by_cells(const CageFile& cage, const Way& way, const cageform::Binding<double, 2>& exact) {
     Curve curve;
     for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
-        const auto coarse = weights_of(cage, options, resolution);
+        const auto coarse = weights_of(cage, way, resolution);
         if (!coarse) continue; // too coarse for a part of the cage
         double error = 1e-16;
         for (std::size_t i = 0; i < exact.point_count(); ++i) {
@@ -375,20 +385,14 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
               << " a cycle\n";
     diagrams.by_cycle.push_back(std::move(cycles));
 
-    struct Way {
-        const char* name;
-        const char* dashes;
-        cageform::HarmonicOptions options;
-    };
-    std::array<Way, 3> ways{Way{"", "none", {}}, Way{", corners untreated", "9 5", {}},
-                            Way{", the papers' sweeps", "2 4", {}}};
-    ways[1].options.multigrid.corner_functions = false;
-    ways[2].options.solver = cageform::HarmonicSolver::averaging_pyramid;
+    const std::array ways{Way{},
+                          Way{", corners untreated", "9 5", {.multigrid = {.corner_functions = false}}},
+                          Way{.name = ", the papers' sweeps", .dashes = "2 4", .is_averaged = true}};
     // A grid four times as fine as the finest shown.
     const auto exact = weights_of(*file, {}, 4 * finest);
     if (!exact) return path + ": " + cageform::to_string(exact.status());
     for (const Way& way : ways) {
-        auto curve = error_by_cells(*file, way.options, exact.value);
+        auto curve = error_by_cells(*file, way, exact.value);
         curve.name = name + way.name;
         curve.colour = colour;
         curve.dashes = way.dashes;

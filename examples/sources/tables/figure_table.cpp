@@ -83,11 +83,12 @@ int run_program(int argc, char** argv) {
          "cat.svg cat_cage.svg cat_pose.svg harmonic biped.svg biped_cage.svg biped_pose.svg mean-value"});
     std::vector<std::string> words;
     line.add("rows", words, "FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly").required();
-    auto names = CoordinatesChoice::names();
-    names.insert(names.end(), {"green", "curved"});
+    CoordinatesChoice choice;
+    choice.in_plane = choice.with_normals = true;
+    const std::vector<std::string> names = choice.names();
     std::string known;
-    for (const std::string& name : names) known += (known.empty() ? "COORDINATES: " : ", ") + name;
-    line.set_footer(known + "\n\n" + cage_formats);
+    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+    line.set_footer("COORDINATES: " + known + "\n\n" + cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 4 != 0)
         return fail("arguments are FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly");
@@ -96,8 +97,11 @@ int run_program(int argc, char** argv) {
     for (std::size_t i = 0; i < words.size(); i += 4) {
         std::istringstream wanted(words[i + 3]);
         for (std::string name; std::getline(wanted, name, ',');) {
-            std::string error = CoordinatesChoice::name_fault(name, names);
-            if (error.empty()) error = print_row(words[i], words[i + 1], words[i + 2], name);
+            std::string error;
+            if (std::find(names.begin(), names.end(), name) == names.end())
+                error = "\"" + name + "\" is not one of " + known;
+            else
+                error = print_row(words[i], words[i + 1], words[i + 2], name);
             if (!error.empty()) return fail(error);
         }
     }

@@ -161,7 +161,7 @@ int run_program(int argc, char** argv) {
         points.push_back({view.x + view.width * (0.5 + double(n % along)) / along,
                           view.y + view.height * (0.5 + double(n / along)) / along});
     std::array<Trial, 2> trials;
-    trials[0] = {*cage, *pose, "curved", "curves", {}, {}};
+    trials[0] = {*cage, *pose, "curved-green", "curves", {}, {}};
     trials[1] = {
         polygon_on(*cage, given.vertices), polygon_on(*pose, given.vertices), "green", "polygon", {}, {}};
     for (const std::size_t n : {1u, 0u, 1u}) { // the polygon's points lie in both

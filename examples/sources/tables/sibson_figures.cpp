@@ -393,7 +393,7 @@ Picture draw_types() {
     const Vec2 move{0.25, -0.3};
     draw_type(tiles, 0, cageform::SibsonCoordinates<double, 2>(sites), 8, move);
     draw_type(tiles, 1, cageform::SibsonCoordinates<double, 2>(sites, {.degree = 3}), 8, move);
-    cageform::UniformHarmonicCoordinates harmonic(cage, {.resolution = 256});
+    cageform::HarmonicCoordinates harmonic(cage, {.resolution = 256}, cageform::UniformGrid{});
     if (harmonic.solve().status != cageform::Status::ok) throw std::runtime_error("not solved");
     draw_type(tiles, 2, harmonic, 8, move);
     return tiles.picture;
@@ -410,8 +410,8 @@ Picture draw_legs() {
         tiles.caption(column, 0, std::string(names[column]) + ": influence of a knee");
         tiles.caption(column, 1, std::string(names[column]) + ": the knee raised");
     }
-    cageform::UniformHarmonicCoordinates<double, 2> harmonic{cageform::Polygon<double>(outline),
-                                                             {.resolution = 256}};
+    cageform::HarmonicCoordinates<double, 2> harmonic{
+        cageform::Polygon<double>(outline), {.resolution = 256}, cageform::UniformGrid{}};
     if (harmonic.solve().status != cageform::Status::ok) throw std::runtime_error("not solved");
     draw_type(tiles, 1, harmonic, 5, {-0.05, 0.3});
     // Binds the points of the figure inside the outline by control points alone.

@@ -1,6 +1,8 @@
 // The faces of a cage of more than three corners: which stay whole, become fans, or are cut.
 #include "cli/mesh_cage.hpp"
 
+#include <cageform/cage/polyhedral_mesh.hpp>
+
 namespace cageform_support {
 
 CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {

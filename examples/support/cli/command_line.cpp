@@ -18,6 +18,12 @@ namespace cageform_support {
 
 namespace {
 
+/// Words that options took before, and those that they take today.
+constexpr std::pair<const char*, const char*> older_words[]{{"curved", "curved-green"},
+                                                            {"float", "scalar"},
+                                                            {"keep", "keep-in-place"},
+                                                            {"nearest", "nearest-boundary"}};
+
 /// Whole numbers are decimal. CLI11 alone reads 010 as eight, and -1 as the largest size.
 CLI::Validator decimal(bool with_sign) {
     const auto fault = [with_sign](std::string& text) -> std::string {
@@ -74,6 +80,12 @@ CommandOption& CommandOption::range(double least, double most) {
     });
 }
 CommandOption& CommandOption::one_of(const std::vector<std::string>& words) {
+    option_->transform([words](std::string given) {
+        for (const auto& [older, newer] : older_words) {
+            if (given == older && std::find(words.begin(), words.end(), newer) != words.end()) given = newer;
+        }
+        return given;
+    });
     option_->check(CLI::IsMember(words));
     return *this;
 }

@@ -10,17 +10,35 @@
 
 namespace cageform_support {
 
-const std::vector<std::string>& CoordinatesChoice::names() {
-    static const std::vector<std::string> all{"barycentric", "mean-value", "harmonic", "wachspress",
-                                              "discrete-harmonic"};
-    return all;
+std::string word_of(std::string name) {
+    std::replace(name.begin(), name.end(), '_', '-');
+    return name;
 }
 
-std::string CoordinatesChoice::name_fault(const std::string& given, const std::vector<std::string>& known) {
-    if (std::find(known.begin(), known.end(), given) != known.end()) return {};
-    std::string why = "\"" + given + "\" is not one of ";
-    for (const std::string& each : known) why += (each == known.front() ? "" : ", ") + each;
-    return why;
+std::vector<cageform::CoordinateType> CoordinatesChoice::types() const {
+    using namespace cageform::cage_kinds;
+    const std::uint32_t cages = (in_plane ? polygon | curves : mesh) | (in_space ? mesh : 0u) | // NOLINT
+                                (with_sites ? sites : 0u);
+    std::vector<cageform::CoordinateType> taken;
+    for (std::size_t n = 0; n < cageform::coordinate_facts.size(); ++n) {
+        const cageform::CoordinateFacts& its = cageform::coordinate_facts[n];
+        if ((its.cages & cages) != 0 && (with_normals || !its.with_normals))
+            taken.push_back(cageform::CoordinateType(n));
+    }
+    return taken;
+}
+
+std::vector<std::string> CoordinatesChoice::names() const {
+    std::vector<std::string> words;
+    for (const cageform::CoordinateType its : types()) words.push_back(word_of(cageform::facts_of(its).name));
+    return words;
+}
+
+cageform::CoordinateType CoordinatesChoice::type() const {
+    for (std::size_t n = 0; n < cageform::coordinate_facts.size(); ++n) {
+        if (word_of(cageform::coordinate_facts[n].name) == name) return cageform::CoordinateType(n);
+    }
+    std::abort(); // names come from the list
 }
 
 void SiteChoice::add_options(CommandLine& line) {
@@ -44,24 +62,11 @@ std::string SiteChoice::fault(const CoordinatesChoice& choice) const {
 }
 
 void CoordinatesChoice::add_options(CommandLine& line) {
-    std::vector<std::string> known{"barycentric", "mean-value", "harmonic"};
-    std::string help = "barycentric (for a triangle or tetrahedron), mean-value, harmonic";
-    if (in_plane) {
-        known = names();
-        help += "; for a convex polygon wachspress or discrete-harmonic";
-    }
-    if (with_normals) {
-        known.emplace_back("green");
-        help += "; green, which preserves angles, but does not follow the cage's boundary exactly";
-    }
-    const bool with_curves = in_plane && with_normals;
-    if (with_curves) {
-        known.emplace_back("curved");
-        help += "; curved, which is green for cages of curves, in the plane";
-    }
-    if (with_sites) {
-        known.insert(known.end(), {"sibson", "sibson-c1"});
-        help += "; for points without a cage sibson, or sibson-c1, which is smooth at the points too";
+    std::string help;
+    for (const cageform::CoordinateType its : types()) {
+        const cageform::CoordinateFacts& facts = cageform::facts_of(its);
+        help += (help.empty() ? "" : ", ") + word_of(facts.name) + " (" + facts.description +
+                (facts.has_extension ? "; defined outside too)" : ")");
     }
     line.add_text(
             "--coordinates",
@@ -70,7 +75,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                 is_named = true;
             },
             help)
-        .check([known](const std::string& given) { return name_fault(given, known); })
+        .one_of(names())
         .show_default(name);
     if (in_space) {
         line.add("--faces", faces,
@@ -94,17 +99,18 @@ void CoordinatesChoice::add_options(CommandLine& line) {
             .show_default()
             .rarely_needed();
     }
-    if (with_curves) {
-        line.add_flag("--disk", in_disk,
-                      "curved: use the function of the smallest disk that holds the cage; the figure follows "
-                      "a round cage more closely, and angles change a little");
+    if (in_plane && with_normals) {
+        line.add_flag(
+            "--disk", in_disk,
+            "curved-green: use the function of the smallest disk that holds the cage; the figure follows "
+            "a round cage more closely, and angles change a little");
         line.add_number(
                 "--disk-radius",
                 [this](double radius) {
                     in_disk = true;
                     disk_radius = radius;
                 },
-                "curved: use the function of a disk of this radius in place of the smallest")
+                "curved-green: use the function of a disk of this radius in place of the smallest")
             .range(1e-100, 1e100)
             .rarely_needed();
     }
@@ -125,33 +131,17 @@ void CoordinatesChoice::add_options(CommandLine& line) {
              "harmonic: use a uniform grid with this many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space")
+        .show_default("none; with --tolerance 128 in the plane, 64 in space")
         .rarely_needed();
     line.add_number(
             "--tolerance",
             [this](double t) {
-                harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t;
+                harmonic.multigrid.tolerance = t;
                 is_uniform = true;
             },
-            "harmonic: the solver of the uniform grid stops below this error (multigrid) or mean change of a "
-            "cell (averaging-pyramid)")
+            "harmonic: the solver of the uniform grid stops below this error")
         .excludes(accuracy)
         .show_default("1e-06")
-        .rarely_needed();
-    line.add_text(
-            "--solver",
-            [this](const std::string& given) {
-                harmonic.solver = given == "multigrid" ? cageform::HarmonicSolver::multigrid
-                                                       : cageform::HarmonicSolver::averaging_pyramid;
-            },
-            "harmonic: the solver of the uniform grid: multigrid, or the papers' averaging-pyramid")
-        .check([](const std::string& given) {
-            return given == "multigrid" || given == "averaging-pyramid"
-                       ? std::string()
-                       : "\"" + given + "\" is not one of multigrid, averaging-pyramid";
-        })
-        .excludes(accuracy)
-        .show_default("multigrid")
         .rarely_needed();
 }
 
@@ -173,21 +163,29 @@ cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimens
     else if (const auto free = available_memory())
         options.memory_limit = *free / 2;
     options.resolution = resolution;
-    const bool by_pyramid = options.solver == cageform::HarmonicSolver::averaging_pyramid;
-    if (resolution == 0 && (is_uniform || by_pyramid)) options.resolution = dimension == 2 ? 128 : 64;
+    if (resolution == 0 && is_uniform) options.resolution = dimension == 2 ? 128 : 64;
     return options;
 }
 
+std::vector<std::string> outside_words() {
+    return {
+#define CAGEFORM_EXAMPLES_WORD(name, ...) word_of(#name),
+        CAGEFORM_OUTSIDE_POINTS(CAGEFORM_EXAMPLES_WORD)
+#undef CAGEFORM_EXAMPLES_WORD
+    };
+}
+
 void OutsideChoice::add_options(CommandLine& line) {
-    std::vector<std::string> words{"auto", "refuse", "keep", "nearest"};
-    if (can_extend) words.push_back("extend");
+    std::vector<std::string> words = outside_words();
+    if (!can_extend) std::erase(words, "extend");
+    words.insert(words.end(), {"auto", "refuse"});
     line.add("--outside", word,
-             std::string("what points outside the cage do: refuse (an error), keep (stay in place), nearest "
-                         "(follow the nearest boundary point)") +
+             std::string("what points outside the cage do: keep-in-place, nearest-boundary (follow the "
+                         "nearest boundary point), refuse (an error)") +
                  (can_extend ? ", extend (use the coordinates, if they are defined outside) or auto (extend "
-                               "if possible, else nearest"
-                             : " or auto (nearest") +
-                 (with_sites ? "; keep with sibson; with a warning)" : ", with a warning)"))
+                               "if possible, else nearest-boundary"
+                             : " or auto (nearest-boundary") +
+                 (with_sites ? "; keep-in-place with sibson; with a warning)" : ", with a warning)"))
         .one_of(words)
         .show_default();
     if (can_fade) add_falloff(line, falloff);
@@ -203,7 +201,7 @@ void OutsideChoice::add_falloff(CommandLine& line, double& falloff) {
 }
 
 std::string OutsideChoice::fault() const {
-    if (falloff > 0 && (word == "keep" || word == "refuse"))
+    if (falloff > 0 && (word == "keep-in-place" || word == "refuse"))
         return "--falloff: with --outside " + word + " no point outside moves";
     return {};
 }
@@ -214,7 +212,7 @@ cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<T, D>&
     if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension())) {
         options.outside = cageform::OutsidePoints::extend;
         options.falloff = coordinates.has_extension() ? falloff : 0; // else judge() refuses
-    } else if (word == "nearest" || (word == "auto" && falloff > 0) ||
+    } else if (word == "nearest-boundary" || (word == "auto" && falloff > 0) ||
                ((word == "auto" || word == "refuse") &&
                 !coordinates.takes_sites)) { // nearest: for places just outside
         options.outside = cageform::OutsidePoints::nearest_boundary;

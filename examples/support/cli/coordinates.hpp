@@ -11,7 +11,7 @@
 
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/coordinates/harmonic/options.hpp>
+#include <cageform/coordinates/types.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -25,10 +25,12 @@
 
 namespace cageform_support {
 
+/// The word of the command line for a name of the library: "mean-value" for mean_value.
+std::string word_of(std::string name);
+
 /// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
 struct CoordinatesChoice {
-    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green, in the plane curved too.
-    std::string name = "mean-value";
+    std::string name = "mean-value";  // one of names()
     bool is_named = false;            // whether it is given
     bool in_plane = false;            // whether the program takes polygons as cages
     bool in_space = false;            // whether it takes meshes
@@ -37,31 +39,45 @@ struct CoordinatesChoice {
     bool with_sites = false;          // whether the program takes control points without a cage
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
-    std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
-    bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
+    std::size_t resolution = 0;       // 0: the adaptive grid
+    bool is_uniform = false;          // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
     bool limits_memory = true; // whether the program takes --memory for a solver
     std::size_t memory = 0;    // of a solver, in bytes; 0: half of what is free
-    bool in_disk = false;      // curved: by the function of a disk about the cage
+    bool in_disk = false;      // curved-green: by the function of a disk about the cage
     double disk_radius = 0;    // 0: as small as it can be
 
-    static const std::vector<std::string>& names(); // of polygons
-    /// Returns why `given` is none of `known`; empty if it is one.
-    static std::string name_fault(const std::string& given, const std::vector<std::string>& known);
+    /// The types that the program takes, in the order of coordinates/types.hpp.
+    std::vector<cageform::CoordinateType> types() const;
+    std::vector<std::string> names() const;
+
+    cageform::CoordinateType type() const;
+    const cageform::CoordinateFacts& facts() const { return cageform::facts_of(type()); }
 
     void add_options(CommandLine& line);
 
     /// Whether the type takes sites instead of a cage.
-    bool takes_sites() const { return name.starts_with("sibson"); }
+    bool takes_sites() const { return (facts().cages & cageform::cage_kinds::sites) != 0; }
 
     /// Whether edges or faces are handles too. Values at vertices are then not those on the cage.
-    bool takes_normals() const { return name == "green" || name == "curved"; }
+    bool takes_normals() const { return facts().with_normals; }
 
     /// Returns how a cage in the plane is read.
-    CageEdges edges() const { return name == "curved" ? CageEdges::curves : CageEdges::lines; }
+    CageEdges edges() const {
+        return (facts().cages & cageform::cage_kinds::curves) != 0 ? CageEdges::curves : CageEdges::lines;
+    }
+
+    /// Whether faces of more than three corners are fans, never planar polygons.
+    bool takes_fans_alone() const {
+        using namespace cageform::cage_kinds;
+        return (facts().cages & (fans | planar_faces)) == fans;
+    }
 
     /// Whether the type is for cages in the plane alone.
-    bool is_planar() const { return name == "wachspress" || name == "discrete-harmonic" || name == "curved"; }
+    bool is_planar() const {
+        using namespace cageform::cage_kinds;
+        return (facts().cages & ~(polygon | curves)) == 0;
+    }
 
     /// Returns the options of harmonic coordinates in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
@@ -126,6 +142,8 @@ template <cageform::Scalar T, std::size_t D>
 class ChosenCoordinates : public cageform::AnyCoordinates<T, D> {
 public:
     using cageform::AnyCoordinates<T, D>::AnyCoordinates;
+    ChosenCoordinates(cageform::AnyCoordinates<T, D> made) // NOLINT(google-explicit-constructor)
+        : cageform::AnyCoordinates<T, D>(std::move(made)) {}
 
     /// Returns the distance within which a place outside counts as on the boundary.
     double boundary_tolerance() const {
@@ -200,6 +218,9 @@ Expected<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding,
     }
     return handles;
 }
+
+/// The words of --outside that name an OutsidePoints.
+std::vector<std::string> outside_words();
 
 /// The choice of --outside and --falloff, which is common to all programs that move a figure.
 struct OutsideChoice {

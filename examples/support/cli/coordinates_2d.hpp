@@ -3,12 +3,6 @@
 
 #include "cli/coordinates_model.hpp"
 
-#include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/curved_green.hpp>
-#include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/three_point.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -56,33 +50,28 @@ inline Disk smallest_disk(const std::vector<Point2>& points) {
 
 template <class T>
 ChosenCoordinates<T, 2> curved_coordinates(const CoordinatesChoice& choice, const CageFile& file) {
-    cageform::CurvedGreenOptions<T> options;
+    cageform::CoordinateOptions<T> options;
     if (choice.in_disk) {
         auto [centre, radius] = smallest_disk(file.vertices);
         constexpr double margin = 1e-6; // of the radius, so that no control point lies on the circle
         radius = choice.disk_radius > 0 ? choice.disk_radius : (1 + margin) * radius;
-        options.disk = {cageform::vec_cast<T>(centre), static_cast<T>(radius)};
+        options.curved_green.disk = {cageform::vec_cast<T>(centre), static_cast<T>(radius)};
     }
-    return cageform::CurvedGreenCoordinates<T>(file.curved_polygon<T>(), options);
+    return cageform::make_coordinates(choice.type(), file.curved_polygon<T>(), options);
 }
 
 } // namespace detail
 
 template <class T>
 ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const CageFile& file) {
-    if (choice.in_disk && !file.curves) warn("--disk is not used: it is for cages of --coordinates curved");
+    if (choice.in_disk && !file.curves)
+        warn("--disk is not used: it is for cages of --coordinates curved-green");
     if (file.curves) return detail::curved_coordinates<T>(choice, file);
     if (file.lattice) return lattice_coordinates<T>(choice, *file.lattice);
     return file.visit<T>([&](const auto& cage) -> ChosenCoordinates<T, 2> {
-        if (choice.name == "harmonic") {
-            using Cage = std::remove_cvref_t<decltype(cage)>;
-            return Harmonic<Cage>(cage, choice.harmonic_options(2));
-        }
-        if (choice.name == "mean-value") return cageform::MeanValueCoordinates<T, 2>(cage);
-        if (choice.name == "green") return cageform::GreenCoordinates<T, 2>(cage);
-        if (choice.name == "wachspress") return cageform::WachspressCoordinates<T>(cage);
-        if (choice.name == "discrete-harmonic") return cageform::DiscreteHarmonicCoordinates<T>(cage);
-        return cageform::BarycentricCoordinates<T, 2>(cage);
+        if (choice.type() == cageform::CoordinateType::harmonic)
+            return harmonic(cage, choice.harmonic_options(2));
+        return cageform::make_coordinates(choice.type(), cage);
     });
 }
 

@@ -1,21 +1,15 @@
 #include "cli/coordinates_model.hpp"
 #include "cli/mesh_cage.hpp"
 
-#include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/mean_value.hpp>
-
 namespace cageform_support {
 
 namespace {
 
 /// Returns why coordinates do not support planar polygons as faces; empty if they do.
 std::string polygon_fault(const CoordinatesChoice& choice) {
-    if (choice.name == "mean-value") return {};
-    if (choice.name != "harmonic") return choice.name + " supports only triangles";
-    const bool by_pyramid = choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid;
-    return by_pyramid ? "harmonic by the papers' solver supports only triangles" : "";
+    return (choice.facts().cages & cageform::cage_kinds::planar_faces) == 0
+               ? choice.name + " supports only triangles"
+               : "";
 }
 
 /// Twice the volume of a closed mesh over its area: the thickness of a flat one.
@@ -35,11 +29,13 @@ double mean_thickness(const ObjFile& mesh) {
 template <class T>
 ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
     if (file.lattice) return lattice_coordinates<T>(choice, *file.lattice);
-    if (choice.name == "barycentric") return cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices));
-    const cageform::HarmonicOptions options = choice.harmonic_options(3);
-    const bool harmonic = choice.name == "harmonic";
+    const auto make = [&](const auto& cage) -> ChosenCoordinates<T, 3> {
+        if (choice.type() == cageform::CoordinateType::harmonic)
+            return make_harmonic(cage, choice.harmonic_options(3), mean_thickness(file));
+        return cageform::make_coordinates(choice.type(), cage);
+    };
     const std::string why_cut = polygon_fault(choice);
-    const bool takes_fans = why_cut.empty() || choice.name == "green";
+    const bool takes_fans = why_cut.empty() || choice.takes_fans_alone();
     const bool divides = choice.divisions > 1;
     const FacesAsFans fans = !takes_fans || choice.faces == "triangles" ? FacesAsFans::none
                              : choice.faces == "fan" || divides         ? FacesAsFans::all
@@ -49,26 +45,14 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
     ChosenCoordinates<T, 3> made;
     if (faces.polygons > 0 || faces.fans > 0 || divisions > 1) {
         using Options = cageform::PolyhedralOptions;
-        const cageform::PolyhedralMesh<T> cage(
+        made = make(cageform::PolyhedralMesh<T>(
             file.vertices, faces.loops,
             Options{.off_plane = faces.off_plane,
                     .non_planar = Options::NonPlanar::fan,
                     .faces = fans == FacesAsFans::all ? Options::Faces::fan : Options::Faces::planar,
-                    .divisions = divisions});
-        if (harmonic)
-            made = make_harmonic(cage, options, mean_thickness(file));
-        else if (choice.name == "mean-value")
-            made = cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage);
-        else
-            made = cageform::GreenCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage);
+                    .divisions = divisions}));
     } else {
-        const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
-        if (harmonic)
-            made = make_harmonic(cage, options, mean_thickness(file));
-        else if (choice.name == "mean-value")
-            made = cageform::MeanValueCoordinates<T, 3>(cage);
-        else
-            made = cageform::GreenCoordinates<T, 3>(cage);
+        made = make(cageform::TriangleMesh<T>(file.vertices, file.triangles));
     }
     const std::string on_faces = describe_faces(file, faces, why_cut);
     made.note += (made.note.empty() || on_faces.empty() ? "" : "; ") + on_faces;

@@ -1,19 +1,21 @@
 #pragma once
 
-// The coordinate types with every solver: for the files that compile them.
+// The coordinate types: for the files that compile them.
 
 #include "cli/coordinates.hpp"
 #include "io/messages.hpp"
 
-#include <cageform/coordinates/sibson.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
+#include <cageform/binding/make_coordinates.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 
 namespace cageform_support {
 
-/// Harmonic coordinates by every solver that there is for a kind of cage.
+/// Returns harmonic coordinates on the uniform grid if there is a resolution, else on the adaptive one.
 template <class C>
-using Harmonic =
-    cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, cageform::WithAveragingPyramid>;
+auto harmonic(const C& cage, const cageform::HarmonicOptions& options) {
+    return options.resolution != 0 ? cageform::HarmonicCoordinates(cage, options, cageform::UniformGrid{})
+                                   : cageform::HarmonicCoordinates(cage, options);
+}
 
 /// Makes harmonic coordinates. If their grid takes much memory, `note` says how much and why.
 ///
@@ -24,8 +26,8 @@ make_harmonic(const C& cage, const cageform::HarmonicOptions& options, double th
     constexpr double much = 1 << 30;
     cageform::HarmonicOptions refused = options;
     refused.memory_limit = 1; // the estimate that a refusal states takes a small part of a solve
-    ChosenCoordinates<typename C::scalar, C::dimension> made = Harmonic<C>(cage, options);
-    const cageform::SolverReport estimate = Harmonic<C>(cage, refused).solve().solver;
+    ChosenCoordinates<typename C::scalar, C::dimension> made = harmonic(cage, options);
+    const cageform::SolverReport estimate = harmonic(cage, refused).solve().solver;
     const double bytes = double(estimate.bytes);
     if (!(bytes > much)) return made;
     const double size = cageform::bounds_of(cage.vertices()).diagonal();
@@ -46,10 +48,11 @@ ChosenCoordinates<T, D> lattice_coordinates(const CoordinatesChoice& choice, con
 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites) {
-    cageform::SibsonOptions options{.degree = choice.name == "sibson-c1" ? 3 : 1};
-    if (choice.gradients == "gentle") options.gradients = cageform::SiteGradients::gentle;
-    if (choice.gradients == "mirrored") options.gradients = cageform::SiteGradients::mirrored;
-    ChosenCoordinates<T, D> made = cageform::SibsonCoordinates<T, D>(sites.points, options);
+    cageform::CoordinateOptions<T> options;
+    if (choice.gradients == "gentle") options.sibson.gradients = cageform::SiteGradients::gentle;
+    if (choice.gradients == "mirrored") options.sibson.gradients = cageform::SiteGradients::mirrored;
+    ChosenCoordinates<T, D> made =
+        cageform::make_coordinates(choice.type(), cageform::PointSet<T, D>(sites.points), options);
     made.takes_sites = true;
     return made;
 }

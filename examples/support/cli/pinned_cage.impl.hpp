@@ -48,8 +48,6 @@ Expected<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coor
     auto [samples, report] = pose_samples(coordinates, options, {.progress = bar.callback()});
     if (report.status == Status::samples_missing)
         return FileError{names.cage + ": " + cageform::to_string(report.status)};
-    if (report.status == Status::solver_not_supported)
-        return FileError{"--pin: pins need gradients, which this --solver does not give"};
     if (report.status != Status::ok) return cage_refused(coordinates, names, report.bind, report.status);
     return std::move(samples);
 }

@@ -46,7 +46,7 @@ PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
     const std::size_t count = lattice ? lattice->points() : rest.size();
     const auto followers = curves != nullptr ? curves->followers() : std::vector<std::vector<std::size_t>>();
     for (const auto& [operation, word] : operations) {
-        std::string why = "the cage has no curves; --coordinates curved makes its edges curves";
+        std::string why = "the cage has no curves; --coordinates curved-green makes its edges curves";
         if (operation != PoseOperation::curve)
             why = apply_operation<D>(operation, word, std::span(rest).first(count),
                                      std::span(pose).first(count), followers, parts);

@@ -8,14 +8,14 @@ namespace cageform_support {
 
 using cageform::WeightFormat;
 
+constexpr std::array format_names{
+#define CAGEFORM_EXAMPLES_NAME(name, ...) #name,
+    CAGEFORM_WEIGHT_FORMATS(CAGEFORM_EXAMPLES_NAME)
+#undef CAGEFORM_EXAMPLES_NAME
+};
+
 const char* name_of(WeightFormat format) {
-    switch (format) {
-    case WeightFormat::scalar: return "float";
-    case WeightFormat::half: return "half";
-    case WeightFormat::int16: return "int16";
-    case WeightFormat::int8: return "int8";
-    }
-    return "";
+    return format_names[std::size_t(format)];
 }
 
 void WeightChoice::add_options(CommandLine& line, const std::string& share_of, const std::string& more,
@@ -29,17 +29,16 @@ void WeightChoice::add_options(CommandLine& line, const std::string& share_of, c
                  more + " green needs a motion; 0 means no bound")
         .range(0.0, 1.0)
         .show_default();
-    static constexpr std::array formats{WeightFormat::scalar, WeightFormat::half, WeightFormat::int16,
-                                        WeightFormat::int8};
+    std::string names;
+    for (const char* name : format_names) names += (names.empty() ? "" : ", ") + std::string(name);
     line.add_text(
             "--format",
             [this](const std::string& given) {
-                for (const WeightFormat known : formats) {
-                    if (given == name_of(known)) format = known;
-                }
+                const auto found = std::find(format_names.begin(), format_names.end(), given);
+                format = WeightFormat(found - format_names.begin());
             },
-            "the format of weights: float, half, int16 or int8")
-        .one_of({"float", "half", "int16", "int8"})
+            "the format of weights: " + names)
+        .one_of({format_names.begin(), format_names.end()})
         .show_default(default_format);
 }
 

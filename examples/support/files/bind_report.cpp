@@ -226,11 +226,6 @@ std::string describe(const cageform::BindReport& report) {
         } else if (!report.solver.multigrid.corners.empty()) {
             text << "corners and edges: weights there are off by up to " << worst.error << " (an estimate)\n";
         }
-    } else if (report.solver.solves > 0) {
-        text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "
-             << report.solver.pyramid.sweeps << " sweeps of the finest grid, last mean change "
-             << report.solver.pyramid.largest_mean_change << ", " << report.solver.pyramid.crowded_cells
-             << " crowded cells, " << report.solver.seconds << " s\n";
     }
     text << "time: " << report.seconds << " s\n";
     return text.str();

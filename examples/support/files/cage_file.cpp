@@ -103,7 +103,7 @@ Expected<CageFile> load_cage(const std::string& path, CageEdges edges) {
         if (outline && edges != CageEdges::lines) return make_curved_cage(path, *outline);
         if (edges != CageEdges::lines) return outline.error();
         if (outline && has_curves(*outline))
-            return FileError{loops.error().message + "; --coordinates curved takes curves"};
+            return FileError{loops.error().message + "; --coordinates curved-green takes curves"};
         return loops.error();
     }
     std::vector<CageBlock> blocks;

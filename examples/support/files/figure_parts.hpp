@@ -4,8 +4,9 @@
 // (cageform/figure/figure.hpp):
 //
 //     TRIS  #triangles × 3 × uint32
-//     CLIP  ClipHeader; piece_counts, #curves × uint32: x, y and z of every vertex of the cage; pieces,
-//           curve by curve, 5 × float each
+//     CLIP  the clip of figures that older versions of bind_mesh wrote; it is now in the library's CLPS:
+//           #curves × uint32 and the length in seconds, float; #curves × uint32, the pieces of x, y and z of
+//           every vertex of the cage; the pieces, curve by curve, 5 × float each
 //     ORIG  see figure/figure.hpp; counted in the files of the mesh
 //           and the cage. Figures that are near the files' origin have no such part
 //     NRM1  a blob: a vector at every point across TAN1 and TAN2, of unit length, or zero where no face has
@@ -26,17 +27,14 @@
 
 namespace cageform_support {
 
-struct ClipHeader {
-    std::uint32_t curves = 0;
-    float length = 0;
-};
-
 /// The parts that a figure holds.
 struct FigureParts {
     std::string fault; ///< why they cannot be used; empty where they can
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
-    cageform::CageClip<float, 3> clip;                       ///< of no vertices where there is none
-    cageform::PoseSamples<float, 3> samples;                 ///< of no handles where there are none
+    cageform::CageClipView<float, 3> clip; ///< the first one, of no vertices where there is none; points into
+                                           ///< the figure or `unpacked`
+    cageform::CageClip<float, 3> unpacked; ///< of CLIP
+    cageform::PoseSamples<float, 3> samples; ///< of no handles where there are none
 };
 
 /// Returns the number of the cage's vertices: the handles that are points, which come first.
@@ -46,7 +44,7 @@ inline std::size_t vertices_of(const cageform::PackedFigureView<float, 3>& figur
 
 /// Checks everything that could make playing read or write out of bounds.
 inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure) {
-    const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}, {}}; };
+    const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}, {}, {}}; };
     FigureParts parts;
     parts.triangles = figure.part_as<std::array<std::uint32_t, 3>>("TRIS");
     for (const auto& triangle : parts.triangles) {
@@ -63,6 +61,7 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
             return refused("samples for pins: they belong to another cage");
         parts.samples = std::move(samples);
     }
+    if (figure.clip_count() > 0) parts.clip = figure.clip(0);
     std::span<const std::byte> data = figure.part("CLIP");
     if (data.empty()) return parts;
 
@@ -72,10 +71,12 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
         data = data.subspan(bytes);
         return true;
     };
-    ClipHeader header;
-    if (!take(&header, sizeof header) || header.curves != 3 * vertices_of(figure))
+    std::uint32_t curve_count = 0;
+    float length = 0;
+    if (!take(&curve_count, sizeof curve_count) || !take(&length, sizeof length) ||
+        curve_count != 3 * vertices_of(figure))
         return refused("the clip belongs to another cage");
-    std::vector<std::uint32_t> counts(header.curves);
+    std::vector<std::uint32_t> counts(curve_count);
     if (!take(counts.data(), counts.size() * sizeof counts[0])) return refused("the clip is cut short");
     std::vector<cageform::PiecewiseCubic<float>> curves;
     for (const std::uint32_t count : counts) {
@@ -85,28 +86,15 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
         std::vector<cageform::CubicPiece<float>> pieces(count);
         (void)take(pieces.data(), pieces.size() * sizeof pieces[0]);
         for (std::size_t n = 0; n < pieces.size(); ++n) {
-            const float next = n + 1 < pieces.size() ? pieces[n + 1].begin : header.length;
+            const float next = n + 1 < pieces.size() ? pieces[n + 1].begin : length;
             if (!(pieces[n].begin < next)) return refused("the pieces of the clip do not ascend");
         }
-        curves.emplace_back(std::move(pieces), header.length);
+        curves.emplace_back(std::move(pieces), length);
     }
     constexpr auto cycle = cageform::Extrapolation::cycle;
-    parts.clip = cageform::CageClip<float, 3>(curves, cycle, cycle);
+    parts.unpacked = cageform::CageClip<float, 3>(curves, cycle, cycle);
+    parts.clip = parts.unpacked.view();
     return parts;
-}
-
-/// The bytes of CLIP; none of no curves.
-inline std::vector<std::byte> clip_part(std::span<const cageform::PiecewiseCubic<float>> curves) {
-    std::vector<std::byte> bytes;
-    if (curves.empty()) return bytes;
-    const auto append = [&bytes](const auto& values) {
-        const auto more = std::as_bytes(std::span(values));
-        bytes.insert(bytes.end(), more.begin(), more.end());
-    };
-    append(std::array{ClipHeader{std::uint32_t(curves.size()), curves[0].end()}});
-    for (const auto& curve : curves) append(std::array{std::uint32_t(curve.pieces().size())});
-    for (const auto& curve : curves) append(curve.pieces());
-    return bytes;
 }
 
 } // namespace cageform_support

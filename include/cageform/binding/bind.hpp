@@ -1,47 +1,93 @@
 // Binds points, figures and vectors to a cage by any type of coordinates, and reports how it went.
 #pragma once
 
-#include <cageform/binding/detail/bind_function.hpp>
-#include <cageform/binding/detail/binders.hpp>
+#include <cageform/binding/detail/figure_binder.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
+
+#include <concepts>
+#include <utility>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Binds points to the cage of `coordinates`: evaluates all weights, handles points outside,
-/// restores linear precision, and reports.
-///
-///     bind(coordinates, points, options, running)
-///     bind(coordinates, points, options, std::move(recycled), running)
-///
-///   points    any PointRange of the same dimension, converted to the scalar of the coordinates. A float
-///             rounds places by up to 6e-8 of their distance from the origin: count the cage, its poses and
-///             the points from near the cage, or take double
-///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory
-///             costs the system as much time as the weights to fill it
-///   returns   the binding and its report. Unless the report's status is ok the binding is empty. A
-///             bad *point* is listed and kept in place; the others are bound nevertheless
-///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
-///             a point
-///   fails     as the cage's check and the coordinates say; coordinates_empty;
-///             falloff_not_supported; cancelled; out_of_memory
-///
-/// A figure with normals:
-///
-///     bind(coordinates, FigurePoints{points, normals, tangents}, options, running)
-///
-/// This binds the points as above. Normals and tangents are converted by `tangents_of` and bound as
-/// by `bind_vectors`, with the same bits.
-///
-///   figure   see FigurePoints
-///   options  as above, for points and vectors
-///   returns  the figure and its report. Bad points and vectors are listed; the others are bound
-///            nevertheless
-///   cost     that of `bind` and `bind_vectors`. But coordinates with a solver solve only once, if they
-///            have not before, and keep their functions meanwhile (half of SolverMemory::block for
-///            each group)
-///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
-///
-/// `bind` is a function object, so that argument-dependent lookup never finds std::bind instead.
-inline constexpr detail::Bind bind{};
+/// The type of `bind`. A function object, so that argument-dependent lookup never finds std::bind instead.
+struct Bind {
+    /// Binds points to the cage of `coordinates`: evaluates all weights, handles points outside,
+    /// restores linear precision, and reports.
+    ///
+    ///   points   any PointRange of the same dimension, converted to the scalar of the coordinates. A float
+    ///            rounds places by up to 6e-8 of their distance from the origin: count the cage, its poses
+    ///            and the points from near the cage, or take double
+    ///   returns  the binding and its report. Unless the report's status is ok the binding is empty. A
+    ///            bad *point* is listed and kept in place; the others are bound nevertheless
+    ///   cost     that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
+    ///            a point
+    ///   fails    as the cage's check and the coordinates say; coordinates_empty;
+    ///            falloff_not_supported; cancelled; out_of_memory
+    template <CageCoordinates C, PointRangeIn<C::dimension> R>
+    Result<Binding<typename C::scalar, C::dimension>, BindReport>
+    operator()(const C& coordinates, const R& points, const BindOptions& options = {},
+               const Running& running = {}) const {
+        return (*this)(coordinates, points, options, Binding<typename C::scalar, C::dimension>{}, running);
+    }
+
+    /// Binds points as above, into the memory of a binding that is no longer needed. A megabyte of new memory
+    /// costs the system as much time as the weights to fill it.
+    template <CageCoordinates C, PointRangeIn<C::dimension> R,
+              std::same_as<Binding<typename C::scalar, C::dimension>> Recycled>
+    Result<Binding<typename C::scalar, C::dimension>, BindReport>
+    operator()(const C& coordinates, const R& points, const BindOptions& options, Recycled&& recycled,
+               const Running& running = {}) const {
+        return detail::bind_points(
+            detail::bind_input(coordinates, detail::read_points<typename C::scalar>(points)), options,
+            std::forward<Recycled>(recycled), running);
+    }
+
+    /// Binds a figure with normals: `bind(coordinates, FigurePoints{points, normals, tangents})`. Points are
+    /// bound as above. Normals and tangents are converted by `tangents_of` and bound as by `bind_vectors`,
+    /// with the same bits.
+    ///
+    ///   options  as above, for points and vectors
+    ///   returns  the figure and its report. Bad points and vectors are listed; the others are bound
+    ///            nevertheless
+    ///   cost     that of `bind` and `bind_vectors`. But coordinates with a solver solve only once, if they
+    ///            have not before, and keep their functions meanwhile (half of SolverMemory::block for
+    ///            each group)
+    ///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
+    template <CageCoordinates C, class P, class N, class G>
+        requires(detail::PointsFor<P, C>&& detail::NormalsFor<N, C>&& detail::TangentsIn<G, N, C::dimension>)
+    Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>
+    operator()(const C& coordinates, const FigurePoints<P, N, G>& figure, const BindOptions& options = {},
+               const Running& running = {}) const {
+        using T = typename C::scalar;
+        Result<FigureBinding<T, C::dimension>, FigureBindReport> result;
+        detail::run_into(result.report, [&] {
+            return detail::read_figure<T, C::dimension>(
+                figure, [&](detail::FigureInput<T, C::dimension>& input) {
+                    return detail::bind_read_figure(detail::figure_input(coordinates, input.points), input,
+                                                    options, running, result);
+                });
+        });
+        return result;
+    }
+
+    /// Binds by the member `bind` of coordinates that have one, such as AnyCoordinates.
+    template <class Figure, detail::BindsByMember<Figure> C, class... More>
+    auto operator()(const C& coordinates, const Figure& figure, More&&... more) const {
+        return coordinates.bind(figure, std::forward<More>(more)...);
+    }
+
+    // Accepts any further arguments, so that the first line that compilers print names the reason.
+    template <CageCoordinates C, UnknownPointRange R, class... More>
+    detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints,
+                     Result<Binding<typename C::scalar, C::dimension>, BindReport>>
+    operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
+    template <CageCoordinates C, PointRange R, class... More>
+        requires(range_dimension<R> != C::dimension)
+    detail::ReasonOr<detail::PointsOfAnotherDimensionThanTheCage,
+                     Result<Binding<typename C::scalar, C::dimension>, BindReport>>
+    operator()(const C&, const R&, const More&...) const = CAGEFORM_DETAIL_DELETE_DIMENSION;
+};
+inline constexpr Bind bind{};
 
 /// Binds vectors attached to points. A pose moves them as it moves the material around the points:
 ///

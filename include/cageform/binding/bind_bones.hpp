@@ -59,7 +59,7 @@ Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& 
         const detail::BoneHandles<T, D> handles(bones, faults);
         const detail::BoneShares<T, D, W> shares{handles, weights,
                                                  options.linear_precision == LinearPrecision::restore};
-        const auto evaluate = [&](const detail::Batch<T>& batch, const Running& subtask) -> Evaluation {
+        const auto evaluate = [&](const Batch<T>& batch, const Running& subtask) -> Evaluation {
             std::vector<Extreme> found(batch.points.blocks());
             const Status done =
                 detail::for_each_block(found.size(), subtask, [&](std::size_t begin, std::size_t end) {

@@ -458,7 +458,7 @@ CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_p
 enum {
     CAGEFORM_POLYGON = 0, /* in the plane: loops of vertices */
     CAGEFORM_MESH = 1,    /* in space: faces, counter-clockwise seen from outside */
-    CAGEFORM_CURVES = 2,  /* in the plane: loops of Bezier curves of degree 1 to 3, for CAGEFORM_GREEN */
+    CAGEFORM_CURVES = 2,  /* in the plane: loops of Bezier curves of degree 1 to 3, for CAGEFORM_CURVED_GREEN */
     CAGEFORM_LATTICE = 3, /* a box of splines, in the plane or in space */
     CAGEFORM_SITES = 4    /* points without a cage, in the plane or in space */
 };
@@ -517,7 +517,7 @@ typedef struct cageform_make_cage_options {
     int fill_tunnels; /* in space */
     double regular;   /* weight of regular shapes against a tight fit; 0: 1 */
 } cageform_make_cage_options;
-enum { CAGEFORM_SHAPE_FIGURE = 0, CAGEFORM_SHAPE_HULL = 1, CAGEFORM_SHAPE_BOX = 2 };
+enum cageform_shape { CAGEFORM_SHAPE_FIGURE = 0, CAGEFORM_SHAPE_HULL = 1, CAGEFORM_SHAPE_BOX = 2 };
 
 /* Makes a cage around a figure.
  *
@@ -544,7 +544,7 @@ CAGEFORM_API cageform_status cageform_made_cage_describe(const cageform_made_cag
 
 /* ---- Coordinates --------------------------------------------------------------------------------------- */
 
-enum {
+enum cageform_coordinate_type {
     CAGEFORM_MEAN_VALUE = 0,
     CAGEFORM_HARMONIC = 1,
     CAGEFORM_GREEN = 2,  /* edges or faces are handles too: cageform_pose_handles */
@@ -552,18 +552,20 @@ enum {
     CAGEFORM_BARYCENTRIC = 4,
     CAGEFORM_WACHSPRESS = 5,
     CAGEFORM_DISCRETE_HARMONIC = 6,
-    CAGEFORM_SPLINES = 7 /* of a lattice */
+    CAGEFORM_SPLINES = 7,      /* of a lattice */
+    CAGEFORM_CURVED_GREEN = 8, /* of curves; CAGEFORM_GREEN of curves is the same */
+    CAGEFORM_SIBSON_C1 = 9     /* CAGEFORM_SIBSON of degree 3 */
 };
 
 typedef struct cageform_coordinates_options {
     size_t size;
-    uint32_t type;
+    uint32_t type;          /* cageform_coordinate_type */
     uint32_t scalar;        /* of weights and poses */
     double accuracy;        /* harmonic: the largest error of a weight; 0: 1e-3 */
     size_t memory_limit;    /* harmonic, in bytes; 0: 8 GiB */
     uint32_t sibson_degree; /* 1, or 3, smooth at the sites; 0: 1 */
     uint32_t reserved;
-    double disk[3]; /* Green on curves: centre and radius of a disk; radius 0: none */
+    double disk[3]; /* of curves: centre and radius of a disk; radius 0: none */
 } cageform_coordinates_options;
 
 /* Makes coordinates of a cage. `options` may be null: mean value in float. */
@@ -595,7 +597,11 @@ CAGEFORM_API cageform_status cageform_coordinates_solve(cageform_coordinates* co
 
 /* ---- Bind and pack ------------------------------------------------------------------------------------- */
 
-enum { CAGEFORM_EXTEND = 0, CAGEFORM_KEEP_IN_PLACE = 1, CAGEFORM_NEAREST_BOUNDARY = 2 };
+enum cageform_outside_points {
+    CAGEFORM_EXTEND = 0,
+    CAGEFORM_KEEP_IN_PLACE = 1,
+    CAGEFORM_NEAREST_BOUNDARY = 2
+};
 
 typedef struct cageform_bind_options {
     size_t size;
@@ -633,7 +639,7 @@ enum {
 CAGEFORM_API cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list,
                                                    size_t* indices, size_t room, size_t* count);
 
-enum {
+enum cageform_weight_format {
     CAGEFORM_FORMAT_SMALLEST = 0,
     CAGEFORM_FORMAT_SCALAR = 1,
     CAGEFORM_FORMAT_HALF = 2,
@@ -672,7 +678,7 @@ CAGEFORM_API cageform_status cageform_pack(const cageform_binding* binding,
 CAGEFORM_API cageform_status cageform_bytes_view(const cageform_bytes* bytes, const void** data,
                                                  size_t* size);
 
-enum { CAGEFORM_SMOOTH = 0, CAGEFORM_LINEAR = 1, CAGEFORM_HOLD = 2 };
+enum cageform_keys { CAGEFORM_SMOOTH = 0, CAGEFORM_LINEAR = 1, CAGEFORM_HOLD = 2 };
 enum {
     CAGEFORM_STAY = 0,
     CAGEFORM_GO_STRAIGHT_ON = 1,
@@ -696,7 +702,7 @@ CAGEFORM_API cageform_status cageform_compile_clip(const double* times, size_t c
 
 /* ---- Skeletons ----------------------------------------------------------------------------------------- */
 
-enum {
+enum cageform_bone_kind {
     CAGEFORM_RIGID = 0,    /* bones turn and move: every engine plays these */
     CAGEFORM_SIMILAR = 1,  /* one scale besides; the children of a bone scale with it */
     CAGEFORM_STRETCHED = 2 /* any affine map: only players that multiply matrices show these */

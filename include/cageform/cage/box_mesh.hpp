@@ -1,17 +1,17 @@
-// The simplest cage in space: a box whose sides are divided into rectangles.
+// An axis-aligned box with sides divided into rectangles.
 #pragma once
 
 #include <cageform/cage/polyhedral_mesh.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Makes an axis-aligned box whose sides are divided into rectangles. The rectangles' corners are the
-/// vertices, numbered with the first axis fastest; two divisions along each axis make 26 vertices.
-/// Harmonic coordinates are bilinear on each rectangle.
+/// Makes an axis-aligned box with sides divided into rectangles. Vertices are numbered with the first axis
+/// fastest; two divisions along each axis give 26 vertices. Harmonic coordinates are bilinear on each
+/// rectangle.
 ///
-///   divisions  of the sides along each axis. With 0, or for more than 2^24 vertices, the box is
-///              empty; `check` refuses it
-///   cost       memory and time are proportional to the number of vertices; may throw std::bad_alloc
+///   divisions  number of rectangles along each axis. For 0, or for more than 2^24 vertices, the mesh is
+///              empty, which `check` reports
+///   cost       O(#V) time and memory; may throw std::bad_alloc
 template <Scalar T>
 PolyhedralMesh<T> box_mesh(const Vec<T, 3>& lower, const Vec<T, 3>& upper,
                            const std::array<std::size_t, 3>& divisions = {1, 1, 1}) {
@@ -22,8 +22,7 @@ PolyhedralMesh<T> box_mesh(const Vec<T, 3>& lower, const Vec<T, 3>& upper,
 
     std::vector<Vec<T, 3>> vertices;
     const auto layer = (a + 1) * (b + 1), ring = 2 * (a + b);
-    // The slot of a vertex on the surface: the layers of the third axis, of which only the outermost
-    // are whole.
+    // Index of the surface vertex (i, j, k). Layers of the third axis are complete only at both ends.
     const auto slot = [&](const std::array<std::size_t, 3>& index) {
         const auto [i, j, k] = index;
         if (k == 0) return j * (a + 1) + i;
@@ -37,7 +36,7 @@ PolyhedralMesh<T> box_mesh(const Vec<T, 3>& lower, const Vec<T, 3>& upper,
     for (index[2] = 0; index[2] <= c; ++index[2]) {
         for (index[1] = 0; index[1] <= b; ++index[1]) {
             const bool whole = index[2] == 0 || index[2] == c || index[1] == 0 || index[1] == b;
-            const std::size_t step = whole ? 1 : a; // jump over the interior
+            const std::size_t step = whole ? 1 : a; // skips the interior
             for (index[0] = 0; index[0] <= a; index[0] += step) {
                 auto& p = vertices.emplace_back();
                 for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +62,7 @@ PolyhedralMesh<T> box_mesh(const Vec<T, 3>& lower, const Vec<T, 3>& upper,
                         corner[t] += n >= 2 ? 1 : 0;
                         face[n] = static_cast<std::uint32_t>(slot(corner));
                     }
-                    // For the second axis, axis, s and t are a left-handed frame.
+                    // For the second axis, (axis, s, t) is a left-handed frame.
                     if (on_upper == (axis == 1)) std::swap(face[1], face[3]);
                 }
             }

@@ -1,4 +1,4 @@
-// A cage with cells inside that carry their own handles: points, edges and, in space, faces.
+// A cage with interior cells that have their own handles: points, edges and, in 3D, faces.
 #pragma once
 
 #include <cageform/cage/detail/bones.hpp>
@@ -9,26 +9,26 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A boundary with cells inside it (Joshi et al. 2007, sec. 4.1), for local control: a vertex in
-/// the head, a line of bones, a wall between two legs. The coordinate functions are linear on the
-/// cells and only continuous across them. The handles are the vertices of the boundary, then those
-/// of the cells in the order they were added.
+/// A boundary with interior cells for local control (Joshi et al. 2007, sec. 4.1): a vertex in the head, a
+/// line of bones, a wall between two legs. The coordinate functions are linear on the cells and continuous,
+/// but not smooth, across them. The handles are the vertices of the boundary, then those of the cells in
+/// the order of their addition.
 ///
 ///     CellComplex<double, 2> cage(Polygon<double>(outline));
 ///     const std::size_t head = cage.add_point(eye, 12.0);
 ///     cage.add_chain(spine);
 ///
-/// Near bones linear functions are not reproduced exactly; the error is at most the radius. By
-/// default `bind` restores them, for poses that rotate the whole cage. Weights may then leave [0,
-/// 1] by about the radius over the cage's size (LinearPrecision::leave skips this).
+/// Near bones, linear functions are reproduced with an error of at most the radius. By default `bind`
+/// corrects this for poses that rotate the whole cage. Weights may then leave [0, 1] by about the radius
+/// over the cage's size (LinearPrecision::leave disables the correction).
 ///
-/// A point equal to an existing vertex reuses that vertex. This is how cells meet, and how a chain
-/// from boundary to boundary divides the cage. Construction never fails; `check` reports whether
-/// the complex can serve as a cage. Adding a point takes O(#handles).
+/// A point equal to an existing vertex reuses that vertex. Cells are joined this way, and a chain from
+/// boundary to boundary divides the cage. Construction never fails; `check` reports whether the complex is
+/// a valid cage. Adding a point takes O(#handles).
 ///
-/// Near the free rim of faces in space, and near the end of a chain that has less than a grid cell
-/// of room around it, the functions rise like the square root of the distance. A grid misses them
-/// there by some tenths within a cell.
+/// Near the free rim of faces in 3D, and near the end of a chain with less than a grid cell of room around
+/// it, the functions grow like the square root of the distance. There the error of a grid is some tenths
+/// within one cell.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex {
@@ -43,7 +43,7 @@ public:
         keep([&] { vertices_.assign(boundary_.vertices().begin(), boundary_.vertices().end()); });
     }
 
-    /// Makes a complex of cells that are known already. `vertices` begins with those of the boundary.
+    /// Makes a complex of known cells. `vertices` begins with those of the boundary.
     CellComplex(Boundary boundary, const PointRange auto& vertices, InteriorCells<D> cells)
         : boundary_(std::move(boundary))
         , cells_(std::move(cells)) {
@@ -52,7 +52,7 @@ public:
         });
     }
 
-    /// Adds an isolated vertex; everything within `radius` follows it. Returns its handle.
+    /// Adds an isolated vertex that moves all points within `radius`. Returns its handle.
     template <Point P>
     std::size_t add_point(const P& point, T radius) {
         std::uint32_t i = no_vertex;
@@ -63,7 +63,7 @@ public:
         return i;
     }
 
-    /// Adds edges in the plane, from each point to the next. Returns the handles of the points.
+    /// Adds edges in 2D, from each point to the next. Returns the handles of the points.
     template <PointRange R>
         requires(D == 2 && range_dimension<R> == 2)
     std::vector<std::size_t> add_chain(const R& points) {
@@ -75,8 +75,7 @@ public:
         });
         return handles;
     }
-    /// Adds edges in space; everything within `radius` of them follows them. Returns the handles of
-    /// the points.
+    /// Adds edges in 3D that move all points within `radius`. Returns the handles of the points.
     template <PointRange R>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_chain(const R& points, T radius) {
@@ -90,9 +89,8 @@ public:
         });
         return handles;
     }
-    /// Adds triangles in space: `faces[f][k]`, k = 0, 1, 2, is the index in `points` of a corner.
-    /// Returns the handles of the points. Faces that name a missing point are remembered, and
-    /// `check` reports them.
+    /// Adds triangles in 3D: `faces[f][k]`, k = 0, 1, 2, is the index in `points` of a corner. Returns the
+    /// handles of the points. Indices out of range are kept, and `check` reports them.
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_faces(const R& points, const F& faces) {
@@ -119,7 +117,7 @@ public:
     const InteriorCells<D>& cells() const noexcept { return cells_; }
 
 private:
-    /// Runs add() and records its status if it runs out of memory.
+    /// Runs add() and stores out_of_memory on failure.
     template <class Add>
     void keep(const Add& add) {
         const Status status = detail::guard_memory([&] {
@@ -152,7 +150,7 @@ CellComplex(Polygon<T>) -> CellComplex<T, 2>;
 template <Scalar T>
 CellComplex(TriangleMesh<T>) -> CellComplex<T, 3>;
 
-/// Return the boundary of any cage, and the cells inside it.
+/// Return the boundary of any cage, and its interior cells.
 template <class Cage>
 const Cage& boundary_of(const Cage& cage) noexcept {
     return cage; // NOLINT(bugprone-return-const-ref-from-parameter): no temporaries, see below
@@ -174,9 +172,9 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// Finds the point of boundary and cells nearest to a finite point; returns the boundary data there
-/// and stores the point in `position`. The data is linear on facets; within the radius of a bone it is
-/// that of the bone's nearest point. The complex must be sound. O(facets and bones).
+/// Returns the boundary data at the nearest point of the boundary and the cells, and stores that point in
+/// `position`. The data is linear on facets; within the radius of a bone it is the data of the bone's
+/// nearest point. `p` must be finite and the complex valid. O(facets and bones).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& position) noexcept {
@@ -204,7 +202,7 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     return value;
 }
 
-/// Classifies a point as for the boundary; points on a facet or within the radius of a bone are
+/// Classifies a point like the boundary does; points on a facet or within the radius of a bone are
 /// on_boundary too.
 template <Scalar T, std::size_t D>
 PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance) noexcept {
@@ -224,11 +222,10 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Whether a complex can serve as a cage. The boundary must be sound. The cells must not be
-/// degenerate, must lie inside, and may meet the boundary and each other only in common vertices,
-/// edges and faces. Bones must have a positive radius, keep that distance from the boundary and
-/// from facets, share vertices only with other bones, and not reach the far ends of these. O(cells
-/// · (cells + facets of the boundary)).
+/// Checks whether a complex is a valid cage. The boundary must be valid. Cells must not be degenerate, must
+/// lie inside, and may meet the boundary and each other only in common vertices, edges and faces. Bones
+/// must have a positive radius, keep that distance from the boundary and from facets, share vertices only
+/// with other bones, and not reach the far ends of these. O(cells · (cells + facets of the boundary)).
 template <class T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage);
 

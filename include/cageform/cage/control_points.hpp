@@ -1,5 +1,4 @@
-// Builds sets of control points from a figure: figure points that serve as handles, and fixed
-// points around the figure.
+// Makes sets of control points from a figure: points of the figure as handles, and fixed points around it.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -14,17 +13,17 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The result of `sites_with_figure_points`.
 template <Scalar T, std::size_t D>
 struct ConstraintPoints {
-    std::vector<Vec<T, D>> sites;       ///< those given, then those added
+    std::vector<Vec<T, D>> sites;       ///< the given sites, then the added ones
     std::vector<std::uint32_t> handles; ///< #indices: the site at each figure point
 };
 
-/// Adds points of a figure to a set of control points, so that they can be moved directly: a figure
-/// point that is a site follows it exactly.
+/// Adds points of a figure to a set of control points, so that they can be moved directly: a figure point
+/// at a site follows the site exactly.
 ///
 ///   sites    any PointRange
 ///   figure   any PointRange of the same dimension, converted to the scalar of the sites
-///   indices  of figure points; one closer to an earlier site than coincidence_tolerance (of sites
-///            and chosen points) adds no site and uses that one as its handle
+///   indices  figure points. A point closer to an earlier site than coincidence_tolerance (of sites and
+///            chosen points) adds no site and uses that site as its handle
 ///   cost     O(#indices · #sites)
 ///   fails    index_out_of_range, vertex_not_finite, out_of_memory
 template <PointRange S, PointRangeIn<range_dimension<S>> F>
@@ -62,23 +61,22 @@ sites_with_figure_points(const S& sites, const F& figure, std::span<const std::s
     return result;
 }
 
-/// Selects the points of the box that `surround` makes.
+/// Selects the points of the box of `surround`.
 enum class SurroundSites : std::uint8_t {
     corners, ///< the 2^D corners
     lattice, ///< 3^D − 1 points: corners, and the midpoints of edges and, in space, of faces
 };
 
 struct SurroundOptions {
-    double margin = 0.25; ///< distance from the points to the sides of the box, in diagonals of the
-                          ///< points; > 0
+    double margin = 0.25; ///< distance from the points to the box sides, in diagonals of the points; > 0
     SurroundSites sites = SurroundSites::corners;
 };
 
-/// Makes sites on a box around points, which are meant to stay fixed. Together with sites among the
-/// points they make a deformation fade to nothing towards the box, and no point lies outside.
+/// Makes sites on a box around points, as fixed control points. With them a deformation fades to zero
+/// towards the box, and all points lie inside.
 ///
-///
-///   points  any PointRange: figure and sites. Points in one plane or on one line get a margin across it
+///   points  any PointRange: figure and sites. Points in one plane or on one line get the margin in all
+///           directions
 ///   fails   too_few_vertices without points, vertex_not_finite, cage_has_no_area or
 ///           cage_has_no_volume if all points coincide, radius_not_positive for the margin,
 ///           value_not_finite if a corner exceeds the scalar's range, out_of_memory

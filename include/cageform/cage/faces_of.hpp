@@ -1,4 +1,4 @@
-// A view of triangles stored in a flat index buffer, as engines keep them.
+// A view of an index buffer as triangles.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -13,11 +13,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Stands for the index of a vertex that does not exist.
+/// Replaces the index of a missing vertex.
 inline constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
 
-/// A view of triangles over a flat index buffer with three indices per face. Owns nothing and
-/// copies nothing.
+/// A non-owning view of an index buffer as triangles, with three indices per face.
 template <std::integral I>
     requires(sizeof(I) <= sizeof(std::uint32_t))
 class FlatFaces {
@@ -28,8 +27,8 @@ public:
 
     constexpr std::size_t size() const noexcept { return (count_ + 2) / 3; }
 
-    /// Returns the vertices of a face. Negative indices convert to numbers beyond every vertex, and
-    /// so do the missing indices of an incomplete last face.
+    /// Returns the vertices of a face. Negative indices, and the missing indices of an incomplete last
+    /// face, become numbers beyond every vertex.
     constexpr std::array<std::uint32_t, 3> operator[](std::size_t face) const noexcept {
         std::array<std::uint32_t, 3> corners{no_vertex, no_vertex, no_vertex};
         for (std::size_t k = 0; k < 3 && 3 * face + k < count_; ++k)
@@ -42,12 +41,12 @@ private:
     std::size_t count_;
 };
 
-/// Views a flat index buffer as triangles, for everything that takes faces: `TriangleMesh(points,
+/// Views an index buffer as triangles, for any function that takes faces: `TriangleMesh(points,
 /// faces_of(indices))`.
 ///
-///   indices  integers of at most 32 bits, contiguous, three per face; they must outlive the view.
-///            If their count is not a multiple of three, the last face lacks a vertex. `check` and
-///            all that takes meshes refuse it by its number, as they do an index out of range
+///   indices  contiguous integers of at most 32 bits, three per face; they must outlive the view. If the
+///            count is not a multiple of three, the last face lacks a vertex, which `check` reports like an
+///            index out of range
 template <class R>
     requires std::integral<std::remove_cvref_t<decltype(*std::data(std::declval<const R&>()))>>
 constexpr auto faces_of(const R& indices) noexcept {

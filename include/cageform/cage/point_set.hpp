@@ -1,4 +1,4 @@
-// Control points that belong to no cage: sites anywhere on, in or around a figure.
+// Control points without a cage: sites anywhere on, in or around a figure.
 #pragma once
 
 #include <cageform/cage/sites/check_sites.hpp>
@@ -7,11 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A set of sites in the plane or in space, in any order. It has no box, no lattice and no
-/// topology.
-///
-/// Copies the sites. Construction never fails; `check` reports whether the sites can serve as
-/// control points.
+/// A set of sites in 2D or 3D, in any order and without topology. Copies the sites. Construction never
+/// fails; `check` reports whether the sites are valid control points.
 template <Scalar T, std::size_t D>
 class PointSet {
     static_assert(D == 2 || D == 3, "sites lie in the plane or in space");
@@ -33,8 +30,7 @@ public:
         if (status_ != Status::ok) sites_.clear();
     }
 
-    /// Returns out_of_memory if the sites did not fit in memory; the set is then empty. `check`
-    /// reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty set, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return sites_.size(); }
     std::span<const Vec<T, D>> sites() const noexcept { return sites_; }
@@ -48,10 +44,9 @@ private:
 template <PointRange R>
 PointSet(const R&) -> PointSet<range_scalar_t<R>, range_dimension<R>>;
 
-/// Whether sites can serve as control points. There must be at least D + 1, all finite, no two
-/// closer than the coincidence_tolerance of their bounds, and not all within that tolerance of one
-/// plane (in the plane, of one line). Each duplicate is reported once, with the first site it
-/// coincides with. O(n log n).
+/// Checks whether sites are valid control points. There must be at least D + 1, all finite, no two closer
+/// than the coincidence_tolerance of their bounds, and not all within that tolerance of one plane (in 2D,
+/// of one line). Each duplicate is reported once, with the first coincident site. O(n log n).
 template <Scalar T, std::size_t D>
 CageReport check(const PointSet<T, D>& set) {
     return detail::report_on(set.status(), [&](CageReport& report) { detail::check_point_set(set, report); });

@@ -9,12 +9,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A cage in the plane: closed loops of vertices. Outer loops and holes come in any order and
-/// orientation; the even-odd rule decides what is inside. A loop is a run of consecutive vertices;
-/// the edge from its last vertex to its first is implied.
+/// A 2D cage of closed vertex loops. Outer loops and holes may have any order and orientation; the even-odd
+/// rule decides what is inside. A loop is a range of consecutive vertices; the edge from its last vertex to
+/// its first is implied.
 ///
-/// Copies the vertices (a cage is small). Construction never fails; `check` reports whether the
-/// polygon can serve as a cage, and every coordinate type calls it.
+/// Copies the vertices. Construction never fails; `check` reports whether the polygon is a valid cage, and
+/// every coordinate type calls it.
 template <Scalar T>
 class Polygon {
 public:
@@ -26,8 +26,7 @@ public:
         std::size_t end;   ///< one past the last
 
         std::size_t size() const noexcept { return end - begin; }
-        /// Calls `f(i, j)` for every edge, from vertex `i` to its successor `j`, in the order of
-        /// the vertices.
+        /// Calls `f(i, j)` for every edge in order, from vertex `i` to the next vertex `j`.
         template <class F>
         void for_each_edge(F&& f) const {
             for (std::size_t i = begin; i < end; ++i) f(i, i + 1 < end ? i + 1 : begin);
@@ -36,14 +35,13 @@ public:
 
     Polygon() = default;
 
-    /// Makes a single loop.
     template <PointRange R>
         requires(range_dimension<R> == 2)
     explicit Polygon(const R& vertices)
         : Polygon(vertices, {}) {}
 
-    /// Makes several loops of `loop_sizes[k]` vertices each, in the order of the vertices. Sizes
-    /// that do not add up to the number of vertices are remembered, and `check` reports them.
+    /// Makes several loops of `loop_sizes[k]` vertices each, in the order of the vertices. `check` reports
+    /// sizes that do not add up to the number of vertices.
     template <PointRange R>
         requires(range_dimension<R> == 2)
     Polygon(const R& vertices, std::span<const std::size_t> loop_sizes)
@@ -51,8 +49,7 @@ public:
         if (status_ != Status::ok) *this = Polygon(status_);
     }
 
-    /// Returns out_of_memory if the vertices did not fit in memory; the polygon is then empty.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty polygon, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 2>> vertices() const noexcept { return vertices_; }
@@ -60,7 +57,6 @@ public:
     std::span<const Loop> loops() const noexcept { return loops_; }
     bool loops_match() const noexcept { return loops_match_; }
 
-    /// Calls `f(i, j)` for the edges of all loops.
     template <class F>
     void for_each_edge(F&& f) const {
         for (const Loop& loop : loops_) loop.for_each_edge(f);
@@ -95,8 +91,7 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Deduces the scalar from the points: `Polygon cage(points)` is a Polygon<double> for double
-/// points.
+/// Deduces the scalar: `Polygon cage(points)` is a Polygon<double> for points of double.
 template <PointRange R>
 Polygon(const R&) -> Polygon<range_scalar_t<R>>;
 template <PointRange R, class Sizes>
@@ -133,21 +128,20 @@ struct BoundaryPoint {
     Vec<T, 2> position; ///< of the boundary point
 };
 
-/// Returns the nearest point on the whole boundary. `p` must be finite and the polygon not empty.
-/// O(#V).
+/// Returns the nearest point of the boundary. `p` must be finite and the polygon not empty. O(#V).
 template <Scalar T>
 BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>& p) noexcept {
     BoundaryPoint<T> best;
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
         const auto candidate = detail::nearest_on_edge(polygon, i, j, p);
-        const bool first = best.i == best.j; // accepted as is: far away all distances may be infinite
+        const bool first = best.i == best.j; // always accepted: far away all distances may be infinite
         if (first || candidate.distance < best.distance) best = candidate;
     });
     return best;
 }
 
-/// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
-/// linear along the edges, and stores the point in `position`.
+/// Returns the boundary data, linear along edges, at the nearest boundary point, and stores that point in
+/// `position`. `p` must be finite.
 template <Scalar T>
 BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 2>& p,
                                         Vec<T, 2>& position) noexcept {
@@ -156,11 +150,9 @@ BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 
     return {{std::uint32_t(q.i), std::uint32_t(q.j)}, {1 - double(q.s), double(q.s)}};
 }
 
-/// Classifies a point by the even-odd rule. It is on the boundary if it lies within `tolerance` of
-/// it (pass the cage's coincidence_tolerance); a NaN or infinite point is not_finite. O(#V).
-///
-/// Rounding can only confuse the sides of an edge closer to it than the tolerance, where the answer
-/// is on_boundary anyway.
+/// Classifies a point by the even-odd rule: on_boundary within `tolerance` of the boundary (pass the cage's
+/// coincidence_tolerance), not_finite for NaN and infinity. Rounding errors affect only points within the
+/// tolerance, which are on_boundary. O(#V).
 template <Scalar T>
 PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
@@ -183,10 +175,9 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Whether a polygon can serve as a cage: every loop has at least three vertices and an area,
-/// consecutive vertices are apart, and no two edges touch except neighbours at their common vertex.
-/// Vertices are apart if their distance exceeds the cage's coincidence_tolerance. Usually O(#V log
-/// #V), O(#V²) at worst.
+/// Checks whether a polygon is a valid cage: every loop has at least three vertices and an area,
+/// consecutive vertices are farther apart than the cage's coincidence_tolerance, and no two edges touch
+/// except neighbours at their common vertex. Usually O(#V log #V), O(#V²) at worst.
 template <class T>
 CageReport check(const Polygon<T>& polygon);
 

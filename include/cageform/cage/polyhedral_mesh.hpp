@@ -9,8 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A range of vertex loops that can be read by index: `faces[f]` has a size, and `faces[f][k]` is
-/// an integer.
+/// A range of vertex loops: `faces[f]` has a size, and `faces[f][k]` is an integer.
 template <class F>
 concept LoopRange = requires(const F& faces, std::size_t i) {
     { std::size(faces) } -> std::convertible_to<std::size_t>;
@@ -20,45 +19,44 @@ concept LoopRange = requires(const F& faces, std::size_t i) {
 
 /// How a PolyhedralMesh binds faces of more than three corners.
 ///
-/// A *fan* is the triangles between a face's edges and the mean m of its n corners. The function of a
-/// corner is 1 there and 1/n at m, and linear on each triangle. So weights of m are passed on to the
-/// corners: w_c = ω_c + Σ ω_m/n over the faces at c, with ω the weights on the mesh of triangles. Sums,
-/// linear precision, signs and the maximum principle carry over, and nothing depends on a diagonal or on
-/// the first corner. A fan is within |c₀ − c₁ + c₂ − c₃|/16 of the bilinear patch of its corners; a cut
-/// along a diagonal within a quarter.
+/// A *fan* consists of the triangles between a face's edges and the mean m of its n corners. The function
+/// of a corner is 1 there, 1/n at m, and linear on each triangle. So the weight of m is distributed to the
+/// corners: w_c = ω_c + Σ ω_m/n over the faces at c, where ω are the weights on the triangle mesh. This
+/// preserves sums, linear precision, signs and the maximum principle, and does not depend on a choice of
+/// diagonal or first corner. The distance from the bilinear patch of the corners is at most
+/// |c₀ − c₁ + c₂ − c₃|/16 for a fan, and |c₀ − c₁ + c₂ − c₃|/4 for two triangles.
 struct PolyhedralOptions {
     enum class NonPlanar : std::uint8_t {
         refuse, ///< face_not_planar
         fan,
     };
     enum class Faces : std::uint8_t {
-        planar, ///< planar faces have coordinates of their plane
-        fan,    ///< all faces are fans, for one rule on the whole cage
+        planar, ///< planar faces have coordinates in their plane
+        fan,    ///< all faces are fans
     };
-    /// Limits how far a corner may lie off its face's plane, in units of the cage; 64 roundings are always
+    /// Maximum distance of a corner from its face's plane, in units of the cage; 64 roundings are always
     /// allowed. Weights on such a face reproduce the point's projection onto the plane, so their error is
-    /// at most that distance.
+    /// at most this distance.
     double off_plane = 0;
     NonPlanar non_planar = NonPlanar::refuse;
     Faces faces = Faces::planar;
-    /// 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan. The
-    /// corners' functions on it are then nearly bilinear: k² times nearer than without, and mean value
-    /// weights approach their integral over the patch as fast. Such a face has 4 k² triangles, so a bind
-    /// takes 2 k² times as long. With k > 1 all faces of more than three corners are fans, and gaps next to
-    /// divided faces may be refused as open edges.
+    /// k, 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan.
+    /// The functions on the face are then nearly bilinear: their error is k² times smaller, and mean value
+    /// weights converge to their integral over the patch at the same rate. Such a face has 4 k² triangles,
+    /// so a bind takes 2 k² times as long. With k > 1 all faces of more than three corners are fans, and
+    /// gaps next to divided faces may be refused as open edges.
     std::uint32_t divisions = 1;
 };
 
-/// A cage in space with faces of any number of corners. A face is one loop, counter-clockwise seen from
-/// outside; a planar one may be non-convex. The surface equals that of `triangles()`, but the boundary data
-/// on a planar face differs: it comes from coordinates in the face's plane (Joshi et al., Harmonic
-/// Coordinates for Character Articulation, sec. 4: every face solves the equation of its own dimension).
-/// The weights therefore do not depend on how a face is triangulated. Faces that are not planar are
-/// refused or bound as fans (PolyhedralOptions).
+/// A 3D cage with faces of any number of corners. A face is one loop, counter-clockwise seen from outside;
+/// a planar face may be non-convex. The surface equals that of `triangles()`, but a planar face has
+/// coordinates in its plane as boundary data, so the weights do not depend on its triangulation (Joshi et
+/// al. 2007, sec. 4: every face solves the equation in its own dimension). Non-planar faces are refused or
+/// bound as fans (PolyhedralOptions).
 ///
-/// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh can
-/// serve as a cage. Gaps are closed by triangles, as in a TriangleMesh. O(#corners log #corners),
-/// and O(m²) for a face of m corners.
+/// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh is a valid
+/// cage. Gaps are closed by triangles, as in a TriangleMesh. O(#corners log #corners), and O(m²) for a face
+/// of m corners.
 template <Scalar T>
 class PolyhedralMesh {
 public:
@@ -76,45 +74,43 @@ public:
         , status_(detail::guard_memory([&] { return fill(vertices, faces); })) {
         if (status_ != Status::ok) *this = PolyhedralMesh(status_);
     }
-    /// Refuses faces whose corners lie farther off their plane than this.
+    /// Sets only PolyhedralOptions::off_plane.
     template <PointRange R, LoopRange F>
         requires(range_dimension<R> == 3)
     PolyhedralMesh(const R& vertices, const F& faces, T off_plane)
         : PolyhedralMesh(vertices, faces, PolyhedralOptions{.off_plane = double(off_plane)}) {}
 
-    /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty mesh, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return size_; }
     std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices().first(size_); }
     const Vec<T, 3>& operator[](std::size_t i) const noexcept { return triangles_[i]; }
 
     std::size_t face_count() const noexcept { return ends_.size(); }
-    /// Returns the vertices of a face; no_vertex stands for an index out of range.
+    /// Returns the vertices of a face; no_vertex replaces an index out of range.
     std::span<const std::uint32_t> face(std::size_t f) const noexcept {
         const std::size_t begin = f == 0 ? 0 : ends_[f - 1];
         return {corners_.data() + begin, ends_[f] - begin};
     }
-    /// Returns the surface as triangles: those of face 0, of face 1, …, then those that close gaps. Its
-    /// vertices are those of the mesh, then the points of fans: the mean of each, in the order of the
-    /// faces, unless faces are divided.
+    /// Returns the surface as triangles: those of face 0, of face 1, …, then those that close gaps. The
+    /// vertices are those of the mesh, then the points of fans, in the order of the faces if no face is
+    /// divided.
     const TriangleMesh<T>& triangles() const noexcept { return triangles_; }
-    /// Returns the range [first, second) of a face's triangles; a planar face of m corners has m − 2. The
+    /// Returns the range [first, second) of a face's triangles: m − 2 for a planar face of m corners. The
     /// triangles of a fan begin at the face's first corner.
     std::pair<std::size_t, std::size_t> triangles_of(std::size_t f) const noexcept {
         return {f == 0 ? 0 : triangle_ends_[f - 1], triangle_ends_[f]};
     }
-    /// Returns the face of a triangle; face_count() for one that closes a gap.
+    /// Returns the face of a triangle; face_count() if the triangle closes a gap.
     std::size_t face_of(std::size_t triangle) const noexcept {
         return std::size_t(std::upper_bound(triangle_ends_.begin(), triangle_ends_.end(), triangle) -
                            triangle_ends_.begin());
     }
-    /// Returns how far a corner may lie off its face's plane.
+    /// Returns the maximum distance of a corner from its face's plane.
     double off_plane() const noexcept { return off_plane_; }
     const PolyhedralOptions& options() const noexcept { return options_; }
-    /// Returns whether a face is bound as a fan.
     bool is_fan(std::size_t f) const noexcept { return is_fan_[f]; }
-    /// Returns the points that `triangles()` has after the vertices.
+    /// Returns the vertices of `triangles()` that follow those of the mesh.
     const detail::FanPoints& fan_points() const noexcept { return fan_points_; }
 
 private:
@@ -135,10 +131,10 @@ private:
                 corners_.push_back(is_there ? std::uint32_t(i) : no_vertex);
             }
             ends_.push_back(corners_.size());
-            is_fan_.push_back(shall_be_fan(face(f), at));
+            is_fan_.push_back(needs_fan(face(f), at));
         }
-        detail::FanMaker<T> fans(at, fan_points_,
-                                 options_.divisions <= most_divisions ? options_.divisions : 1);
+        detail::FanBuilder<T> fans(at, fan_points_,
+                                   options_.divisions <= most_divisions ? options_.divisions : 1);
         for (std::size_t f = 0; f < face_count(); ++f) {
             if (is_fan_[f]) fans.divide_edges(face(f));
         }
@@ -154,7 +150,7 @@ private:
         return triangles_.status();
     }
 
-    bool shall_be_fan(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at) const {
+    bool needs_fan(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at) const {
         if (loop.size() < 4 || std::find(loop.begin(), loop.end(), no_vertex) != loop.end()) return false;
         if (options_.faces == PolyhedralOptions::Faces::fan || options_.divisions > 1) return true;
         if (options_.non_planar == PolyhedralOptions::NonPlanar::refuse) return false;
@@ -163,7 +159,6 @@ private:
         return detail::FarthestCorner(positions, detail::FacePlane(positions)).distance > off_plane_;
     }
 
-    /// Triangulates a face and adds its triangles.
     static void cut(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at,
                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
         if (loop.size() == 3) return triangles.push_back({loop[0], loop[1], loop[2]});
@@ -175,13 +170,14 @@ private:
         Buffer<Vec<double, 2>> flat;
         for (const auto& p : positions) flat.push_back(plane.flat(p));
         if (is_incomplete) triangles.push_back({no_vertex, no_vertex, no_vertex});
-        const detail::PolygonCutter cutter(flat);
-        for (const auto& [a, b, c] : cutter.triangles()) triangles.push_back({loop[a], loop[b], loop[c]});
+        const detail::PolygonTriangulation flat_triangles(flat);
+        for (const auto& [a, b, c] : flat_triangles.triangles())
+            triangles.push_back({loop[a], loop[b], loop[c]});
     }
 
-    std::vector<std::uint32_t> corners_;            ///< of all faces, one after the other
-    std::vector<std::size_t> ends_, triangle_ends_; ///< where each face ends in corners_ and triangles
-    std::vector<bool> is_fan_;                      ///< of each face
+    std::vector<std::uint32_t> corners_;            ///< of all faces, concatenated
+    std::vector<std::size_t> ends_, triangle_ends_; ///< end of each face in corners_ and in the triangles
+    std::vector<bool> is_fan_;                      ///< per face
     std::size_t size_ = 0;
     detail::FanPoints fan_points_;
     TriangleMesh<T> triangles_;
@@ -190,39 +186,35 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Deduces the scalar from the points.
 template <PointRange R, LoopRange F>
 PolyhedralMesh(const R&, const F&, const PolyhedralOptions& = {}) -> PolyhedralMesh<range_scalar_t<R>>;
 
-/// Calls f(triangle) with arrays of vertices.
 template <Scalar T, class F>
 void for_each_facet(const PolyhedralMesh<T>& mesh, F&& f) {
     for_each_facet(mesh.triangles(), f);
 }
 
-/// Classifies a point; it is on the boundary if it lies within `tolerance` of a face. The mesh must be
-/// sound. Usually O(log #corners).
+/// Classifies a point; it is on the boundary within `tolerance` of a face. The mesh must be valid. Usually
+/// O(log #corners).
 template <Scalar T>
 PointState locate(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     return locate(mesh.triangles(), p, tolerance);
 }
 
-/// Finds the nearest boundary point and returns the data of the triangle there. Coordinates replace
-/// it by the data of the triangle's face (coordinates/detail/face_coordinates.hpp). Usually
-/// O(log #corners).
+/// Returns the boundary data of the nearest triangle. Coordinates replace it by the data of the triangle's
+/// face (coordinates/detail/face_coordinates.hpp). Usually O(log #corners).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& position) noexcept {
     return nearest_boundary_value(mesh.triangles(), p, position);
 }
 
-/// Whether a mesh can serve as a cage. Every face must have at least three corners that exist, are
-/// finite, lie in one plane (see off_plane) and form a simple polygon. A face that is a fan need not lie
-/// in a plane; its mean must see all its edges, none from behind. The other conditions are those of a
-/// TriangleMesh. Faults name faces by number. Fans that are not planar are named in warnings, with their
-/// distance from the bilinear patch (PolyhedralOptions; of more than four corners: the largest distance
-/// of a corner from the plane). Costs as much as for a TriangleMesh, plus O(m log m) for a face of m corners,
-/// O(m²) at worst.
+/// Checks whether a mesh is a valid cage. Every face must have at least three corners that exist, are
+/// finite, lie in one plane (see off_plane) and form a simple polygon. A fan need not be planar; the
+/// triangles around its mean must not fold. The other conditions are those of a TriangleMesh. Faults give
+/// face indices. Each non-planar fan is a warning, with its distance from the bilinear patch, or for more
+/// than four corners with the largest distance of a corner from the plane. Costs as much as for a
+/// TriangleMesh, plus O(m log m) for a face of m corners, O(m²) at worst.
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
 

@@ -11,22 +11,22 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A range of faces that can be read by index: `faces[f][k]`, k = 0, 1, 2, is an integer.
+/// A range of triangles: `faces[f][k]`, k = 0, 1, 2, is an integer.
 template <class F>
 concept FaceRange = requires(const F& faces, std::size_t i) {
     { std::size(faces) } -> std::convertible_to<std::size_t>;
     requires std::integral<std::remove_cvref_t<decltype(faces[i][i])>>;
 };
 
-/// A cage in space: triangles over shared vertices, counter-clockwise seen from outside. Any genus,
-/// components and cavities are allowed; shells that are oriented inwards as a whole are handled.
+/// A 3D cage: triangles over shared vertices, counter-clockwise seen from outside. Any genus and any number
+/// of components and cavities; shells that are oriented inwards as a whole are supported.
 ///
-/// Copies the vertices and faces (a cage is small). Construction never fails; `check` reports
-/// whether the mesh can serve as a cage, and every coordinate type calls it.
+/// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh is a valid
+/// cage, and every coordinate type calls it.
 ///
-/// Small gaps are closed by faces over the vertices around them, so that coordinates keep their
-/// laws; `check` names the edges of these gaps in warnings. Gaps are small if they add up to at
-/// most a quarter of the area. Takes O(#F log #F) and, for a gap of n edges, O(n min(n, 256)).
+/// Small gaps, at most a quarter of the area in total, are closed by triangles over the vertices around
+/// them. `check` reports the edges of these gaps in warnings. Takes O(#F log #F) and, for a gap of n edges,
+/// O(n min(n, 256)).
 template <Scalar T>
 class TriangleMesh {
 public:
@@ -36,8 +36,8 @@ public:
 
     TriangleMesh() = default;
 
-    /// `faces[f][k]`, k = 0, 1, 2, is the vertex at a corner of a face. Indices out of range are
-    /// remembered, and `check` reports them.
+    /// `faces[f][k]`, k = 0, 1, 2, is the index of a corner's vertex. Indices out of range are kept, and
+    /// `check` reports them.
     template <PointRange R, FaceRange F>
         requires(range_dimension<R> == 3)
     TriangleMesh(const R& vertices, const F& faces)
@@ -45,8 +45,7 @@ public:
         if (status_ != Status::ok) *this = TriangleMesh(status_);
     }
 
-    /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory for an empty mesh, which `check` reports. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
@@ -54,7 +53,7 @@ public:
     /// Returns the given faces, then those that close gaps.
     std::span<const Face> faces() const noexcept { return faces_; }
     std::size_t given_faces() const noexcept { return given_; }
-    /// Returns the tree by which points are located; empty if a vertex is missing or not finite.
+    /// Returns the bounding volume hierarchy of the faces; empty if a vertex is missing or not finite.
     const detail::BoxTree<3>& boxes() const noexcept { return boxes_; }
 
 private:
@@ -86,7 +85,6 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Deduces the scalar from the points.
 template <PointRange R, FaceRange F>
 TriangleMesh(const R&, const F&) -> TriangleMesh<range_scalar_t<R>>;
 
@@ -98,9 +96,9 @@ void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// Returns the generalised winding number, which says how often the mesh encloses a point; it lies
-/// between integers if the mesh has gaps (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside
-/// segmentation using generalized winding numbers, SIGGRAPH 2013, sec. 4). O(#F).
+/// Returns the generalised winding number, the number of times that the mesh encloses a point. It is not an
+/// integer if the mesh has gaps (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using
+/// generalized winding numbers, SIGGRAPH 2013, sec. 4). O(#F).
 template <Scalar T>
 double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
     double sum = 0;
@@ -109,8 +107,8 @@ double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept 
     return sum / (2 * std::numbers::pi);
 }
 
-/// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
-/// linear on the faces, and stores the point in `position`. The mesh must be sound. Usually O(log #F).
+/// Returns the boundary data, linear on the faces, at the nearest boundary point, and stores that point in
+/// `position`. `p` must be finite and the mesh valid. Usually O(log #F).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& position) noexcept {
@@ -135,9 +133,9 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     return value;
 }
 
-/// Classifies a point. It is on the boundary if it lies within `tolerance` of a face. Otherwise it is inside
-/// if a ray from it crosses an odd number of faces, so a cavity counts as outside in either orientation. The
-/// mesh must be sound. Usually O(log #F).
+/// Classifies a point. It is on the boundary within `tolerance` of a face. Otherwise it is inside if a ray
+/// from it crosses an odd number of faces, so a cavity is outside, with either orientation. The mesh must
+/// be valid. Usually O(log #F).
 template <Scalar T>
 PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
@@ -152,11 +150,10 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Whether a mesh can serve as a cage. Indices must be in range and vertices finite; no two
-/// vertices may coincide (within coincidence_tolerance), and faces must have an area. Every edge
-/// must lie between two faces that run along it in opposite directions (including faces that close
-/// a small gap). The faces around a vertex must form one fan, and no two faces may pass through
-/// each other. Usually O(#F log #F), O(#F²) at worst.
+/// Checks whether a mesh is a valid cage. Indices must be in range and vertices finite; no two vertices may
+/// coincide (within coincidence_tolerance), and faces must have an area. Every edge must have two faces, of
+/// consistent orientation, including faces that close a small gap. The faces around a vertex must form one
+/// fan, and no two faces may intersect. Usually O(#F log #F), O(#F²) at worst.
 template <class T>
 CageReport check(const TriangleMesh<T>& mesh);
 

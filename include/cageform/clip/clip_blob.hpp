@@ -55,14 +55,9 @@ Result<CageClipView<T, D>, OpenClipReport> open_clip(std::span<const std::byte> 
 noexcept {
     Result<CageClipView<T, D>, OpenClipReport> opened;
     Status& status = opened.report.status;
-    status = detail::check_prefix(data, detail::prefix_of(ClipHeader{}), sizeof(ClipHeader), check,
-                                  Status::not_a_clip);
-    if (status != Status::ok) return opened;
     ClipHeader header;
-    std::memcpy(&header, data.data(), sizeof(header));
-    status = header.scalar_bytes != sizeof(T) || header.dimension != D
-                 ? Status::blob_kind_differs
-                 : detail::check_clip<T, D>(data.data(), header);
+    status = detail::read_header(data, check, Status::not_a_clip, sizeof(T), D, header);
+    if (status == Status::ok) status = detail::check_clip<T, D>(data.data(), header);
     if (status != Status::ok) return opened;
     opened.value = detail::view_clip<T, D>(data.data(), header);
     opened.report.bytes = static_cast<std::size_t>(header.bytes);
@@ -107,8 +102,7 @@ public:
         header.turns = clip.moves && D == 3 ? clip.motion.rotations.size() : 0;
         std::uint64_t end = sizeof(ClipHeader);
         detail::for_each_clip_array<T, D>(header, [&end](std::uint64_t& offset, std::uint64_t bytes) {
-            offset = bytes != 0 ? end : 0;
-            end += (bytes + 63) / 64 * 64;
+            detail::place_array(end, offset, bytes, bytes != 0);
         });
         header.bytes = end;
         memory_.resize(end);

@@ -10,6 +10,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// The arguments of `evaluate` and `evaluate_gradients`.
+template <class T>
+struct Batch {
+    BlockView<const T> points;
+    BlockView<T> rows; ///< out: weights or gradients
+    std::span<PointState> states;
+};
+
 /// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the
 /// cage, and whether a point's weights cost the same alone as in a batch.
 template <class C>
@@ -99,7 +107,7 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
 /// Implements `nearest_boundary` for types whose handles are a cage's vertices and whose weights on
 /// the boundary are `data`. Returns the nearest boundary point and fills `row`
 /// (#V) with its weights.
-template <class Cage, class Data = detail::HatData<Cage::dimension>>
+template <class Cage, class Data = detail::LinearBoundaryData<Cage::dimension>>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
                          std::span<typename Cage::scalar> row, const Data& data = {}) noexcept {
@@ -113,7 +121,7 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
         return Status::ok;
     });
     if (status != Status::ok) // out of memory: uses the hat functions of the point's facet
-        detail::HatData<Cage::dimension>::for_each_weight(value, add);
+        detail::LinearBoundaryData<Cage::dimension>::for_each_weight(value, add);
     return position;
 }
 

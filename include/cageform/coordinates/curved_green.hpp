@@ -92,7 +92,7 @@ private:
     }
 
     template <bool gradients>
-    Evaluation evaluate_rows(const detail::Batch<T>& batch, const Running& running) const {
+    Evaluation evaluate_rows(const Batch<T>& batch, const Running& running) const {
         constexpr std::size_t lanes = detail::CurvedBlock<T>::lanes;
         const std::size_t rows = (gradients ? 2 : 1) * tables_.handles.size();
         return detail::evaluate_blocks(

@@ -1,7 +1,6 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// The grid is adaptive here; uniform_harmonic.hpp has a uniform one. The solver of the papers, the
-// baseline that both are compared with, is in papers/pyramid_solver.hpp.
+// The grid is adaptive, unless another solver is given: uniform_harmonic.hpp has a uniform grid.
 #pragma once
 
 #include <cageform/coordinates/harmonic/cage_functions.hpp>
@@ -13,19 +12,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The choice of an adaptive grid (harmonic/tree_solver.hpp), for HarmonicCoordinates. It refuses a
-/// `resolution` and another `solver` than multigrid (solver_not_supported).
+/// Solves on an adaptive grid (harmonic/tree_solver.hpp). Refuses a `resolution` (solver_not_supported).
 struct AdaptiveGrid {
-    template <class C>
-    static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
-                       std::shared_ptr<FunctionsOf<C>>& made, const Running& running) {
-        if (problem->options.solver != HarmonicSolver::multigrid || problem->options.resolution != 0)
-            return Status::solver_not_supported;
-        return on_placed_cage(*problem, [&](auto cage) {
-            return detail::make_adaptive<typename C::scalar, C::dimension>(std::move(cage), report, made,
-                                                                           running);
-        });
-    }
+    template <class T, std::size_t D>
+    Status operator()(std::shared_ptr<const SolverInput<D>> input, SolverReport& report,
+                      std::shared_ptr<CageFunctions<T, D>>& made, const Running& running) const;
 };
 
 /// Harmonic coordinates: h_i solves ∇²h_i = 0 inside the cage and equals the hat function of vertex
@@ -53,29 +44,30 @@ struct AdaptiveGrid {
 ///   compiles  slowly, for it contains a solver; with cageform::compiled the solver is in a library
 ///   fails     as check(cage); accuracy_not_supported; resolution_not_supported, if the cage is too small
 ///             for its distance from the origin; grid_too_coarse; not_converged; cancelled;
-///             out_of_memory; solver_not_supported, if the options name a resolution or another solver
+///             out_of_memory; solver_not_supported, if the options have a resolution
 ///
 /// Outside the cage they are not defined (no extension); every point inside has values.
-template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
-          class Solver = AdaptiveGrid>
+template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
     requires(D == 2 || D == 3)
 class HarmonicCoordinates {
 public:
     using scalar = T;
     using Cage = C;
     using Options = HarmonicOptions;
+    using Solver = HarmonicSolver<T, D>;
     static constexpr std::size_t dimension = D;
     static constexpr bool has_extension = false;
     static constexpr bool closed_form = false;
 
-    explicit HarmonicCoordinates(Cage cage, const Options& options = {})
-        : problem_(make_problem(std::move(cage), options)) {}
+    explicit HarmonicCoordinates(Cage cage, const Options& options = {}, Solver solver = AdaptiveGrid{})
+        : problem_(make_problem(std::move(cage), options, std::move(solver))) {}
 
     /// Makes a polygon of one loop.
     template <PointRange R>
         requires(D == 2 && range_dimension<R> == 2)
-    explicit HarmonicCoordinates(const R& vertices, const Options& options = {})
-        : HarmonicCoordinates(Cage(vertices), options) {}
+    explicit HarmonicCoordinates(const R& vertices, const Options& options = {},
+                                 Solver solver = AdaptiveGrid{})
+        : HarmonicCoordinates(Cage(vertices), options, std::move(solver)) {}
     template <UnknownPointRange R>
     explicit HarmonicCoordinates(const R&, const Options& = {},
                                  detail::PointTraitsNotSpecialisedForThesePoints = {}) =
@@ -84,8 +76,9 @@ public:
     /// Makes the mesh from the arguments of a TriangleMesh.
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3 && std::is_same_v<C, TriangleMesh<T>>)
-    HarmonicCoordinates(const R& vertices, const F& faces, const Options& options = {})
-        : HarmonicCoordinates(Cage(vertices, faces), options) {}
+    HarmonicCoordinates(const R& vertices, const F& faces, const Options& options = {},
+                        Solver solver = AdaptiveGrid{})
+        : HarmonicCoordinates(Cage(vertices, faces), options, std::move(solver)) {}
     template <UnknownPointRange R, FaceRange F>
     HarmonicCoordinates(const R&, const F&, const Options& = {},
                         detail::PointTraitsNotSpecialisedForThesePoints = {}) =
@@ -149,8 +142,8 @@ public:
         });
     }
 
-    /// Computes the gradients of all functions at a batch of points, by the multigrid solvers
-    /// (solver_not_supported with the averaging pyramid).
+    /// Computes the gradients of all functions at a batch of points. A solver of your own may have none
+    /// (solver_not_supported).
     ///
     ///   points     as for `evaluate`; so are the states on entry and on return
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
@@ -205,13 +198,30 @@ public:
     }
 
 private:
-    using Problem = CageProblem<Cage>;
-    using Functions = FunctionsOf<Cage>;
+    struct Problem {
+        Problem(Cage its_cage, const Options& its_options, Solver its_solver)
+            : cage(std::move(its_cage))
+            , report(check(cage))
+            , options(its_options)
+            , solver(std::move(its_solver)) {
+            if (report.status == Status::ok) data_status = detail::HarmonicData<C>::make(cage, options, data);
+        }
+        /// An empty problem, refused with a status.
+        explicit Problem(Status refused)
+            : report{refused, {}} {}
 
-    static std::shared_ptr<const Problem> make_problem(Cage cage, const Options& options) {
+        Cage cage;
+        CageReport report;
+        Options options;
+        Solver solver;
+        detail::BoundaryData<D> data{};
+        Status data_status = Status::ok; ///< of `data`
+    };
+
+    static std::shared_ptr<const Problem> make_problem(Cage cage, const Options& options, Solver solver) {
         std::shared_ptr<const Problem> problem;
         const Status status = detail::guard_memory([&] {
-            problem = std::make_shared<const Problem>(std::move(cage), options);
+            problem = std::make_shared<const Problem>(std::move(cage), options, std::move(solver));
             return Status::ok;
         });
         if (status == Status::ok) return problem;
@@ -224,14 +234,18 @@ private:
     template <class Use>
     Evaluation with_functions(const Running& running, const Use& use) const {
         return detail::guarded_evaluation([&](SolverReport& report) {
-            if (cage_report().status != Status::ok) return cage_report().status;
-            if (problem_->data_status != Status::ok) return problem_->data_status;
-            std::shared_ptr<Functions> functions = kept_;
+            const auto& [cage, cage_report, options, solver, data, data_status] = *problem_;
+            if (cage_report.status != Status::ok) return cage_report.status;
+            if (data_status != Status::ok) return data_status;
+            std::shared_ptr<CageFunctions<T, D>> functions = kept_;
             constexpr double of_grid = 0.25; // the share of the progress
             if (functions) {
                 report = functions->report();
             } else {
-                const Status status = Solver::make(problem_, report, functions, running.subtask(0, of_grid));
+                auto input = std::make_shared<const SolverInput<D>>(cage, cage_report, options, data);
+                Status status = input->status();
+                if (status == Status::ok)
+                    status = solver(std::move(input), report, functions, running.subtask(0, of_grid));
                 if (status != Status::ok) return status;
             }
             return use(functions, report, running.subtask(kept_ ? 0 : of_grid, 1));
@@ -239,24 +253,25 @@ private:
     }
 
     std::shared_ptr<const Problem> problem_;
-    std::shared_ptr<Functions> kept_; ///< solved functions
+    std::shared_ptr<CageFunctions<T, D>> kept_; ///< solved functions
 };
 
 /// Deduces the type from the cage: `HarmonicCoordinates coordinates(cage)`.
-template <Scalar T>
-HarmonicCoordinates(TriangleMesh<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3>;
-template <Scalar T>
-HarmonicCoordinates(PolyhedralMesh<T>, const HarmonicOptions& = {})
+template <Scalar T, class S = AdaptiveGrid>
+HarmonicCoordinates(TriangleMesh<T>, const HarmonicOptions& = {}, const S& = {}) -> HarmonicCoordinates<T, 3>;
+template <Scalar T, class S = AdaptiveGrid>
+HarmonicCoordinates(PolyhedralMesh<T>, const HarmonicOptions& = {}, const S& = {})
     -> HarmonicCoordinates<T, 3, PolyhedralMesh<T>>;
-template <Scalar T>
-HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 2>;
-template <Scalar T, std::size_t D>
-HarmonicCoordinates(CellComplex<T, D>, const HarmonicOptions& = {})
+template <Scalar T, class S = AdaptiveGrid>
+HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}, const S& = {}) -> HarmonicCoordinates<T, 2>;
+template <Scalar T, std::size_t D, class S = AdaptiveGrid>
+HarmonicCoordinates(CellComplex<T, D>, const HarmonicOptions& = {}, const S& = {})
     -> HarmonicCoordinates<T, D, CellComplex<T, D>>;
-template <PointRangeIn<2> R>
-HarmonicCoordinates(const R&, const HarmonicOptions& = {}) -> HarmonicCoordinates<range_scalar_t<R>, 2>;
-template <PointRangeIn<3> R, FaceRange F>
-HarmonicCoordinates(const R&, const F&, const HarmonicOptions& = {})
+template <PointRangeIn<2> R, class S = AdaptiveGrid>
+HarmonicCoordinates(const R&, const HarmonicOptions& = {}, const S& = {})
+    -> HarmonicCoordinates<range_scalar_t<R>, 2>;
+template <PointRangeIn<3> R, FaceRange F, class S = AdaptiveGrid>
+HarmonicCoordinates(const R&, const F&, const HarmonicOptions& = {}, const S& = {})
     -> HarmonicCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI

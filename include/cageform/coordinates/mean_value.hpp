@@ -8,58 +8,20 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The cage is a Polygon in 2D, a TriangleMesh or a PolyhedralMesh in 3D.
-template <Scalar T, std::size_t D, class Cage = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
-class MeanValueCoordinates;
-
-/// Mean value coordinates in 2D, for any set of simple loops, holes included.
+/// Mean value coordinates of a Polygon, with any set of simple loops, holes included; or of a TriangleMesh
+/// or PolyhedralMesh, closed, of any shape. Constructors take the cage; what its constructor takes, such as
+/// vertices and faces; or a cell complex without cells inside (detail/checked_cage.hpp).
+///
+/// In 2D:
 ///
 ///   w_i = (tan(α_{i−1}/2) + tan(α_i/2)) / |C_i − p|,  m_i = w_i / Σ w,
 ///   α_i the signed angle C_i p C_{i+1}
 ///
 /// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1). Several loops and points outside:
 /// Hormann & Floater, Mean value coordinates for arbitrary planar polygons (ACM TOG 25, 2006), sec.
-/// 3 and 4. On vertices and edges the limits are used (the unit row; linear along the edge). The
-/// formula in code: `weigh` in mean_value/plane.hpp.
+/// 3 and 4. The formula in code: `weigh` in mean_value/plane.hpp.
 ///
-///   range      sum to 1; may be negative where the cage is not convex, and outside
-///   smooth     C^∞ in the whole plane, also across edges; C⁰ at vertices
-///   accuracy   a few roundings inside and near the cage. Far away the true weights grow like the
-///              distance and cancel, so points farther than some hundred diagonals are computed one
-///              precision higher, where the platform has one (float always; double where long
-///              double is wider)
-///   cost       O(#V) a point; one division and one square root per vertex and eight (sixteen)
-///              points
-///   gradients  double: errors up to 1e-11 of the largest, or of one over the diagonal (3e-12
-///              measured); float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as
-///              exactly. Closer to a vertex than 1e-6 diagonals they depend on the direction; at the
-///              vertex those of one direction are returned. They take three to four times as long as
-///              double weights; tens of times for a point on the boundary, closer to it than 1e-5
-///              diagonals (double), or some diagonals away
-template <Scalar T>
-class MeanValueCoordinates<T, 2> : public detail::MeanValueEvaluation<Polygon<T>> {
-    using Base = detail::MeanValueEvaluation<Polygon<T>>;
-
-public:
-    explicit MeanValueCoordinates(Polygon<T> cage)
-        : Base(std::move(cage)) {}
-
-    template <PointRange R>
-        requires(range_dimension<R> == 2)
-    explicit MeanValueCoordinates(const R& vertices)
-        : Base(Polygon<T>(vertices)) {}
-    template <UnknownPointRange R>
-    explicit MeanValueCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
-        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
-
-    /// Uses only the loops of a cell complex: interior_cells_not_supported if there are cells inside.
-    explicit MeanValueCoordinates(const CellComplex<T, 2>& cage)
-        : Base(cage) {}
-};
-
-/// Mean value coordinates in 3D, for closed triangle meshes of any shape.
-///
-/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
+/// In 3D: Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
 /// 3: a face gives its corners weights w_k with Σ w_k (C_k − p) = m. Here m is the integral of the
 /// unit vectors from p over the face's projection to the unit sphere, m = ½ Σ θ_e N_e over its
 /// edges, with θ_e the angle that the edge subtends at p and N_e the unit normal of the plane
@@ -72,67 +34,40 @@ public:
 ///
 /// This needs g once per edge. The only difference of nearly equal numbers is S, next to the plane
 /// of a face that p is not over; there S is computed from differences of angles
-/// (`sum_beside_face`). On vertices, edges and faces the limits are used: barycentric weights. The
-/// formula in code: `weigh` and `face_weights` in mean_value/space.hpp.
+/// (`sum_beside_face`). The formula in code: `weigh` and `face_weights` in mean_value/space.hpp.
 ///
+///   boundary   the limits: the unit row on vertices, barycentric weights on edges and triangles
 ///   range      sum to 1; may be negative where the cage is not convex, and outside
-///   smooth     C^∞ in all of space, also across faces; C⁰ at vertices and edges
-///   accuracy   1e-13 inside and near the cage (double), 1e-4 at worst for float; points farther
-///              than some diagonals are computed one precision higher, where the platform has one
-///   cost       O(#E + #F) a point: a square root and an angle an edge, a division a face, eight
-///              (sixteen) points together
-///   gradients  double: errors up to 1e-9 of one over the diagonal in and next to the cage (2e-10
-///              measured); float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as
-///              exactly; less so far away. Closer to an edge or vertex than 1e-6 diagonals they depend
-///              on the direction; on it those of one direction are returned. They take twice as long as
-///              weights (float: five times, as they are computed in double); hundreds of times for a
-///              point on the boundary, closer to it than 1e-5 diagonals (double), or some diagonals
-///              away
-template <Scalar T>
-class MeanValueCoordinates<T, 3> : public detail::MeanValueEvaluation<TriangleMesh<T>> {
-    using Base = detail::MeanValueEvaluation<TriangleMesh<T>>;
-
-public:
-    explicit MeanValueCoordinates(TriangleMesh<T> cage)
-        : Base(std::move(cage)) {}
-
-    /// Makes the mesh from the arguments of a TriangleMesh.
-    template <PointRange R, FaceRange F>
-        requires(range_dimension<R> == 3)
-    MeanValueCoordinates(const R& vertices, const F& faces)
-        : Base(TriangleMesh<T>(vertices, faces)) {}
-    template <UnknownPointRange R, FaceRange F>
-    MeanValueCoordinates(const R&, const F&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
-        CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
-
-    /// Uses only the shells of a cell complex: interior_cells_not_supported if there are cells inside.
-    explicit MeanValueCoordinates(const CellComplex<T, 3>& cage)
-        : Base(cage) {}
-};
-
-/// Mean value coordinates for polyhedral meshes. If all faces are triangles the weights are those
-/// of MeanValueCoordinates<T, 3>. A face with more corners distributes the sum of its triangles'
-/// weights over its corners, by mean value coordinates in its plane (`share_out` in
-/// mean_value/polygons.hpp). The weights therefore do not depend on the triangulation of a face,
-/// and on the face they are the 2D weights. A face that is a fan (PolyhedralOptions) passes the weight of its
-/// mean on to its corners.
+///   smooth     C^∞ everywhere, also across edges (2D) and faces (3D); C⁰ at vertices, in 3D at edges too
+///   accuracy   2D: a few roundings inside and near the cage. Far away the true weights grow like the
+///              distance and cancel, so points farther than some hundred diagonals are computed one
+///              precision higher, where the platform has one (float always; double where long
+///              double is wider). 3D: 1e-13 inside and near the cage (double), 1e-4 at worst for float;
+///              the higher precision begins at some diagonals
+///   cost       2D: O(#V) a point; one division and one square root per vertex and eight (sixteen)
+///              points. 3D: O(#E + #F); a square root and an angle an edge, a division a face
+///   gradients  double: errors of at most 1e-11 of the largest, or of one over the diagonal (2D, 3e-12
+///              measured), or 1e-9 of one over the diagonal in and next to the cage (3D, 2e-10 measured);
+///              float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as exactly, in 3D
+///              less so far away. Closer to a vertex, in 3D to an edge, than 1e-6 diagonals they depend on
+///              the direction; there those of one direction are returned. They take three to four times as
+///              long as double weights, in 3D twice (float: five times, as they are computed in double).
+///              A point takes tens of times as long, in 3D hundreds, on the boundary, closer to it than
+///              1e-5 diagonals (double), or some diagonals away
 ///
-///   accuracy   as there. Around faces that are not convex there are points, inside or outside, where
+/// A PolyhedralMesh of triangles has the weights of the TriangleMesh. A face with more corners distributes
+/// the sum of its triangles' weights over its corners, by mean value coordinates in its plane (`share_out`
+/// in mean_value/polygons.hpp). The weights therefore do not depend on the triangulation of a face, and on
+/// the face they are the 2D weights. A face that is a fan (PolyhedralOptions) passes the weight of its mean
+/// on to its corners.
+///
+///   accuracy   as above. Around faces that are not convex there are points, inside or outside, where
 ///              the weights have a kink (2D mean value coordinates have one on edges)
 ///   cost       that of the triangles, and O(#corners) for all faces of more than three corners
-template <Scalar T>
-class MeanValueCoordinates<T, 3, PolyhedralMesh<T>> : public detail::MeanValueEvaluation<PolyhedralMesh<T>> {
-    using Base = detail::MeanValueEvaluation<PolyhedralMesh<T>>;
-
+template <Scalar T, std::size_t D, class Cage = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
+class MeanValueCoordinates : public detail::MeanValueEvaluation<Cage> {
 public:
-    explicit MeanValueCoordinates(PolyhedralMesh<T> cage)
-        : Base(std::move(cage)) {}
-
-    /// Makes the mesh from the arguments of a PolyhedralMesh.
-    template <PointRange R, LoopRange F>
-        requires(range_dimension<R> == 3)
-    MeanValueCoordinates(const R& vertices, const F& faces, T off_plane = 0)
-        : Base(PolyhedralMesh<T>(vertices, faces, off_plane)) {}
+    using detail::MeanValueEvaluation<Cage>::MeanValueEvaluation;
 };
 
 // `MeanValueCoordinates coordinates(cage)` deduces the scalar and the dimension.

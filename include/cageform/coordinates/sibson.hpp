@@ -169,7 +169,7 @@ private:
     }
 
     template <bool gradients>
-    Evaluation evaluate_rows(const detail::Batch<T>& batch, const Running& running) const {
+    Evaluation evaluate_rows(const Batch<T>& batch, const Running& running) const {
         const std::size_t rows = (gradients ? D : 1) * handles_.size();
         return detail::evaluate_blocks(report_, rows, batch, running,
                                        [&](std::size_t begin, std::size_t end) {
@@ -179,7 +179,7 @@ private:
                                        });
     }
     template <bool gradients>
-    void evaluate_block(const detail::Batch<T>& batch, std::size_t b, Work& work) const {
+    void evaluate_block(const Batch<T>& batch, std::size_t b, Work& work) const {
         Lanes<T>* const rows = batch.rows.block(b);
         for (std::size_t n = 0; n < batch.rows.rows; ++n) std::fill_n(rows[n].v, lane_count<T>, T(0));
         const std::size_t first = b * lane_count<T>;

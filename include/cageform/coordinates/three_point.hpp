@@ -2,10 +2,10 @@
 // Wachspress and discrete harmonic coordinates.
 #pragma once
 
-#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/checked_cage.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/three_point/formula.hpp>
 
@@ -71,42 +71,29 @@ inline constexpr bool is_homogeneous<F> = true;
 ///              Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold as exactly
 ///   faults   those of `check`, vertex_not_convex, interior_cells_not_supported
 template <Scalar T, class F>
-class ThreePointCoordinates {
+class ThreePointCoordinates : public detail::CheckedCage<Polygon<T>> {
+    using Base = detail::CheckedCage<Polygon<T>>;
+
 public:
-    using scalar = T;
-    static constexpr std::size_t dimension = 2;
     static constexpr bool has_extension = false;
-    static constexpr bool closed_form = true;
 
-    explicit ThreePointCoordinates(Polygon<T> cage, F f = {})
-        : cage_(std::move(cage))
+    /// Takes a Polygon, its vertices, or a cell complex without cells inside.
+    template <class Cage>
+        requires std::constructible_from<Base, const Cage&>
+    explicit ThreePointCoordinates(const Cage& cage, F f = {})
+        : Base(cage)
         , f_(std::move(f)) {
-        prepare();
+        if (report_.status != Status::ok) return;
+        report_.status = detail::guard_memory([&] {
+            fill_tables();
+            return report_.status;
+        });
     }
-
-    template <PointRange R>
-        requires(range_dimension<R> == 2)
-    explicit ThreePointCoordinates(const R& vertices, F f = {})
-        : ThreePointCoordinates(Polygon<T>(vertices), std::move(f)) {}
     template <UnknownPointRange R>
     explicit ThreePointCoordinates(const R&, F = {}, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Uses only the loops of a cell complex: interior_cells_not_supported if there are cells inside.
-    explicit ThreePointCoordinates(const CellComplex<T, 2>& cage, F f = {})
-        : f_(std::move(f)) {
-        report_.status = detail::guard_memory([&] {
-            cage_ = cage.boundary();
-            return cage.status();
-        });
-        if (report_.status != Status::ok) return;
-        prepare();
-        detail::refuse_interior_cells(cage, report_);
-    }
-
-    const Polygon<T>& cage() const noexcept { return cage_; }
     std::span<const Vec<T, 2>> handles() const noexcept { return cage_.vertices(); }
-    const CageReport& cage_report() const noexcept { return report_; }
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
@@ -123,16 +110,10 @@ public:
     }
 
 private:
+    using Base::cage_;
+    using Base::report_;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
 
-    void prepare() {
-        report_ = check(cage_);
-        if (report_.status != Status::ok) return;
-        report_.status = detail::guard_memory([&] {
-            fill_tables();
-            return report_.status;
-        });
-    }
     void fill_tables() {
         const auto bounds = bounds_of(cage_.vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
@@ -175,7 +156,7 @@ private:
     }
 
     template <class N>
-    Evaluation evaluate_numbers(const detail::Batch<T>& batch, const Running& running) const {
+    Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
         using S = detail::ScalarOf<detail::ValueOf<N>>;
         const std::size_t rows = detail::has_gradient<N> ? 2 * cage_.size() : cage_.size();
         return detail::evaluate_blocks(
@@ -191,7 +172,7 @@ private:
     /// Evaluates the lanes of block `b` from `first` on, as many as N has. Points next to the line
     /// of an edge are not decided in registers and follow one by one.
     template <class N>
-    void evaluate_lanes(const detail::Batch<T>& batch, std::size_t b, std::size_t first,
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first,
                         std::vector<N>& memory) const {
         using X = detail::ValueOf<N>;
         using S = detail::ScalarOf<X>;
@@ -199,7 +180,8 @@ private:
         Vec<X, 2> p;
         for (std::size_t k = 0; k < 2; ++k)
             p[k] = X(S(scale_)) * detail::load_lanes<S>(batch.points.block(b)[k], first);
-        const auto result = weigh<N>(frame<N>(), near_distance<N>(), p, memory);
+        const auto& frame = detail::for_number<N>(frame_, gradient_frame_);
+        const auto result = weigh<N>(frame, near_distance<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
             detail::for_each_component(
@@ -224,13 +206,6 @@ private:
         }
     }
 
-    template <class N>
-    const auto& frame() const noexcept {
-        if constexpr (detail::has_gradient<N>)
-            return gradient_frame_;
-        else
-            return frame_;
-    }
     /// Returns the distance from the line of an edge above which registers suffice, in units of the
     /// frame. Next to the boundary gradients in double lose accuracy in proportion to 1/distance.
     template <class N, class S = detail::ScalarOf<detail::ValueOf<N>>>
@@ -258,16 +233,8 @@ private:
         std::vector<N> memory(cage_.size());
         const auto result = weigh<N>(frame_about<Wide>(q, unit), Wide(0), Vec<Wide, 2>{}, memory);
         if (detail::value_of(result.sum) == 0) return PointState::unreached;
-        const N inverse = Wide(1) / result.sum;
-        bool finite = true;
-        for (std::size_t i = 0; i < cage_.size(); ++i) {
-            detail::for_each_component(memory[i] * inverse, i, cage_.size(), Wide(scale_),
-                                       [&](std::size_t row, Wide x) {
-                                           rows[row][lane] = static_cast<T>(x);
-                                           finite = finite && is_finite(rows[row][lane]);
-                                       });
-        }
-        if (!finite) return PointState::unreached;
+        if (!detail::store_weights<N>(memory, Wide(1) / result.sum, Wide(scale_), rows, lane))
+            return PointState::unreached;
         return on_boundary ? PointState::on_boundary : PointState::inside;
     }
 
@@ -280,8 +247,6 @@ private:
         return p + (Wide(step) / Wide(scale_)) * way;
     }
 
-    Polygon<T> cage_;
-    CageReport report_;
     F f_;
     detail::ThreePointFrame<T> frame_;
     detail::ThreePointFrame<double> gradient_frame_;

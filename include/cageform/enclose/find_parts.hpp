@@ -1,38 +1,33 @@
-// Finds the parts of a cage in space by its shape alone: trunk, head, limbs, fingers.
+// Segments a 3D cage by shape alone: trunk, head, limbs, fingers.
 //
-// A part is an area with a short border, its joint: 4π·area/border² is 2 for half a sphere and grows with the
-// length of a limb. The steps:
-//   1  space/part_surface.hpp   refines the faces, and measures ways along the surface
-//   2  space/part_sweep.hpp     finds extremities: places that are on average farther from all others than
-//                               their neighbourhood is. From each of them a front sweeps over the surface. A
-//                               joint is where the front has swept much and is short, and then grows fast
-//   3  space/part_cut.hpp       moves the joint to the edges nearby that cut most cheaply; hollow edges cost
-//                               less (the minima rule)
-//   4  space/part_finder.hpp    keeps the joints that fit together, and numbers the parts
+// A part is a surface region with a short border, its joint. The compactness of a region, 4π·area/border², is
+// 2 for a hemisphere and grows with the length of a limb. Steps:
+//   1  space/part_surface.hpp   refines the faces and computes geodesic distances
+//   2  space/part_sweep.hpp     finds extremities, the local maxima of the mean geodesic distance; sweeps a
+//                               front from each. A joint is where the compactness of the swept area peaks
+//   3  space/part_cut.hpp       moves the joint to nearby edges by a minimum cut; concave edges cost less
+//                               (the minima rule)
+//   4  space/part_finder.hpp    keeps compatible joints and numbers the parts
 #pragma once
 
-#include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/result.hpp>
-#include <cageform/enclose/detail/parts_of_cage.hpp>
-#include <cageform/enclose/types/cage_parts.hpp>
+#include <cageform/enclose/detail/make_cage_into.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Divides the faces and vertices of a cage among parts.
+/// Assigns the faces and vertices of a 3D cage to parts.
 ///
-///   cage     a sound cage, such as make_cage returns; of any number of shells and tunnels
-///   returns  a part for each of cage.faces() and each vertex. The faces of a part are connected. Part 1 is
-///            the largest shell without its limbs; the others are numbered by decreasing area. A shape that
-///            has no limbs, such as a sphere, is one part. Every part has a vertex
-///   mirror   where the cage is its own image by a mirror across an axis, the parts are too. The parts of a
-///            pair have numbers n and -n; n lies where the coordinate is larger
-///   limits   a limb counts from 4π·area/border² = 2.6: mittens, whose fingers are not longer than wide, have
-///            none. Where a cage joins limbs, such as legs that are closer together than two margins, the
-///            trunk reaches to where they part
-///   cost     some 10 ms for 60 vertices and 40 ms for 1,000; grows as O(#faces log #faces)
-///   fails    as `check` does, and out_of_memory
+///   cage     a valid cage, with any number of shells and tunnels
+///   returns  a part for each face and each vertex. The faces of a part are connected; each part has a
+///            vertex. Part 1 is the trunk of the largest shell; the others are numbered by decreasing area. A
+///            shape without limbs, such as a sphere, is one part
+///   mirror   if the cage is symmetric about an axis-aligned plane, so are the parts. Mirrored parts are
+///            numbered n and -n; n has the larger coordinate
+///   limits   a limb has a compactness of at least 2.6, so mitten fingers are no limbs. If the cage merges
+///            limbs (legs closer than two margins), the trunk extends to where they part
+///   cost     O(#faces log #faces): 10 ms for 60 vertices, 40 ms for 1,000
+///   fails    the errors of `check`; out_of_memory
 ///
-/// Equal input gives equal parts.
+/// Deterministic.
 template <Scalar T>
 Result<CageParts, CageReport> find_parts(const TriangleMesh<T>& cage) {
     Result<CageParts, CageReport> found;

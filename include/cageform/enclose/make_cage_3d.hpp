@@ -1,20 +1,19 @@
-// Makes a cage for a figure in space: a closed triangle mesh of few vertices around all faces. The figure
-// only needs finite coordinates: holes, torn vertices, faces that cross and scattered parts are fine.
+// Makes a 3D cage: a closed triangle mesh of few vertices around all faces of a figure. The figure may have
+// holes, torn vertices, crossing faces and separate parts; only its coordinates must be finite.
 //
-// f is the unsigned distance from the faces minus 1.12 margins; the surplus makes up for interpolation.
-// A flood from the rim of the lattice through f > 0 finds the outside. Inside is all that it does not reach.
+// f is the unsigned distance from the faces minus 1.12 margins; the surplus covers interpolation errors. A
+// flood from the lattice boundary through f > 0 finds the outside; all other nodes are inside.
 //
-// The steps (make_cage.hpp does this in the plane):
+// Steps (2D: make_cage.hpp):
 //   1  space/space_distance.hpp    samples f on a lattice (detail/distance_lattice.hpp)
-//   2  detail/join_components.hpp  joins separate components by bridges and closes narrow slits
-//   3  space/surface_nets.hpp      makes the border of the outside: a tight mesh (shell.hpp) of very
-//                                  many vertices
+//   2  detail/join_components.hpp  connects components by bridges and closes narrow gaps
+//   3  space/surface_nets.hpp      meshes the border of the outside (shell.hpp): tight, with many vertices
 //      space/limb_rings.hpp        with options.rings: cuts the mesh along a plane across each limb
-//   4  space/reduce_shell.hpp      collapses edges; the mesh stays clear of the figure and of itself
-//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy: volume, bad shapes
-//   6  space/cage_maker.hpp        runs these steps, then measures the exact clearance; if too small,
-//                                  tries again farther off
-// pair_faces then makes faces of four corners (space/pair_faces.hpp, by space/matching.hpp).
+//   4  space/reduce_shell.hpp      collapses edges without touching the figure or the mesh itself
+//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy: volume and poor shapes
+//   6  space/cage_maker.hpp        runs the steps and measures the exact clearance; repeats them with a
+//                                  larger distance if it is too small
+// pair_faces then merges triangles to quads (space/pair_faces.hpp, space/matching.hpp).
 #pragma once
 
 #include <cageform/cage/polyhedral_mesh.hpp>
@@ -23,32 +22,32 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Makes a cage of few vertices around all faces of a figure.
+/// Makes a 3D cage of few vertices around all faces of a figure.
 ///
-///   vertices, faces   any triangles; vertices without a face do not count
-///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes
-///            `check`; no face meets one of the figure, and report.clearance, exact, is at least 0.9 of the
-///            margin. A corner of each connected component of the figure (of 4,096, if there are more) is
-///            inside
-///   parts    are joined by bridges 2.9 margins wide, along a shortest tree; without one_cage, the
-///            shells share options.vertices. Gaps of the figure below 3.6 margins are closed: grown by 1.12
-///            margins, they leave slits below 1.2 of these
-///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
-///   mirror   vertices come in pairs, except for those on the plane; the number requested is met up to one
-///   vertices report.vertices can differ from options.vertices, see there; options.looseness searches for the
-///            fewest, in twice to three times the time up to a thousand vertices, and then more
-///   rings    with options.rings, report.parts has the parts of the cage; each joint is a closed path of four
-///            edges or more in one plane, to within rounding. Limbs are found as by find_parts, on meshes of
-///            four times the vertices, twice and once. This takes 1.3 to 2 times as long
-///   cost     about a second, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
-///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
-///            side, make_cage fails. Several threads share what grows with the figure's faces: two save a
-///            quarter of the time for a million faces, and little below 10,000
-///   errors   figure_empty; index_out_of_range, by face; figure_not_finite, by vertex; figure_has_no_size;
-///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported;
-///            cancelled; out_of_memory; cage_not_found, with the clearance of the last cage tried
+///   vertices, faces  any triangles; vertices without a face are ignored
+///   returns          a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It
+///                    passes `check`. No cage face touches the figure, and report.clearance, which is exact,
+///                    is at least 0.9 margins. A corner of each connected component is inside (tested for at
+///                    most 4,096 components)
+///   parts            connected by bridges 2.9 margins wide along a minimum spanning tree; without one_cage,
+///                    the shells share options.vertices. Gaps below 3.6 margins are closed
+///   tunnels          kept, unless options.fill_tunnels; counted in report.tunnels
+///   mirror           vertices are symmetric; the requested number is met up to one
+///   vertices         see options.vertices for when the number differs. options.looseness searches for the
+///                    fewest; it takes two to three times as long up to 1,000 vertices, more above
+///   rings            with options.rings, report.parts has the parts of the cage. Each joint is a closed,
+///                    planar (up to rounding) path of at least four edges. Limbs are found as by find_parts,
+///                    on meshes of four times, twice and once the vertices. Takes 1.3 to 2 times as long
+///   cost             about a second, and 40 bytes for each of at most 250^3 lattice nodes. The node limit
+///                    leaves small margins fewer than two nodes each; margins below 0.6 % of the longest side
+///                    fail. Threads share the work per figure face: two threads save 25 % for a million
+///                    faces, little below 10,000
+///   errors           figure_empty; index_out_of_range (face); figure_not_finite (vertex);
+///                    figure_has_no_size; margin_not_positive; margin_too_small; too_few_cage_vertices;
+///                    mirror_not_supported; cancelled; out_of_memory; cage_not_found, with the clearance of
+///                    the last cage tried
 ///
-/// Equal input gives equal cages.
+/// Deterministic.
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
 Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& vertices, const F& faces,
@@ -64,23 +63,23 @@ Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& verti
     return made;
 }
 
-/// Pairs triangles of a cage to faces of four corners, as many as possible: artists edit these by loops.
+/// Merges pairs of triangles to quads, as many as possible, so that artists can select edge loops.
 ///
-///   made      by make_cage, for the same figure and options; its vertices may have been rounded since
-///   returns   the same vertices; every triangle is a face, or half of one. Its report is that of `made` with
-///             `quads`, `triangles`, `worst_warp` and the least clearance of all cuts
-///   a pair    is convex, seen along its normal, with angles of 20 to 160 degrees, and its warp is at most
-///             0.4. However each face is cut along a diagonal, or bound as a fan, the cage keeps a quarter
-///             of the margin from the figure, holds it, and does not cross itself. Edges of joints in
-///             made.report.parts are sides of faces
-///   choice    most pairs; of such choices the best sum of square angles and low warps, by a maximum weight
-///             matching. Where faces would meet in some cut, one of them is given up
-///   mirror    pairs come in mirrored pairs, or are their own images
-///   cost      O(n log n) as a rule for n faces, and for each face of the figure a look at the pairs near it
-///   errors    those of `made`, and of make_cage for an invalid figure
+///   made     the result of make_cage for this figure and these options; its vertices may have been rounded
+///            since
+///   returns  the vertices of `made`; each face is a triangle of `made` or a pair. The report is that of
+///            `made` with `quads`, `triangles`, `worst_warp` and the least clearance over all triangulations
+///   quads    convex seen along their normal, with angles of 20 to 160 degrees and a warp of at most 0.4. The
+///            cage keeps a quarter of the margin from the figure, encloses it and does not cross itself,
+///            whichever diagonal splits each quad (or a fan). Edges of joints in made.report.parts are kept
+///   choice   the most quads; among such choices, the best sum of right angles and low warp (maximum weight
+///            matching). If two quads may intersect, the worse one is dropped
+///   mirror   the quads are symmetric
+///   cost     typically O(n log n) for n cage faces; each figure face is tested against nearby pairs
+///   errors   those of `made`, and of make_cage for an invalid figure
 ///
-/// Coordinates bind faces that are not planar as fans (PolyhedralOptions). Green coordinates have four scaled
-/// normals for such a face.
+/// Coordinates bind non-planar faces as fans (PolyhedralOptions). Green coordinates have four scaled normals
+/// for such a face.
 template <Scalar T, PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
 Result<PolyhedralMesh<T>, MakeCageReport> pair_faces(const Result<TriangleMesh<T>, MakeCageReport>& made,

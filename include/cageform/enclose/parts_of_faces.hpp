@@ -1,4 +1,4 @@
-// The tree of the parts of a cage whose faces have the numbers of their parts.
+// Builds the parts of a cage from the part number of each face.
 #pragma once
 
 #include <cageform/enclose/space/part_labels.hpp>
@@ -6,14 +6,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Which parts hang on which, which vertices they have, and where their joints are.
+/// Determines the hierarchy, vertices and joints of parts.
 ///
-///   faces     lists of vertices below `vertices`, of any length
-///   numbers   #faces, none of them 0
-///   returns   the first part in the order above is the first of the tree. A part hangs on the part in the
-///             tree with which it has the most edges in common, as soon as these are two thirds of the most
-///             that it has with any. Where it has as many with n as with -n, it hangs on what n hangs on.
-///             Where no part can hang so, those with the most edges do; n and -n come last
+///   faces    lists of vertices below `vertices`, of any length
+///   numbers  #faces, never 0; order: 1, 2, -2, 3, -3, …
+///   returns  the root is the first part in this order. A part is attached to the part in the tree with which
+///            it shares most edges, once these are two thirds of the most that it shares with any part. If it
+///            shares as many with n as with -n, it is attached to their parent. If no part qualifies, those
+///            with most common edges are attached
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;
@@ -26,7 +26,7 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
         part[f] = std::size_t(
             std::lower_bound(names.begin(), names.end(), numbers[f], detail::part_precedes) - names.begin());
     constexpr std::size_t none = detail::PartTree::none;
-    const detail::PartTree tree(names, detail::pairs_of_parts(faces, part));
+    const detail::PartTree tree(names, detail::adjacent_parts(faces, part));
     for (std::size_t p = 0; p < names.size(); ++p)
         found.parts.push_back({names[p], tree.parent(p) == none ? 0 : names[tree.parent(p)], {}, {}});
     std::vector<std::array<std::size_t, 2>> corners; // a vertex, and the part of a face there
@@ -36,8 +36,9 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     std::vector<std::size_t> of(vertices, none);
-    for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.above_both(of[v], p);
-    for (const auto& [v, p] : corners) { // is on the joints of all parts from there down to its faces
+    for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.common_ancestor(of[v], p);
+    // A vertex is on the joints of all parts between its own and those of its faces.
+    for (const auto& [v, p] : corners) {
         for (std::size_t q = p; q != of[v] && tree.parent(q) != none; q = tree.parent(q)) {
             auto& joint = found.parts[q].joint;
             if (joint.empty() || joint.back() != v) joint.push_back(std::uint32_t(v));

@@ -8,58 +8,55 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bpy.types.Keyframe: points (frame, value), which Blender stores in single precision.
+/// A bpy.types.Keyframe. Points are (frame, value); Blender stores them in single precision.
 /// `interpolation` applies between this keyframe and the next; CONSTANT is hold.
 struct BlenderKey {
     Vec<double, 2> co{}, handle_left{}, handle_right{};
     KeyKind interpolation = KeyKind::bezier;
 };
 
-/// How Blender shortens long handles when it evaluates a curve; the stored handles do not change.
+/// How Blender shortens long handles when it evaluates a curve. The stored handles do not change.
 enum class BlenderLimit : std::uint8_t {
-    /// A handle that spans more time than the interval is shortened to the interval's length,
-    /// keeping its direction; the other handle stays. Measured in Blender 3.4.1.
+    /// A handle longer in time than the interval is scaled to the interval's length. Blender 3.4.1.
     each_handle,
-    /// Two handles that together span more time than the interval are both scaled by the interval's
-    /// length over their sum. Earlier versions of Blender do this.
+    /// Two handles whose lengths in time exceed the interval together are both scaled to fit. Earlier
+    /// Blender.
     both_together,
 };
 
-/// Imports the curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
+/// Imports the curve between two keyframes as Blender evaluates it, with long handles shortened.
 ///
-///   fails  value_not_finite; interval_empty; time_not_monotone if a handle points away from the
-///          interval
-/// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor,
-/// F-Curves, "Handles" and "Interpolation"; the limits come from measuring fcurve.evaluate().
+///   fails  value_not_finite; interval_empty; time_not_monotone if a handle points away from the interval
+/// The easing interpolations (SINE, BOUNCE, …) are not Bézier curves and not supported. Blender manual,
+/// Graph Editor, F-Curves, "Handles" and "Interpolation"; the limits were measured with fcurve.evaluate().
 inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKey& second,
                                         BlenderLimit limit = BlenderLimit::each_handle) noexcept {
-    if (first.interpolation == KeyKind::hold) return detail::held(first.co, second.co[0]);
+    if (first.interpolation == KeyKind::hold) return detail::constant_interval(first.co, second.co[0]);
     if (first.interpolation == KeyKind::linear)
-        return detail::imported(KeyKind::linear, detail::straight(first.co, second.co));
+        return detail::imported(KeyKind::linear, detail::straight_line(first.co, second.co));
     const BezierCurve stored{{first.co, first.handle_right, second.handle_left, second.co}};
     for (const auto& p : stored.points) {
         if (!is_finite(p)) return detail::refused(Status::value_not_finite);
     }
     if (!(second.co[0] > first.co[0])) return detail::refused(Status::interval_empty);
     return detail::imported(KeyKind::bezier,
-                            detail::limited_by_blender(stored, limit == BlenderLimit::each_handle));
+                            detail::with_blender_limit(stored, limit == BlenderLimit::each_handle));
 }
 
-/// Exports a curve to two keyframes: writes their points, the handles between them, and the
-/// interpolation. The outer handles belong to the neighbouring curves. Both handle types must be
-/// FREE (or ALIGNED), or Blender recomputes the handles.
+/// Exports a curve to two keyframes: their points, the handles between them and the interpolation. The
+/// outer handles belong to the neighbouring curves. Both handle types must be FREE (or ALIGNED), or Blender
+/// recomputes the handles.
 ///
-///   hold   the second key's value is left alone
-///   fails  as `check`; handle_not_allowed if Blender would shorten a handle; nothing is written
-///          then
+///   hold   the second key's value does not change
+///   fails  as `check`; handle_not_allowed if Blender would shorten a handle; nothing is written then
 inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey& second,
                          KeyKind kind = KeyKind::bezier,
                          BlenderLimit limit = BlenderLimit::each_handle) noexcept {
-    const Status status = detail::sound(curve);
+    const Status status = detail::check_curve(curve);
     if (status != Status::ok) return status;
     const auto& p = curve.points;
     if (kind == KeyKind::bezier) {
-        const auto kept = detail::limited_by_blender(curve, limit == BlenderLimit::each_handle).points;
+        const auto kept = detail::with_blender_limit(curve, limit == BlenderLimit::each_handle).points;
         const double off = std::fabs(kept[1][0] - p[1][0]) + std::fabs(kept[2][0] - p[2][0]);
         const double rounding = 4 * epsilon<double> * (std::fabs(p[0][0]) + std::fabs(p[3][0]));
         if (off > rounding) return Status::handle_not_allowed;
@@ -72,14 +69,14 @@ inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey
     return Status::ok;
 }
 
-/// Imports all keyframes of an F-curve as keys to be compiled, in frames; `from_blender` makes the
-/// curves between them. Fails as it does, for the first interval that is refused.
+/// Imports all keyframes of an F-curve, in frames, by `from_blender`. Fails as `from_blender`, at the first
+/// interval that fails.
 inline Result<std::vector<Key>, ExchangeReport>
 keys_from_blender(std::span<const BlenderKey> keyframes,
                   BlenderLimit limit = BlenderLimit::each_handle) noexcept {
-    return detail::import_keys(
-        keyframes.size(), [&](std::size_t n) { return from_blender(keyframes[n], keyframes[n + 1], limit); },
-        [&](std::size_t n) { return keyframes[n].co; });
+    return detail::import_keys(keyframes, [&](const BlenderKey& first, const BlenderKey& second) {
+        return from_blender(first, second, limit);
+    });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

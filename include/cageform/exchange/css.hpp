@@ -13,23 +13,23 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How `parse_css_easing` went. The status is
-///   input_malformed      the text is none of the supported easing functions
-///   handle_not_allowed   x1 or x2 lies outside [0, 1]
-///   value_not_finite     y1 or y2 is too large for a double
+/// The result of `parse_css_easing`. The status is
+///   input_malformed      if the text is not a supported easing function
+///   handle_not_allowed   if x1 or x2 lies outside [0, 1]
+///   value_not_finite     if y1 or y2 is too large for a double
 struct CssReport {
     Status status = Status::ok;
-    std::size_t error_at = 0; ///< position of the fault in the text, in bytes; its size if it ends too early
+    std::size_t error_at = 0; ///< byte offset of the error in the text; the text's size if it ends too early
 };
 
 /// Parses `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
 /// `ease-in-out`.
 ///
-///   text    one easing function, case-insensitive, with whitespace and comments where CSS allows
-///           them; the decimal separator is a point in every locale. Not supported: steps(),
-///           linear(), calc(), escapes in names, a missing closing bracket.
-///   returns a curve from (0, 0) to (1, 1); `linear` has its handles on its keys, as cubic-bezier(0, 0, 1, 1)
-///   cost    one pass, no allocation
+///   text     one easing function, case-insensitive, with whitespace and comments where CSS allows them.
+///            The decimal separator is a point in every locale. Not supported: steps(), linear(), calc(),
+///            escapes in names, a missing closing bracket
+///   returns  a curve from (0, 0) to (1, 1); `linear` equals cubic-bezier(0, 0, 1, 1)
+///   cost     one pass, no allocation
 /// CSS Easing Functions Level 1, sec. 2.1 and 2.2; CSS Syntax Module Level 3, sec. 4.3.
 inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) noexcept {
     struct Keyword {
@@ -49,7 +49,7 @@ inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) no
     const std::size_t begin = reader.at();
     const std::string_view name = reader.name();
     Result<BezierCurve, CssReport> result = failed(Status::input_malformed, begin);
-    if (detail::equal_in_any_case(name, "cubic-bezier")) {
+    if (detail::equal_ignoring_case(name, "cubic-bezier")) {
         if (!reader.take('(')) return failed(Status::input_malformed, reader.at());
         std::array<double, 4> value{};
         std::array<std::size_t, 4> position{};
@@ -68,7 +68,7 @@ inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) no
         result = {detail::unit_curve(value[0], value[1], value[2], value[3]), {}};
     } else {
         for (const Keyword& k : keywords) {
-            if (detail::equal_in_any_case(name, k.name))
+            if (detail::equal_ignoring_case(name, k.name))
                 result = {detail::unit_curve(k.x1, k.y1, k.x2, k.y2), {}};
         }
         if (!result) return result;
@@ -78,13 +78,13 @@ inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) no
     return result;
 }
 
-/// Writes a curve, moved and scaled to keys at (0, 0) and (1, 1), as `cubic-bezier(x1, y1, x2, y2)`. The
-/// digits are the fewest that are read as the same numbers: a curve with such keys comes back to the bit.
+/// Writes a curve, moved and scaled to keys at (0, 0) and (1, 1), as `cubic-bezier(x1, y1, x2, y2)`.
+/// Numbers have the fewest digits that parse to the same double.
 ///
-///   level   a constant curve equals any easing between equal values; its y1 and y2 become 0 and 1
-///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval, which CSS
-///           forbids, or if the keys have one value and a handle another; value_not_finite;
-///           out_of_memory
+///   level   y1 and y2 of a constant curve become 0 and 1, because any easing between equal values is
+///           constant
+///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval, which CSS forbids, or
+///           if the keys have equal values and a handle has another; value_not_finite; out_of_memory
 /// CSS Easing Functions Level 1, sec. 2.2.
 inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
     Result<std::string> result;
@@ -107,35 +107,27 @@ inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// A keyframe of one number, with the easing function to the next keyframe.
+/// A keyframe of a scalar, with the easing function to the next keyframe.
 struct CssKey {
     double time = 0, value = 0;
     std::string_view easing = "linear"; ///< in the syntax of `parse_css_easing`
 };
 
-/// Imports all keyframes of an animation of one number as keys to be compiled, in the units of
-/// their times.
+/// Imports all keyframes of a scalar animation, in the time units of the input.
 ///
 ///   fails  as `parse_css_easing`; interval_empty; value_not_finite
 /// CSS Easing Functions Level 1, sec. 2; CSS Animations Level 1, sec. 3.
 inline Result<std::vector<Key>, ExchangeReport> keys_from_css(std::span<const CssKey> keyframes) noexcept {
-    const auto position = [&](std::size_t n) {
-        return Vec<double, 2>{keyframes[n].time, keyframes[n].value};
-    };
-    return detail::import_keys(
-        keyframes.size(),
-        [&](std::size_t n) {
-            const auto easing = parse_css_easing(keyframes[n].easing);
-            if (!easing) return detail::refused(easing.status());
-            const auto first = position(n), second = position(n + 1);
-            const auto& unit = easing.value.points;
-            const auto scaled = [&](const Vec<double, 2>& p) {
-                return Vec<double, 2>{std::lerp(first[0], second[0], p[0]),
-                                      std::lerp(first[1], second[1], p[1])};
-            };
-            return detail::imported(KeyKind::bezier, {{first, scaled(unit[1]), scaled(unit[2]), second}});
-        },
-        position);
+    return detail::import_keys(keyframes, [](const CssKey& from, const CssKey& to) {
+        const auto easing = parse_css_easing(from.easing);
+        if (!easing) return detail::refused(easing.status());
+        const auto first = detail::position_of(from), second = detail::position_of(to);
+        const auto& unit = easing.value.points;
+        const auto scaled = [&](const Vec<double, 2>& p) {
+            return Vec<double, 2>{std::lerp(first[0], second[0], p[0]), std::lerp(first[1], second[1], p[1])};
+        };
+        return detail::imported(KeyKind::bezier, {{first, scaled(unit[1]), scaled(unit[2]), second}});
+    });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

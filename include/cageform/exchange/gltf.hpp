@@ -1,5 +1,4 @@
-// Imports samplers of glTF 2.0 animations with any interpolation, and exports curves as
-// CUBICSPLINE.
+// Imports glTF 2.0 animation samplers of any interpolation, and exports curves as CUBICSPLINE.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -10,58 +9,25 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The arrays of a sampler.
 struct GltfTrack {
     std::vector<float> times;  ///< the sampler's input, in seconds
-    std::vector<float> values; ///< its output: in-tangents, values and out-tangents of each key
+    std::vector<float> values; ///< the sampler's output: in-tangent, value and out-tangent of each key
 };
 
-/// Imports a Bézier curve for every interval and component. Handles lie at thirds of the interval, on
-/// the tangents, which are in units per second. The conversion is lossless. A rotation's four
-/// components must still be normalised after evaluation.
-///
-///   times       #K, in seconds, ascending
-///   values      3 · #K · components: in-tangents, values and out-tangents of each key
-///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
-///   fails       input_malformed if the sizes do not match, for fewer than two keys or no components;
-///               value_not_finite, even for the first in- and the last out-tangent, which are unused;
-///               keys_not_ascending if times do not ascend; out_of_memory
-/// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
-inline Result<std::vector<BezierCurve>, ExchangeReport>
-from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
-                      std::size_t components) noexcept {
-    const std::size_t keys = times.size();
-    if (keys < 2) return {{}, {Status::input_malformed, 0}};
-    if (const auto sound = detail::check_gltf(times, values, components, 3); sound.status != Status::ok)
-        return {{}, sound};
-    Result<std::vector<BezierCurve>, ExchangeReport> result;
-    result.report.status = detail::guard_memory([&] {
-        result.value.resize((keys - 1) * components);
-        return Status::ok;
-    });
-    for (std::size_t index = 0; index < result.value.size(); ++index) {
-        const std::size_t k = index / components, c = index % components;
-        const double begin = times[k], end = times[k + 1], third = (end - begin) / 3;
-        const auto of_key = [&](std::size_t n) { return double(values[(3 * k + n) * components + c]); };
-        const double v0 = of_key(1), out = of_key(2), in = of_key(3), v1 = of_key(4);
-        result.value[index] = {
-            {{{begin, v0}, {begin + third, v0 + third * out}, {end - third, v1 - third * in}, {end, v1}}}};
-    }
-    return result;
-}
-
-/// A sampler's `interpolation`.
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 
-/// Reads the arrays of a sampler as keys to be compiled, one curve for each component. The curves of
-/// CUBICSPLINE are those of `from_gltf_cubicspline`, LINEAR gives straight lines, STEP held values.
+/// Imports the arrays of a sampler as keys, one curve per component. CUBICSPLINE gives handles at thirds of
+/// the interval, on the tangents; LINEAR gives straight lines, STEP held values.
 ///
-///   times, components  as for `from_gltf_cubicspline`; a single key is allowed
-///   values             #K · components; for CUBICSPLINE 3 · #K · components, with tangents per
-///                      second. The components of a rotation must be normalised after evaluation;
-///                      for LINEAR this is not the slerp that glTF prescribes
-///   fails              as `from_gltf_cubicspline`, except that a single key is allowed
-/// glTF 2.0, sec. 3.11 and appendix C.
+///   times       #K, in seconds, ascending; a single key is allowed
+///   values      #K · components; for CUBICSPLINE 3 · #K · components: in-tangent, value and out-tangent of
+///               each key, with tangents per second. Normalise a rotation after evaluation. For LINEAR
+///               rotations this is not the slerp of the glTF standard
+///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
+///   fails       input_malformed if the sizes do not match, or for no keys or components;
+///               value_not_finite, also for the unused first in- and last out-tangent; keys_not_ascending;
+///               out_of_memory
+/// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<std::vector<std::vector<Key>>, ExchangeReport>
 keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,
                GltfInterpolation interpolation) noexcept {
@@ -92,22 +58,38 @@ keys_from_gltf(std::span<const float> times, std::span<const float> values, std:
     return result;
 }
 
-/// Exports curves as the sampler of a track. Works for curves fitted by this library and curves of
-/// `from_gltf_cubicspline`. Other curves, in which time is not linear in the parameter, must be
-/// fitted first.
+/// Imports a CUBICSPLINE sampler as Bézier curves, without loss: curves[interval · components + component].
+/// Fails as `keys_from_gltf`; input_malformed also for a single key.
+inline Result<std::vector<BezierCurve>, ExchangeReport>
+from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
+                      std::size_t components) noexcept {
+    if (times.size() < 2) return {{}, {Status::input_malformed, 0}};
+    const auto keys = keys_from_gltf(times, values, components, GltfInterpolation::cubicspline);
+    Result<std::vector<BezierCurve>, ExchangeReport> result{{}, keys.report};
+    if (!keys) return result;
+    result.report.status = detail::guard_memory([&] {
+        for (std::size_t k = 0; k + 1 < times.size(); ++k) {
+            for (const auto& curve : keys.value) result.value.push_back(key_interval(curve, k));
+        }
+        return Status::ok;
+    });
+    return result;
+}
+
+/// Exports curves as one sampler. Time must be linear in the parameter, as in curves fitted by this library
+/// and those of `from_gltf_cubicspline`; fit other curves first.
 ///
-///   curves      #I · components, at least one interval, curves[interval * components + component]; the
-///               intervals follow
-///               each other in time, the same for all components, and a curve's last value is the
-///               next one's first
+///   curves      #I · components, #I ≥ 1: curves[interval · components + component]. All components have
+///               the same consecutive intervals, and each curve begins at the value where the curve before
+///               it ends
 ///   components  at least 1
-///   tangents    scaled by the interval's length in single precision, so that handles keep their
-///               values; the first in- and the last out-tangent are 0
-///   fails       as `check`; input_malformed if the sizes, or the intervals or values of
-///               neighbours, do not match, or time begins before 0; interval_empty if times
-///               coincide in single precision; handle_not_allowed if a handle is off its third by
-///               more than 1e-7 of the interval; value_not_finite and slope_unbounded if a value or
-///               tangent is too large for single precision; out_of_memory
+///   tangents    scaled by the single-precision length of the interval, so that handles keep their values;
+///               the first in- and the last out-tangent are 0
+///   fails       as `check`; input_malformed if the sizes do not match, if neighbouring intervals or values
+///               do not meet, or if time begins before 0; interval_empty if times coincide in single
+///               precision; handle_not_allowed if a handle is off its third by more than 1e-7 of the
+///               interval; value_not_finite and slope_unbounded if a value or tangent is too large for
+///               single precision; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<GltfTrack, ExchangeReport> to_gltf_cubicspline(std::span<const BezierCurve> curves,
                                                              std::size_t components) noexcept {

@@ -7,9 +7,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A UnityEngine.Keyframe. Tangents are slopes (value per time). Weights are fractions of the
-/// interval on their side, in [0, 1]. Unity stores all in single precision. A round trip gives the
-/// same rounded numbers, unless a handle is shorter than 1e-7 of its key's coordinates.
+/// A UnityEngine.Keyframe. Tangents are slopes (value per time). Weights are fractions of the interval on
+/// their side, in [0, 1]. Unity stores single precision. An import followed by an export returns the same
+/// single-precision numbers, unless a handle is shorter than 1e-7 of its key's coordinates.
 struct UnityKey {
     double time = 0, value = 0;
     double in_tangent = 0, out_tangent = 0;
@@ -17,17 +17,16 @@ struct UnityKey {
     WeightedHandles weighted = WeightedHandles::none; ///< weightedMode
 };
 
-/// Imports the curve from a keyframe to the next. A handle lies on the tangent, at its weight's
-/// fraction of the interval, or at a third if it is not weighted. An infinite tangent on either side
-/// of the interval holds the first value.
+/// Imports the curve between two keyframes. A handle lies on its tangent, at its weight's fraction of the
+/// interval, or at a third if it is unweighted. An infinite tangent at either end holds the first value.
 ///
-///   reads  the out tangent and weight of `first`, the in tangent and weight of `second`; a weight
-///          only if `weighted` says so
-///   fails  value_not_finite; interval_empty; handle_not_allowed if a weight leaves [0, 1]
+///   reads  the out tangent and weight of `first`, the in tangent and weight of `second`; weights only if
+///          `weighted` includes their side
+///   fails  value_not_finite; interval_empty; handle_not_allowed if a weight is outside [0, 1]
 /// Unity Scripting API, Keyframe ("Hermite Segment", "Bezier Segment") and WeightedMode.
 inline Result<KeyInterval> from_unity(const UnityKey& first, const UnityKey& second) noexcept {
     if (detail::is_infinite(first.out_tangent) || detail::is_infinite(second.in_tangent))
-        return detail::held({first.time, first.value}, second.time);
+        return detail::constant_interval({first.time, first.value}, second.time);
     constexpr double third = 1.0 / 3;
     const double out = detail::has(first.weighted, WeightedHandles::out) ? first.out_weight : third;
     const double in = detail::has(second.weighted, WeightedHandles::in) ? second.in_weight : third;
@@ -44,21 +43,19 @@ inline Result<KeyInterval> from_unity(const UnityKey& first, const UnityKey& sec
            {second.time, second.value}}}});
 }
 
-/// Exports a curve to two keyframes: writes times, values, and the tangents, weights and weighted
-/// sides between them. A handle at a third is written unweighted. The outer tangents belong to the
-/// neighbouring curves.
+/// Exports a curve to two keyframes: times, values, and the tangents, weights and weighted sides between
+/// them. A handle at a third is written unweighted. The outer tangents belong to the neighbouring curves.
 ///
-///   hold    an infinite tangent; the second key's value is left alone
-///   linear  the straight line between the keys, whatever the handles
-///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval;
-///           slope_unbounded if a handle is vertical or too steep for single precision; nothing
-///           is written then
+///   hold    gives an infinite tangent; the second key's value does not change
+///   linear  gives the straight line between the keys; the handles are ignored
+///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval; slope_unbounded if a
+///           handle is vertical or too steep for single precision; nothing is written then
 inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& second,
                        KeyKind kind = KeyKind::bezier) noexcept {
-    Status status = detail::sound(curve);
+    Status status = detail::check_curve(curve);
     if (status != Status::ok) return status;
-    const auto p =
-        kind == KeyKind::linear ? detail::straight(curve.points[0], curve.points[3]).points : curve.points;
+    const auto p = kind == KeyKind::linear ? detail::straight_line(curve.points[0], curve.points[3]).points
+                                           : curve.points;
     constexpr double third = 1.0 / 3;
     double out_tangent = detail::infinite(), in_tangent = out_tangent;
     double out = third, in = third;
@@ -86,15 +83,11 @@ inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& seco
     return Status::ok;
 }
 
-/// Imports all keyframes of an AnimationCurve as keys to be compiled, in seconds; `from_unity`
-/// makes the curves between them. Fails as it does, for the first interval that is refused.
+/// Imports all keyframes of an AnimationCurve, in seconds, by `from_unity`. Fails as `from_unity`, at the
+/// first interval that fails.
 inline Result<std::vector<Key>, ExchangeReport>
 keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
-    return detail::import_keys(
-        keyframes.size(), [&](std::size_t n) { return from_unity(keyframes[n], keyframes[n + 1]); },
-        [&](std::size_t n) {
-            return Vec<double, 2>{keyframes[n].time, keyframes[n].value};
-        });
+    return detail::import_keys(keyframes, from_unity);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

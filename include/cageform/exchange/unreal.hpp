@@ -7,11 +7,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An FRichCurveKey. Tangents are slopes (value per second). Weights are the lengths of the handles
-/// in the time–value plane, with seconds and units of the value on equal scales. Unreal stores all
-/// in single precision. A round trip gives the same rounded numbers, unless a handle is shorter
-/// than 1e-7 of its key's coordinates. `interpolation` applies between this key and the next:
-/// RCIM_Constant is hold, RCIM_Cubic bezier.
+/// An FRichCurveKey. Tangents are slopes (value per second). Weights are the lengths of the handles in the
+/// time–value plane, with seconds and units of the value on equal scales. Unreal stores single precision.
+/// An import followed by an export returns the same single-precision numbers, unless a handle is shorter
+/// than 1e-7 of its key's coordinates. `interpolation` applies between this key and the next: RCIM_Constant
+/// is hold, RCIM_Cubic bezier.
 struct UnrealKey {
     double time = 0, value = 0;
     double arrive_tangent = 0, leave_tangent = 0;
@@ -20,20 +20,20 @@ struct UnrealKey {
     KeyKind interpolation = KeyKind::bezier;
 };
 
-/// Imports the curve from a key to the next.
+/// Imports the curve between two keys.
 ///
-///   reads  the leave tangent and weight of `first`, the arrive tangent and weight of `second`; a
-///          weight only if `weighted` says so
+///   reads  the leave tangent and weight of `first`, the arrive tangent and weight of `second`; weights
+///          only if `weighted` includes their side
 ///   fails  value_not_finite; interval_empty; time_not_monotone if weights are negative or too long
 /// Unreal Engine C++ API, FRichCurveKey, ERichCurveInterpMode and ERichCurveTangentWeightMode.
 inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
     const Vec<double, 2> begin{first.time, first.value}, end{second.time, second.value};
-    if (first.interpolation == KeyKind::hold) return detail::held(begin, second.time);
+    if (first.interpolation == KeyKind::hold) return detail::constant_interval(begin, second.time);
     if (first.interpolation == KeyKind::linear)
-        return detail::imported(KeyKind::linear, detail::straight(begin, end));
+        return detail::imported(KeyKind::linear, detail::straight_line(begin, end));
     const double length = second.time - first.time;
-    // Returns the vector from a key to the end of its handle, towards the interval. A weighted handle
-    // has the given length along the slope; any other spans a third of the interval.
+    // The vector from a key to the end of its handle, directed into the interval. A weighted handle has
+    // length `weight`; an unweighted one spans a third of the interval.
     const auto handle = [length](double slope, double weight, bool weighted) {
         const double time = weighted ? weight / std::hypot(1.0, slope) : length / 3;
         return Vec<double, 2>{time, time * slope};
@@ -45,17 +45,17 @@ inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& 
     return detail::imported(KeyKind::bezier, {{begin, begin + leave, end - arrive, end}});
 }
 
-/// Exports a curve to two keys: writes times, values, the tangents, weights and weighted sides
-/// between the keys, and the interpolation. A handle at a third is written unweighted. The outer
-/// tangents belong to the neighbouring curves. The tangent mode must be RCTM_User or RCTM_Break, or
-/// Unreal recomputes the tangents.
+/// Exports a curve to two keys: times, values, the tangents, weights and weighted sides between them, and
+/// the interpolation. A handle at a third is written unweighted. The outer tangents belong to the
+/// neighbouring curves. The tangent mode must be RCTM_User or RCTM_Break, or Unreal recomputes the
+/// tangents.
 ///
-///   hold   the second key's value is left alone
-///   fails  as `check`; slope_unbounded if a handle is vertical or too steep for single precision;
-///          nothing is written then
+///   hold   the second key's value does not change
+///   fails  as `check`; slope_unbounded if a handle is vertical or too steep for single precision; nothing
+///          is written then
 inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& second,
                         KeyKind kind = KeyKind::bezier) noexcept {
-    Status status = detail::sound(curve);
+    Status status = detail::check_curve(curve);
     if (status != Status::ok) return status;
     const auto& p = curve.points;
     if (kind == KeyKind::bezier) {
@@ -83,15 +83,11 @@ inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& s
     return Status::ok;
 }
 
-/// Imports all keys of a rich curve as keys to be compiled, in seconds; `from_unreal` makes the
-/// curves between them. Fails as it does, for the first interval that is refused.
+/// Imports all keys of a rich curve, in seconds, by `from_unreal`. Fails as `from_unreal`, at the first
+/// interval that fails.
 inline Result<std::vector<Key>, ExchangeReport>
 keys_from_unreal(std::span<const UnrealKey> rich_curve) noexcept {
-    return detail::import_keys(
-        rich_curve.size(), [&](std::size_t n) { return from_unreal(rich_curve[n], rich_curve[n + 1]); },
-        [&](std::size_t n) {
-            return Vec<double, 2>{rich_curve[n].time, rich_curve[n].value};
-        });
+    return detail::import_keys(rich_curve, from_unreal);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

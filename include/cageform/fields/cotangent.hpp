@@ -1,5 +1,4 @@
-// Cotangent weights of triangle meshes: the links for fields/graph.hpp that make functions on the
-// vertices harmonic. Not included by cageform.hpp.
+// Cotangent weights of triangle meshes, as links for fields/graph.hpp. Not included by cageform.hpp.
 #pragma once
 
 #include <cageform/core/detail/stopwatch.hpp>
@@ -10,16 +9,16 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Returns the weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles opposite to edge
-/// ij. Then Σ ½ w_ij (u_i − u_j)² is the Dirichlet energy of the function that is u at the vertices
-/// and linear on the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their
-/// conjugates, Exper. Math. 2 (1993), sec. 2). A rim is free: nothing flows across it.
+/// Returns the weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles opposite to edge ij. Then
+/// Σ ½ w_ij (u_i − u_j)² is the Dirichlet energy of the function that is u at the vertices and linear on
+/// the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their conjugates, Exper. Math. 2
+/// (1993), sec. 2). There is no flux across boundary edges.
 ///
-///   vertices  of a surface in space, or of a mesh in the plane
-///   faces     each in either orientation; the mesh may be open or closed, of several components, of
-///             any genus, orientable or not. Each edge has one face or two
+///   vertices  of a surface in 3D, or of a mesh in 2D
+///   faces     in any orientation; the mesh may be open or closed, orientable or not, with several
+///             components and of any genus. Each edge has one face or two
 ///   cost      O(#F log #F) plus the flips, usually O(#F)
-///   fails     as SurfaceReport::mesh says: vertex_not_finite, face_without_vertex,
+///   fails     with the faults in SurfaceReport::mesh: vertex_not_finite, face_without_vertex,
 ///             face_without_area (twice the area at most 1e-12 of the longest side's square),
 ///             cage_not_manifold (an edge of three faces); out_of_memory
 template <PointRange R, FaceRange F>

@@ -1,7 +1,6 @@
-// The discrete Dirichlet problem on the cells of a grid in one, two or three dimensions: some
-// values are given, and each of the others is the mean of its neighbours. This is the solver behind
-// harmonic coordinates, for general use: images filled in from a few known pixels, steady heat,
-// number puzzles.
+// The discrete Dirichlet problem on grids in one, two or three dimensions: some cells have given values,
+// and the value of each other cell is the mean of its neighbours. It uses the solver of harmonic
+// coordinates. Applications: images filled in from known pixels, steady heat, number puzzles.
 #pragma once
 
 #include <cageform/core/types/scalar_range.hpp>
@@ -14,23 +13,21 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Solves for the unknown cells of any number of fields.
 ///
-///   cells    of the grid, numbered with the first axis fastest
-///   kinds    #cells. With Rim::given every unknown cell must have all its 2·D neighbours in the
-///            grid; links to cells outside are mirrored in any case
-///   values   fields of #cells each, one after the other; given values are read, unknown ones
-///            written, only when the status is ok. They lie between the least and the largest value
-///            given to their component
-///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once,
-///            block_bytes() a thread, the unknown values once more, and 8 bytes an unknown cell.
-///            Progress is reported before every cycle. Usually 9 to 13 cycles; mazes of outside
-///            cells need more, and max_cycles may have to be raised. SolverReport::Multigrid::error_bound
-///            holds
-///            if nothing is mirrored
-///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index
-///            in `values`); cells_unreached, if a connected component of unknown cells touches no
-///            given one (its first cell, and the number of cells in all such components);
-///            input_malformed (a mark that is no Cell, at `culprit`); tolerance_not_positive;
-///            not_converged; cancelled; out_of_memory (also for 2³¹ cells and more)
+///   cells    the grid, numbered with the first axis fastest
+///   kinds    #cells. With Rim::given every unknown cell must have all its 2·D neighbours in the grid;
+///            links to cells outside are mirrored in any case
+///   values   fields of #cells each, one after the other; reads given values and writes unknown ones, only
+///            if the status is ok. Results lie between the smallest and the largest given value of their
+///            component
+///   cost     O(#unknown cells) per field, sixteen together; memory: Multigrid::bytes() once, block_bytes()
+///            per thread, the unknown values, and 8 bytes per unknown cell. Reports progress before every
+///            cycle. Usually 9 to 13 cycles; mazes of outside cells need more, so max_cycles may have to be
+///            raised. SolverReport::Multigrid::error_bound is valid if nothing is mirrored
+///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index in
+///            `values`); cells_unreached if a connected component of unknown cells touches no given one
+///            (its first cell, and the number of cells in all such components); input_malformed (an invalid
+///            Cell, at `culprit`); tolerance_not_positive; not_converged; cancelled; out_of_memory (also
+///            for 2³¹ cells and more)
 template <std::size_t D, MutableScalarRange V>
 Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds, V&& values,
                            const DirichletOptions& options = {}, const Running& running = {}) {
@@ -38,7 +35,7 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
     const std::span<T> fields(values);
     const std::size_t size = cells.size();
     CAGEFORM_ASSERT(kinds.size() == size && (size == 0 ? fields.empty() : fields.size() % size == 0),
-                    "a mark for each cell, and whole fields");
+                    "one mark per cell, and whole fields");
     return detail::guarded_evaluation([&](SolverReport& report) {
         const auto fail = [&](Status status, std::size_t culprit) {
             report.culprit = culprit;
@@ -61,12 +58,12 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
         if (unknown.cells.empty()) return Status::ok;
         unknown.find_unreached(report);
         if (report.unreached_cells > 0) return Status::cells_unreached;
-        return detail::solve_fields(unknown, fields, options, report, running);
+        return detail::solve_cells(unknown, fields, options, report, running);
     });
 }
 /// Solves the problem on grids without outside cells.
 ///
-///   given    #cells; 0 where the value is unknown
+///   given    #cells; 0 if the value is unknown
 template <std::size_t D, MutableScalarRange V>
 Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t> given, V&& values,
                            const DirichletOptions& options = {}, const Running& running = {}) {

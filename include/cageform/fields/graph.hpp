@@ -1,6 +1,6 @@
-// Discrete harmonic functions on graphs, by sparse factorisation. Uses: number puzzles in which
-// each number is the mean of its neighbours; networks of resistors; random walks. For large grids
-// see fields/dirichlet.hpp. Not included by cageform.hpp.
+// Discrete harmonic functions on graphs, by sparse factorisation. Applications: number puzzles in which
+// each number is the mean of its neighbours, networks of resistors, random walks. For large grids use
+// fields/dirichlet.hpp. Not included by cageform.hpp.
 #pragma once
 
 #include <cageform/core/types/scalar_range.hpp>
@@ -19,15 +19,15 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct GraphOptions {
-    /// Allows negative conductances. Values may then leave the range of those given, and a unique
+    /// Allows negative conductances. Values may then leave the range of the given values, and a unique
     /// solution may not exist.
     bool allow_negative = false;
 };
 
 /// The neighbours of a grid cell.
 enum class CellNeighbours : std::uint8_t {
-    face, ///< cells that share a face: 2, 4, 6
-    all,  ///< also cells that share a corner: 2, 8, 26
+    face, ///< cells with a common face: 2, 4, 6
+    all,  ///< also cells with a common corner: 2, 8, 26
 };
 
 /// Returns links of conductance 1 between neighbouring cells of a grid with fewer than 2³² cells.
@@ -38,7 +38,7 @@ std::vector<GraphLink> grid_links(const CellBox<D>& cells, CellNeighbours neighb
     std::vector<GraphLink> links;
     for (std::size_t cell = 0; cell < cells.size(); ++cell) {
         const auto index = cells.index(cell);
-        // Visits the offsets after the central (zero) one, and so each pair of cells once.
+        // Only offsets after the central (zero) one, so that each pair of cells is visited once.
         for (std::size_t code = offsets / 2 + 1; code < offsets; ++code) {
             auto other = index;
             std::size_t moved = 0, rest = code;
@@ -56,20 +56,19 @@ std::vector<GraphLink> grid_links(const CellBox<D>& cells, CellNeighbours neighb
     return links;
 }
 
-/// Solves for the unknown nodes c of any number of fields: Σ k_cd (u_c − u_d) = 0 over the links of
-/// c.
+/// Solves for the unknown nodes c of any number of fields: Σ k_cd (u_c − u_d) = 0 over the links of c.
 ///
-///   given    #nodes; 0 where the value is unknown
-///   values   fields of #nodes each, one after the other; given values are read, unknown ones
-///            written, only when the status is ok
-///   returns  values accurate to a few roundings of the largest given one, however far conductances
-///            differ; with negative ones as accurate as double permits, within 1e-6 of the largest
-///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; 16 fields cost one
-///            pass over the factors. Progress is reported before each
-///   fails    index_out_of_range, input_malformed (a link from a node to itself) and
-///            weights_not_positive (SolverReport::culprit is the link); value_not_finite (the index
-///            in `values`); cells_unreached (the first unknown node without a path to a given one);
-///            not_converged (a singular matrix, or values beyond T); cancelled; out_of_memory
+///   given    #nodes; 0 if the value is unknown
+///   values   fields of #nodes each, one after the other; reads given values and writes unknown ones, only
+///            if the status is ok
+///   returns  values accurate to a few roundings of the largest given value, for any ratio of conductances;
+///            with negative conductances within 1e-6 of the largest value
+///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; 16 fields cost one pass
+///            over the factors. Reports progress before each pass
+///   fails    index_out_of_range, input_malformed (a link from a node to itself) and weights_not_positive
+///            (SolverReport::culprit is the link); value_not_finite (the index in `values`);
+///            cells_unreached (the first unknown node without a path to a given one); not_converged (a
+///            singular matrix, or values out of the range of T); cancelled; out_of_memory
 template <MutableScalarRange V>
 Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, V&& values,
                        const GraphOptions& options = {}, const Running& running = {}) {
@@ -77,7 +76,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
     const std::span<T> fields(values);
     const std::size_t size = graph.nodes;
     CAGEFORM_ASSERT(given.size() == size && (size == 0 ? fields.empty() : fields.size() % size == 0),
-                    "a mark for each node, and whole fields");
+                    "one mark per node, and whole fields");
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, options.allow_negative, report);
         if (status != Status::ok) return status;
@@ -94,7 +93,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         const auto nodes = equations.nodes();
         if (nodes.empty()) return running.end(Status::ok);
         std::vector<T> solved(fields.size() / size * nodes.size());
-        constexpr std::size_t most = 16; // fields at a time: one pass over the factors serves all
+        constexpr std::size_t most = 16; // fields per pass over the factors
         for (std::size_t begin = 0; begin < fields.size(); begin += most * size) {
             if (!running.keep_going(double(begin) / double(fields.size()))) return Status::cancelled;
             const std::size_t count = (std::min)(most, (fields.size() - begin) / size);
@@ -123,23 +122,23 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
     });
 }
 
-/// Finds the expected number of steps of a random walk from each node until it reaches a given one.
-/// A step follows a link with probability proportional to its conductance.
+/// Computes the expected number of steps of a random walk from each node to the first given node. A step
+/// follows a link with probability proportional to its conductance.
 ///
-///   steps    #nodes, 0 at given ones; written only when the status is ok
+///   steps    #nodes, 0 at given nodes; written only if the status is ok
 ///   fails    as solve_graph; conductances must be positive
 template <MutableScalarRange V>
 Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> given, V&& steps) {
     using T = detail::element_t<V>;
     const std::span<T> out(steps);
-    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each a node");
+    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each per node");
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, false, report);
         if (status != Status::ok) return status;
         detail::GraphEquations equations(graph, given);
         status = detail::prepare(equations, report);
         if (status != Status::ok) return status;
-        std::vector<double> solved(equations.nodes().size()); // the source: sum of conductances at each node
+        std::vector<double> solved(equations.nodes().size()); // the source: sum of conductances per node
         for (const GraphLink& link : graph.links) {
             for (const std::uint32_t end : {link.a, link.b}) {
                 if (equations.row(end) >= 0) solved[std::size_t(equations.row(end))] += link.conductance;
@@ -157,18 +156,18 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
     });
 }
 
-/// Finds the probability that a random walk from node `from` reaches each given node first. The
-/// probabilities sum to one. Because the matrix is symmetric, one solve suffices: they are the
-/// currents that leave through the given nodes if a unit current enters at `from`.
+/// Computes the probability that a random walk from node `from` reaches each given node first. The
+/// probabilities sum to one. The matrix is symmetric, so one solve suffices: the probabilities are the
+/// currents through the given nodes for a unit current into `from`.
 ///
-///   probabilities  #nodes, 0 at unknown ones; written only when the status is ok
+///   probabilities  #nodes, 0 at unknown nodes; written only if the status is ok
 ///   fails          as expected_steps; index_out_of_range also for `from`
 template <MutableScalarRange V>
 Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, std::size_t from,
                      V&& probabilities) {
     using T = detail::element_t<V>;
     const std::span<T> out(probabilities);
-    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each a node");
+    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each per node");
     return detail::guarded_evaluation([&](SolverReport& report) {
         if (from >= graph.nodes) return Status::index_out_of_range;
         Status status = detail::check_graph(graph, false, report);

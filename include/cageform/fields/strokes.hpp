@@ -1,46 +1,43 @@
-// Diffuses the values of strokes: harmonic fields with values given along lines drawn on a canvas.
-// The rim of the canvas is a mirror: nothing flows through it.
+// Diffuses the values of strokes: harmonic fields with values given along lines drawn on a canvas. There is
+// no flux through the boundary of the canvas.
 //
-// Strokes keep their exact position instead of being rasterised: data enters the equations where
-// they cross the lattice lines, as for cages. A stroke may have different values on its right and
-// left (diffusion curves: Orzan et al., ACM Trans. Graph. 27(3) (2008), sec. 3). In space the
-// strokes are walls of triangles.
+// Strokes are not rasterised but keep their exact position: as for cages, data enters the equations where
+// they cross lattice lines. A stroke may have different values on its right and left (diffusion curves:
+// Orzan et al., ACM Trans. Graph. 27(3) (2008), sec. 3). In 3D the strokes are walls of triangles.
 #pragma once
 
 #include <cageform/fields/detail/canvas_boundary.hpp>
+#include <cageform/fields/detail/field_solver.hpp>
 #include <cageform/grid/lattice/embed.hpp>
-#include <cageform/grid/multigrid/groups.hpp>
 
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A line with values, linear from each of its points to the next. It is closed if the last point
-/// equals the first. Left and right hold for y pointing up; with y down, as on a screen, they are
-/// swapped.
+/// A polyline with values, linear between its points. It is closed if the last point equals the first. Left
+/// and right are for y pointing up; with y down, as on a screen, they are swapped.
 template <Scalar T>
 struct Stroke {
     std::vector<Vec<T, 2>> points;
     std::vector<T> left;  ///< of point i, channel c at [i · channels + c]
-    std::vector<T> right; ///< likewise for the right side of the line; empty: as on the left
-    /// Points within the radius have the value of the line's nearest point. A single point needs a
-    /// radius: without one it has no capacity, and a harmonic function ignores its value. 0: a
-    /// line.
+    std::vector<T> right; ///< likewise; empty: equal to `left`
+    /// Points within the radius have the value of the line's nearest point; 0: a line. A single point needs
+    /// a radius, because a harmonic function ignores the value at a point.
     T radius = 0;
 };
 
-/// Triangles in space with values at their corners, linear on each.
+/// Triangles in 3D with values at their corners, linear on each.
 template <Scalar T>
 struct Wall {
     std::vector<Vec<T, 3>> points;
     std::vector<std::array<std::uint32_t, 3>> faces;
-    std::vector<T> front; ///< of point i, channel c at [i · channels + c]; on the side that normals point to
-    std::vector<T> back;  ///< empty: as in front
+    std::vector<T> front; ///< of point i, channel c at [i · channels + c]; the side that normals point to
+    std::vector<T> back;  ///< likewise; empty: equal to `front`
 };
 
 struct DiffusionOptions {
     double tolerance = 1e-6;     ///< of the discrete solution, relative to the range of a channel's data
-    std::size_t max_cycles = 60; ///< not_converged if they do not suffice
+    std::size_t max_cycles = 60; ///< then not_converged
 };
 
 /// The fields of a drawing.
@@ -50,14 +47,13 @@ struct DiffusionOptions {
 ///     if (field.solve().status != Status::ok) …
 ///     field.sample(pixels, colours);
 ///
-/// Each value is a weighted mean of the given ones, so it lies between the least and the largest of
-/// its channel. Away from the ends of strokes the error falls with h², where h is the spacing. At
-/// an end, where the field rises like the square root of the distance, it falls with h. Where
-/// strokes cross there is no special treatment: if two strokes pass between neighbouring nodes,
+/// Each value is a weighted mean of given values, so it lies between the smallest and the largest value of
+/// its channel. The error is of order h² for the spacing h, and of order h at the ends of strokes, where
+/// the field grows like the square root of the distance. If two strokes pass between neighbouring nodes,
 /// each node uses the nearer one.
 template <Scalar T, std::size_t D = 2>
 class Diffusion {
-    static_assert(D == 2 || D == 3, "strokes in the plane, walls in space");
+    static_assert(D == 2 || D == 3, "strokes in 2D, walls in 3D");
 
 public:
     static constexpr std::size_t dimension = D;
@@ -65,18 +61,18 @@ public:
 
     /// canvas      the drawing area; an incomplete last row of cells is completed
     /// resolution  cells along its longest side, least_resolution … most_resolution
-    /// channels    fields solved together; sixteen cost as much as one
+    /// channels    number of fields solved together; sixteen cost as much as one
     Diffusion(const Bounds<T, D>& canvas, std::size_t resolution, std::size_t channels)
         : canvas_(canvas)
         , resolution_(resolution)
         , channels_(channels) {}
 
-    /// Adds a stroke completely or not at all. O(#points).
+    /// Adds a stroke, or nothing on failure. O(#points).
     ///
     ///   fails  too_few_vertices (no point, or all points coincide); radius_not_positive (a single point
-    ///          without one, or a radius that is negative or not finite); vertex_not_finite;
+    ///          without a radius, or a radius that is negative or not finite); vertex_not_finite;
     ///          interior_cell_outside (a point off the canvas); value_not_finite; input_malformed (not
-    ///          #channels values a point, or two sides with a radius); out_of_memory
+    ///          #channels values per point, or two sides with a radius); out_of_memory
     Status add(const Stroke<T>& stroke) requires(D == 2) {
         return detail::guard_memory([&] {
             const auto count = std::uint32_t(stroke.points.size());
@@ -99,8 +95,8 @@ public:
         });
     }
 
-    /// Adds a wall completely or not at all. Its edges may be open, and walls may meet and cross.
-    /// O(#points + #faces).
+    /// Adds a wall, or nothing on failure. Its edges may be open, and walls may meet and cross. O(#points +
+    /// #faces).
     ///
     ///   fails  as for strokes, and face_without_vertex, face_without_area
     Status add(const Wall<T>& wall) requires(D == 3) {
@@ -123,12 +119,12 @@ public:
         });
     }
 
-    /// Solves all channels, in O(#nodes) for sixteen; usually in 9 to 13 cycles. If it fails, the
-    /// fields of the last successful solve remain.
+    /// Solves all channels, in O(#nodes) for sixteen; usually in 9 to 13 cycles. On failure the fields of
+    /// the last successful solve remain.
     ///
     ///   fails  resolution_not_supported (also for a canvas that is empty or not finite);
-    ///          tolerance_not_positive; cells_unreached (nothing is drawn); grid_too_coarse
-    ///          (SolverReport::culprit is the first stroke or wall that no lattice line crosses, or
+    ///          tolerance_not_positive; cells_unreached (no strokes); grid_too_coarse
+    ///          (SolverReport::culprit is the first stroke or wall without a crossing of a lattice line, or
     ///          whose radius is below half a cell); not_converged; cancelled; out_of_memory
     Evaluation solve(const DiffusionOptions& options = {}, const Running& running = {}) {
         return detail::guarded_evaluation([&](SolverReport& report) {
@@ -145,13 +141,13 @@ public:
         });
     }
 
-    /// Returns the lattice of the last solve; the field's values lie at the centres of its cells.
+    /// Returns the lattice of the last solve; the field's values are at the centres of its cells.
     Lattice<double, D> lattice() const noexcept {
         return solution_ ? solution_->cells() : Lattice<double, D>{};
     }
     std::size_t channels() const noexcept { return channels_; }
-    /// Returns the values at the nodes, numbered with the first axis fastest. A node on a stroke
-    /// with two sides has the value of either side. Empty before the first solve.
+    /// Returns the values at the nodes, numbered with the first axis fastest. A node on a stroke with two
+    /// sides has the value of either side. Empty before the first solve.
     std::span<const T> field(std::size_t channel) const noexcept {
         CAGEFORM_ASSERT(channel < channels_, "one of the channels");
         if (!solution_) return {};
@@ -159,11 +155,11 @@ public:
         return std::span(solution_->fields).subspan(channel * size, size);
     }
 
-    /// Evaluates the fields at any points, accurately up to the strokes: multilinear between nodes,
-    /// and linear between a node and a stroke. Off the canvas it uses the canvas's nearest point.
+    /// Evaluates the fields at any points: multilinear between nodes, and linear between a node and a
+    /// stroke. Points off the canvas are moved to its nearest point.
     ///
     ///   values  out: #channels per point, one point after the other
-    ///   cost    O(#channels + strokes that pass the cell) a point
+    ///   cost    O(#channels + strokes in the cell) per point
     ///   fails   value_not_finite (a point), cells_unreached (before the first solve), output_too_small;
     ///           nothing is written then
     template <PointRange R>
@@ -187,8 +183,8 @@ private:
         Lattice<double, D> nodes_at; ///< the origin is the first node
         detail::CanvasBoundary<D> boundary;
         grid::NodeRuns<D> nodes;
-        std::uint32_t points;  ///< of all strokes; the handles of right sides follow them
-        std::vector<T> values; ///< of the nodes that are no data, channel after channel
+        std::uint32_t points;  ///< number of points of all strokes; the handles of right sides follow
+        std::vector<T> values; ///< of the unknown nodes, channel after channel
         std::vector<T> fields; ///< of all nodes, channel after channel
 
         Lattice<double, D> cells() const noexcept {
@@ -216,7 +212,7 @@ private:
         return Status::ok;
     }
 
-    /// Appends a stroke. Reserves all memory before it changes anything.
+    /// Appends a stroke. Reserves all memory before any change.
     void append(const std::vector<Vec<T, D>>& points, const InteriorCells<D>& cells,
                 const std::vector<T>& front, const std::vector<T>& back) {
         const auto make_room = [](auto& list, std::size_t more) {
@@ -257,7 +253,7 @@ private:
         return lattice;
     }
 
-    /// Returns the value at a boundary point; handles from `points` on belong to right sides.
+    /// Returns the value at a boundary point; handles from `points` on are those of right sides.
     double value(const BoundaryValue<D>& at, std::size_t points, std::size_t channel) const noexcept {
         double sum = 0;
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
@@ -272,25 +268,24 @@ private:
     static bool is_rim(const BoundaryValue<D>& at) noexcept {
         return std::all_of(at.weight.begin(), at.weight.end(), [](double w) { return w == 0; });
     }
-    /// Returns the stroke or wall of a handle.
     std::size_t stroke_of(std::uint32_t handle) const noexcept {
         const auto point = std::uint32_t(handle % drawing_.points.size());
         return std::size_t(std::upper_bound(strokes_.begin(), strokes_.end(), point) - strokes_.begin()) - 1;
     }
 
-    /// Returns the first stroke that is too thin or that no lattice line crosses, if any.
-    std::optional<std::size_t> first_unseen(const grid::Crossings<D>& crossings,
-                                            const detail::CanvasBoundary<D>& boundary) const {
+    /// Returns the first stroke that is too thin or that crosses no lattice line, if any.
+    std::optional<std::size_t> first_unresolved(const grid::Crossings<D>& crossings,
+                                                const detail::CanvasBoundary<D>& boundary) const {
         if (const auto thin = boundary.too_thin_bone()) return stroke_of(*thin);
-        std::vector<bool> seen(strokes_.size());
+        std::vector<bool> resolved(strokes_.size());
         for (const auto& along : crossings) {
             for (const auto& crossing : along) {
-                if (!is_rim(crossing.value)) seen[stroke_of(crossing.value.handle[0])] = true;
+                if (!is_rim(crossing.value)) resolved[stroke_of(crossing.value.handle[0])] = true;
             }
         }
-        const auto unseen = std::find(seen.begin(), seen.end(), false);
-        if (unseen == seen.end()) return std::nullopt;
-        return std::size_t(unseen - seen.begin());
+        const auto first = std::find(resolved.begin(), resolved.end(), false);
+        if (first == resolved.end()) return std::nullopt;
+        return std::size_t(first - resolved.begin());
     }
 
     /// Counts the links that more than one stroke cuts.
@@ -311,14 +306,14 @@ private:
         const auto nodes_at = nodes_of_canvas();
         Solution solution{nodes_at, {drawing_, nodes_at}, {}, std::uint32_t(drawing_.points.size()), {}, {}};
         const auto crossings = solution.boundary.crossings();
-        if (const auto unseen = first_unseen(crossings, solution.boundary)) {
-            report.culprit = *unseen;
+        if (const auto unresolved = first_unresolved(crossings, solution.boundary)) {
+            report.culprit = *unresolved;
             return Status::grid_too_coarse;
         }
-        report.pyramid.crowded_cells = crowded_links(crossings);
+        report.crowded_cells = crowded_links(crossings);
         auto problem = grid::embed(solution.boundary, crossings);
         for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
-            if (is_rim(problem.values[c])) problem.cuts[c].weight = 0; // nothing flows through the rim
+            if (is_rim(problem.values[c])) problem.cuts[c].weight = 0; // no flux through the rim
         }
         report.cells = problem.nodes.count();
         solution.boundary.index_cells(1e-6);
@@ -332,61 +327,25 @@ private:
         return Status::ok;
     }
 
-    /// Solves for the nodes' values, channel after channel.
     Status solve_nodes(const grid::EmbeddedProblem<D>& problem, const DiffusionOptions& options,
                        std::vector<T>& solved, SolverReport& report, const Running& running) const {
         const std::uint32_t count = problem.nodes.count();
         if (count == 0) return Status::ok;
-        const grid::Multigrid<D> multigrid(problem.nodes, problem.cuts, {}, running);
-        report.bytes = multigrid.bytes() + multigrid.block_bytes();
-        const auto slots = multigrid.source_slots();
-        const auto ranges = channel_ranges();
-        const auto fill = [&](std::size_t first, std::size_t together, auto& source) {
-            for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
-                const auto& cut = problem.cuts[c];
-                for (std::size_t k = 0; k < together && cut.weight > 0; ++k) {
-                    const auto [middle, half] = ranges[first + k];
-                    const double given = value(problem.values[c], drawing_.points.size(), first + k);
-                    if (half > 0) source[slots[cut.node]][k] += cut.weight * ((given - middle) / half);
-                }
-            }
-        };
-        const auto take = [&](std::size_t group, const auto& block) {
-            const std::size_t first = group * multigrid.width;
-            for (std::uint32_t node = 0; node < count; ++node) {
-                const auto values = block.value(node);
-                for (std::size_t k = 0; k < (std::min)(multigrid.width, channels_ - first); ++k) {
-                    const auto [middle, half] = ranges[first + k];
-                    solved[(first + k) * count + node] =
-                        static_cast<T>(middle + half * std::clamp(values[k], -1.0, 1.0));
-                }
-            }
-        };
-        const grid::CycleGoal goal{channels_, 2 * options.tolerance, options.max_cycles};
-        const Status status =
-            grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
-        report.multigrid.error_estimate *= 0.5; // refers to values in [−1, 1], whose range is 2
-        report.multigrid.error_bound *= 0.5;
-        return status;
-    }
-
-    struct Range {
-        double middle, half;
-    };
-    /// Returns the ranges of the data, which are mapped to [−1, 1] for solving.
-    std::vector<Range> channel_ranges() const {
-        std::vector<Range> ranges;
-        for (std::size_t channel = 0; channel < channels_; ++channel) {
-            double low = (std::numeric_limits<double>::max)(), high = -low;
-            for (const auto* side : {&front_, &back_}) {
-                for (std::size_t i = channel; i < side->size(); i += channels_) {
-                    low = std::fmin(low, double((*side)[i]));
-                    high = std::fmax(high, double((*side)[i]));
-                }
-            }
-            ranges.push_back({0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low});
+        std::vector<detail::FieldRange> ranges(channels_);
+        for (const auto* side : {&front_, &back_}) {
+            for (std::size_t i = 0; i < side->size(); ++i) ranges[i % channels_].add(double((*side)[i]));
         }
-        return ranges;
+        const auto given = [&](std::size_t cut, std::size_t channel) {
+            return value(problem.values[cut], drawing_.points.size(), channel);
+        };
+        const Status status = detail::solve_fields<D, T>(problem.nodes, problem.cuts, ranges, given, options,
+                                                         solved, report, running);
+        for (std::size_t n = 0; n < solved.size(); ++n) {
+            const auto& range = ranges[n / count];
+            solved[n] = std::clamp(solved[n], static_cast<T>(range.middle() - range.half()),
+                                   static_cast<T>(range.middle() + range.half()));
+        }
+        return status;
     }
 
     void fill_fields(Solution& solution) const noexcept {
@@ -404,7 +363,7 @@ private:
         }
     }
 
-    /// Writes the channels at a point, given in units of nodes, `stride` apart.
+    /// Writes the channels at a point, given in units of nodes, with the distance `stride`.
     void write(const Solution& solution, Vec<double, D> p, T* values, std::size_t stride) const noexcept {
         for (std::size_t k = 0; k < D; ++k)
             p[k] = std::clamp(p[k], -0.5, double(solution.nodes_at.cells[k]) - 0.5);
@@ -424,9 +383,9 @@ private:
     Bounds<T, D> canvas_;
     std::size_t resolution_, channels_;
     detail::OpenCells<D> drawing_;
-    std::vector<std::uint32_t> strokes_; ///< the first point of each stroke
+    std::vector<std::uint32_t> strokes_; ///< first point of each stroke
     std::vector<T> front_, back_;        ///< values of the points, on either side
-    std::optional<Solution> solution_;   ///< the last successful one
+    std::optional<Solution> solution_;   ///< of the last successful solve
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -187,7 +187,6 @@ public:
     PackedFigure() = default;
     /// Joins parts in their order. Throws std::bad_alloc if there is no memory.
     explicit PackedFigure(std::span<const FigurePartData> parts) {
-        const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
         const std::size_t table = sizeof(FigureHeader) + parts.size() * sizeof(FigurePart);
         FigureHeader header;
         header.scalar_bytes = sizeof(T);
@@ -197,17 +196,17 @@ public:
         for (const auto& part : parts) {
             if (FigureTags::is_since_version_2(part.tag)) header.version = 2;
         }
-        std::size_t end = whole(table);
-        for (const auto& part : parts) end += whole(part.bytes.size());
+        std::size_t end = detail::whole_lines(table);
+        for (const auto& part : parts) end += detail::whole_lines(part.bytes.size());
         header.bytes = end;
         memory_.resize(end);
         std::byte* const data = memory_.data();
-        end = whole(table);
+        end = detail::whole_lines(table);
         for (std::size_t n = 0; n < parts.size(); ++n) {
             const FigurePart line{parts[n].tag, 0, end, parts[n].bytes.size()};
             std::memcpy(data + sizeof(header) + n * sizeof(line), &line, sizeof(line));
             if (line.bytes > 0) std::memcpy(data + end, parts[n].bytes.data(), parts[n].bytes.size());
-            end += whole(parts[n].bytes.size());
+            end += detail::whole_lines(parts[n].bytes.size());
         }
         std::memcpy(data, &header, sizeof(header));
         memory_.seal();

@@ -16,12 +16,21 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+// X(name, NAME, "description"): the enumerators here, and of C: CAGEFORM_FORMAT_NAME. Files hold the number:
+// add new ones at the end.
+// clang-format off
+#define CAGEFORM_WEIGHT_FORMATS(X)                                                                           \
+    X(scalar, SCALAR, "as the binding's scalar")                                                             \
+    X(half, HALF, "IEEE 754 binary16, times a scale per block")                                              \
+    X(int16, INT16, "a signed integer of 16 bits, times a scale per block")                                  \
+    X(int8, INT8, "a signed integer of 8 bits, times a scale per block")
+// clang-format on
+
 /// How a packed binding stores its weights.
 enum class WeightFormat : std::uint8_t {
-    scalar, ///< as the binding's scalar
-    half,   ///< IEEE 754 binary16, times a scale per block
-    int16,  ///< a signed integer, times a scale per block
-    int8,
+#define CAGEFORM_DETAIL_FORMAT(name, ...) name,
+    CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_FORMAT)
+#undef CAGEFORM_DETAIL_FORMAT
 };
 
 template <Scalar T>

@@ -1,10 +1,9 @@
-// Drives all solvers: solves functions in groups, on the caller's threads, with progress,
+// The driver of all solvers: solves functions in groups on the caller's threads, with progress,
 // cancellation and a report.
 #pragma once
 
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/grid/detail/group_progress.hpp>
-#include <cageform/grid/detail/mutex.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
 #include <cageform/grid/types/solver_report.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
@@ -14,28 +13,25 @@
 #include <mutex>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-namespace grid {
-
-/// Passed to a solver with each group of functions.
+/// The context of a solve of one group.
 struct GroupWork {
     detail::GroupProgress& progress;
-    detail::WorkShare share{}; ///< divides the work within the group among threads
+    detail::WorkShare share{}; ///< distributes work within the group to threads
     SolverReport report{};     ///< out: the work done for this group
 
-    /// Reports that the fraction `done` of the group, in [0, 1], is done. Returns false to stop.
+    /// Reports the completed fraction of the group, in [0, 1]. Returns false to stop.
     bool keep_going(double done) const { return progress.keep_going(done); }
 };
 
-/// A solver that solve_groups can drive. It solves functions in groups that are independent of each
-/// other.
+/// A solver of independent groups of functions.
 ///
-///   Block                      the memory that a group is solved in; made once a thread and reused
-///   make_block()               makes such memory
+///   Block                      the memory of one group's solve; made once per thread and reused
+///   make_block()               makes a Block
 ///   groups()                   the number of groups
-///   solve(group, block, work)  solves the functions of a group. Calls work.keep_going() now and
-///                              then. Returns ok, not_converged, or cancelled if keep_going says so
+///   solve(group, block, work)  solves the functions of a group and calls work.keep_going() regularly.
+///                              Returns ok, not_converged, or cancelled if keep_going returned false
 ///   helpers()                  optional: how many additional threads are useful for one group
 template <class S>
 concept GroupSolver = requires(const S& solver, typename S::Block& block, std::size_t group,
@@ -45,20 +41,19 @@ concept GroupSolver = requires(const S& solver, typename S::Block& block, std::s
     { solver.solve(group, block, work) } -> std::same_as<Status>;
 };
 
-/// Solves all groups and passes each to take(group, block), on the thread that solved it.
+/// Solves all groups and passes each to take(group, block) on the thread that solved it.
 ///
-///   report   out: the work done for each group is added
-///   running  its progress is called on the calling thread, which must take part in the work. Its
-///            parallel_for distributes the groups; threads left over help within groups. No result
-///            depends on the threads
-///   fails    cancelled, or the failure of the first group that fails, which ends the solve
+///   report   out: adds the work of each group
+///   running  calls its progress on the calling thread, which must take part in the work. parallel_for
+///            distributes the groups; idle threads help within groups. Results do not depend on the threads
+///   fails    cancelled, or the status of the first group that fails, which ends the solve
 template <GroupSolver S, class Take>
 Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {
     using Block = typename S::Block;
     const double start = detail::seconds_now();
     detail::GroupProgress progress(running.progress, solver.groups());
     Status status = Status::ok;
-    std::vector<Block> spare; // at most as many as threads that run at the same time
+    std::vector<Block> spare; // at most one per concurrent thread
     detail::Mutex access;     // guards `status`, `spare` and the report
     const auto borrow_block = [&]() -> Block {
         {
@@ -107,6 +102,4 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
     return running.end(status);
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -1,37 +1,36 @@
-// Fits a skeleton to any sequence of meshes: bones that turn, and a few weights a vertex.
+// Fits a skeleton (bones, joints, a hierarchy and skinning weights) to a sequence of meshes.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/view.hpp>
-#include <cageform/skeleton/detail/make_keys.hpp>
 #include <cageform/skeleton/detail/read_motion.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Finds bones, where they go in each frame, and the weights of a skin, such that the figure is near its
-/// frames. They minimise Σ |x_i^t − Σ_j w_ij M_j^t v_i|² over the maps M_j^t of the bones and the weights
-/// w_ij ≥ 0, of which a vertex has at most K and whose sum is 1 (Le and Deng, Smooth skinning decomposition
-/// with rigid bones, ACM TOG 31(6), 2012). Joints and a hierarchy are made of the bones' motion.
+/// Fits bones, their motion and skinning weights to a sequence of meshes. Minimises Σ |x_i^t − Σ_j w_ij M_j^t
+/// v_i|² over the bone maps M_j^t and the weights w_ij ≥ 0, at most K per vertex with sum 1 (Le and Deng,
+/// Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012). Joints and a hierarchy follow from
+/// the motion of the bones.
 ///
-///   rest     v, the vertices at rest, where no bone has moved. All units are those of the figure
-///   frames   `frames[t]` is a range of as many vertices: spans, StridedPoints, … The rest need not be one
-///   faces    triangles over the vertices. Weights are smooth along their edges, and the report measures
-///            by how much they are turned; there may be none
-///   returns  the skeleton and its report. Vertices that are together in all frames get one skin, so seams
-///            stay closed. The result has the same bits for any number of threads
-///   bones    more than a sixth of the vertices, or 1,024, are as many. With SkeletonOptions::bones 0 short
-///            fits grow until every vertex is within the distance. The last then loses bones as long as it
-///            stays so; it has other bits than the fit by its number. If no number is enough, the status is
-///            ok and `beyond` counts the vertices that are farther away
-///   minimum  a local one: idle bones move to where the error is largest, and come back if that is no better
-///   cost     O(#vertices · (#bones · #frames + some thousand)) and O(#frames · #bones²) a round, all in
-///            double: 1,114 vertices in 33 frames take 0.3 s for 12 bones; by distance some three times as
-///            long. Memory: 24 bytes · #vertices · #frames
+///   rest     v, #vertices, in the rest pose; defines all units
+///   frames   `frames[t]` is a range of #vertices points: spans, StridedPoints, … The rest pose need not be a
+///            frame
+///   faces    triangles, may be empty. Used for smooth weights and for the report's rotation error
+///   returns  skeleton and report. Vertices that coincide in all frames share their weights, so seams stay
+///            closed. The same bits for any number of threads
+///   bones    clamped to a sixth of the vertices and to 1,024. If SkeletonOptions::bones is 0, short fits
+///            with more and more bones run until all vertices are within the distance. Then bones are removed
+///            while the limit holds; the result may differ bitwise from a fit with that number. If no number
+///            suffices, the status is ok and `beyond` counts the vertices over the limit
+///   minimum  local; idle bones are moved to the largest errors, and moved back if the error does not fall
+///   cost     O(#vertices · (#bones · #frames + some thousand)) and O(#frames · #bones²) per round, in
+///            double. 1,114 vertices, 33 frames, 12 bones: 0.3 s; about three times as long by distance.
+///            Memory: 24 bytes · #vertices · #frames
 ///   fails    influences_not_supported; bones_not_supported (neither bones nor a distance); value_not_finite
-///            (the distance, or a negative one); motion_empty; frames_do_not_match; frame_not_finite (also
-///            above 1e100, or 1e30 sizes away; the report has frame and vertex, at rest frame #frames);
-///            face_without_vertex; cancelled; out_of_memory
+///            (not finite or negative distance); motion_empty; frames_do_not_match; frame_not_finite (also
+///            above 1e100, or 1e30 sizes away; the report has frame and vertex, the rest pose is frame
+///            #frames); face_without_vertex; cancelled; out_of_memory
 template <PointRangeIn<3> R, detail::FramesIn<3> Frames, FaceRange F>
 Result<FittedSkeleton<range_scalar_t<R>>, SkeletonReport>
 fit_skeleton(const R& rest, const Frames& frames, const F& faces, const SkeletonOptions& options = {},
@@ -49,24 +48,22 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
     return result;
 }
 
-/// Makes keys of a skeleton's motion, as few as keep the figure near to what the maps make of it.
+/// Reduces the motion of a skeleton to keys. Drops keys while the skinned vertices stay within a distance.
 ///
-///   skeleton      as `fit_skeleton` returns it. With `parents` set to no_parent, bones are free of each
-///                 other
-///   rest          #vertices, as it was fitted
-///   times         #frames, in seconds, ascending
-///   options       the distance is from where a vertex is by the maps to where it is by the keys, in every
-///                 frame: measured at the skin, not at the bones, and for all bones together
-///   returns       keys at some of the frames, with the values there. A channel that may stand still has one.
-///                 Rotations without tangents keep the distance by slerp and by nlerp. Neighbouring rotation
-///                 keys differ by at most 90°. Between neighbouring frames there are keys where slerp and
-///                 nlerp differ by more than the distance (or 1e-4). Half turns about one axis all go one way
-///   cost          some O(#vertices · #influences · #frames · log #frames); 1,114 vertices in 33 frames take
-///                 0.1 s for 20 bones. Memory: 12 bytes · #vertices · #frames
-///   fails         value_not_finite (the distance, or a negative one; a map; the rest; an ancestor that is
-///                 flat);
-///                 input_malformed (a skeleton whose sizes or indices do not match); frames_do_not_match (as
-///                 many times or vertices); keys_not_ascending; cancelled; out_of_memory
+///   skeleton  from `fit_skeleton`. Set all `parents` to no_parent for independent bones
+///   rest      #vertices, as in the fit
+///   times     #frames, in seconds, ascending
+///   options   the distance is measured between skinned vertices by maps and by keys, for all bones together,
+///             in every frame
+///   returns   keys at some of the frames, with the values of the frames. A constant channel has one key.
+///             Rotations without tangents keep the distance by slerp and by nlerp. Neighbouring rotation keys
+///             differ by at most 90°. Keys are added between neighbouring frames where slerp and nlerp differ
+///             by more than the distance (or 1e-4). Half turns about one axis all have the same direction
+///   cost      about O(#vertices · #influences · #frames · log #frames). 1,114 vertices, 33 frames, 20 bones:
+///             0.1 s. Memory: 12 bytes · #vertices · #frames
+///   fails     value_not_finite (not finite or negative distance; a map; the rest pose; a singular ancestor);
+///             input_malformed (sizes or indices of the skeleton); frames_do_not_match (#times or #vertices);
+///             keys_not_ascending; cancelled; out_of_memory
 template <class T, PointRangeIn<3> R>
 Result<SkeletonKeys<T>, SkeletonKeysReport>
 fit_skeleton_keys(const FittedSkeleton<T>& skeleton, const R& rest,

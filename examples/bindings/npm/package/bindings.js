@@ -3,7 +3,7 @@
 import { Cage } from './cages.js';
 import { CageformError, MADE, Owner, objectOf, refuse, scalarOf, started } from './engine.js';
 import { Clip, Figure, described, written } from './figures.js';
-import { CONSTANTS } from './layout.js';
+import { CHOICES, CONSTANTS } from './layout.js';
 import {
   bytesOf,
   choice,
@@ -19,23 +19,7 @@ import {
   whole,
 } from './numbers.js';
 
-const TYPES = {
-  'mean-value': CONSTANTS.MEAN_VALUE,
-  harmonic: CONSTANTS.HARMONIC,
-  green: CONSTANTS.GREEN,
-  sibson: CONSTANTS.SIBSON,
-  barycentric: CONSTANTS.BARYCENTRIC,
-  wachspress: CONSTANTS.WACHSPRESS,
-  'discrete-harmonic': CONSTANTS.DISCRETE_HARMONIC,
-  splines: CONSTANTS.SPLINES,
-};
-const USUAL = { polygon: 'mean-value', mesh: 'mean-value', curves: 'green', lattice: 'splines', sites: 'sibson' };
-const OUTSIDE = {
-  extend: CONSTANTS.EXTEND,
-  keep_in_place: CONSTANTS.KEEP_IN_PLACE,
-  nearest_boundary: CONSTANTS.NEAREST_BOUNDARY,
-};
-
+const USUAL = { polygon: 'mean-value', mesh: 'mean-value', curves: 'curved-green', lattice: 'splines', sites: 'sibson' };
 /** Calls make(scope, report), which returns an object's address, and returns that with the report. */
 export const reported = (engine, make) =>
   engine.scoped(scope => {
@@ -52,6 +36,7 @@ class Blend {
 }
 
 export class Coordinates extends Owner {
+  static kinds = Object.keys(CHOICES.coordinateType);
   #Kind;
 
   constructor(cage, chosen) {
@@ -63,16 +48,14 @@ export class Coordinates extends Owner {
       scalar = 'float32',
       accuracy = 0,
       memoryLimit = 0,
-      degree = 1,
       disk,
-    } = options(chosen, ['kind', 'scalar', 'accuracy', 'memoryLimit', 'degree', 'disk']);
+    } = options(chosen, ['kind', 'scalar', 'accuracy', 'memoryLimit', 'disk']);
     this.#Kind = scalarClass(scalar);
     const own = {
-      type: choice(TYPES, kind, 'kind'),
+      type: choice(CHOICES.coordinateType, kind, 'kind'),
       scalar: scalarOf(this.#Kind),
       accuracy: number(accuracy, 'accuracy'),
       memoryLimit: whole(memoryLimit, 'memoryLimit'),
-      sibsonDegree: whole(degree, 'degree'),
       ...(disk === undefined ? {} : { disk: numbers(disk, 3, 'disk') }),
     };
     const { at, report } = reported(engine, (scope, to) => {
@@ -150,7 +133,7 @@ export class Coordinates extends Owner {
         : points(tangents, 'tangents', { dimension: tangentLength(tangents, given, dimension) }),
     ];
     const own = {
-      outside: choice(OUTSIDE, outside, 'outside'),
+      outside: choice(CHOICES.outsidePoints, outside, 'outside'),
       leaveLinearPrecision: Boolean(leaveLinearPrecision),
       falloff: number(falloff, 'falloff'),
     };
@@ -184,14 +167,6 @@ const LISTS = {
   notRestored: CONSTANTS.LIST_NOT_RESTORED,
   faded: CONSTANTS.LIST_FADED,
 };
-const FORMATS = {
-  smallest: CONSTANTS.FORMAT_SMALLEST,
-  scalar: CONSTANTS.FORMAT_SCALAR,
-  half: CONSTANTS.FORMAT_HALF,
-  int16: CONSTANTS.FORMAT_INT16,
-  int8: CONSTANTS.FORMAT_INT8,
-};
-
 export class Binding extends Owner {
   #Kind;
 
@@ -297,7 +272,7 @@ export class Binding extends Owner {
       threshold: number(threshold, 'threshold'),
       largest: whole(largest, 'largest'),
       reach: number(reach, 'reach'),
-      format: choice(FORMATS, format, 'format'),
+      format: choice(CHOICES.weightFormat, format, 'format'),
       origin: Array.from(origin, x => number(x, 'origin')),
     };
     const where = poses === undefined ? null : points(flattened(poses, 'poses'), 'poses', { dimension: this.figure.dimension }),

@@ -1,7 +1,7 @@
 // Cages: described, checked, made.
 
 import { CageformError, Fault, MADE, objectOf, refuse, started } from './engine.js';
-import { CONSTANTS } from './layout.js';
+import { CHOICES, CONSTANTS } from './layout.js';
 import { choice, indices, number, numbers, options, points, progressOf, whole } from './numbers.js';
 
 const KINDS = {
@@ -211,7 +211,6 @@ export function check(cage) {
   });
 }
 
-const SHAPES = { figure: CONSTANTS.SHAPE_FIGURE, hull: CONSTANTS.SHAPE_HULL, box: CONSTANTS.SHAPE_BOX };
 const MIRRORS = { none: 0, x: 1, y: 2, z: 3 };
 
 export function makeCage(places, joined, chosen) {
@@ -246,7 +245,7 @@ export function makeCage(places, joined, chosen) {
   const how = {
     vertices: whole(vertices, 'vertices'),
     margin: number(margin, 'margin'),
-    shape: choice(SHAPES, shape, 'shape'),
+    shape: choice(CHOICES.shape, shape, 'shape'),
     mirror: choice(MIRRORS, mirror, 'mirror'),
     fillTunnels: Boolean(fillTunnels),
     manyCages: Boolean(manyCages),

@@ -1,4 +1,5 @@
 import type { Array32or64, Clip, Fault, Figure, Indices, Numbers, Report, Scalar, Source } from './figures.js';
+import type { CoordinateType, Keys, OutsidePoints, Shape, WeightFormat } from './layout.js';
 
 export { CageformError, Clip, Fault, Figure, open, version } from './figures.js';
 export type {
@@ -78,7 +79,7 @@ export interface MakeCageOptions {
   vertices?: number;
   /** A share of the figure's diagonal; 0: 0.025 in the plane, 0.02 in space. */
   margin?: number;
-  shape?: 'figure' | 'hull' | 'box';
+  shape?: Shape;
   mirror?: 'none' | 'x' | 'y' | 'z';
   /** In the plane half the width of each segment. */
   radii?: readonly number[] | Float64Array | Float32Array;
@@ -91,25 +92,24 @@ export interface MakeCageOptions {
  *  a worker. */
 export function makeCage(points: Numbers, indices: Indices, options?: MakeCageOptions): { cage: Cage; report: Report };
 
-export type CoordinatesKind =
-  'mean-value' | 'harmonic' | 'green' | 'sibson' | 'barycentric' | 'wachspress' | 'discrete-harmonic' | 'splines';
+/** The names of coordinate types, as coordinates/types.hpp lists them. */
+export type CoordinatesKind = CoordinateType;
 
 export interface CoordinatesOptions {
-  /** Mean value; splines of a lattice, Green of curves, Sibson of sites. */
+  /** Left out: mean-value; splines of a lattice, curved-green of curves, sibson of sites. */
   kind?: CoordinatesKind;
   /** The scalar of weights, poses and clones; float32 if it is left out. */
   scalar?: Scalar;
   /** Harmonic: the largest error of a weight; 0: 1e-3. */
   accuracy?: number;
   memoryLimit?: number;
-  /** Sibson: 1, or 3, smooth at the sites. */
-  degree?: 1 | 3;
-  /** Green on curves: x, y, radius. */
+  /** curved-green: x, y, radius. */
   disk?: readonly number[];
 }
 
 /** Coordinates of a cage. */
 export class Coordinates extends Owner {
+  static readonly kinds: readonly CoordinatesKind[];
   constructor(cage: Cage, options?: CoordinatesOptions);
   /** Makes coordinates of several cages over one figure, such as a body and a head; where they overlap, they are blended by depth. Mean value or
    *  harmonic. Handles are those of the first cage, then of the next. */
@@ -134,7 +134,7 @@ export interface BindOptions {
   normals?: Numbers;
   /** In space, of 3 or 4 numbers. */
   tangents?: Numbers;
-  outside?: 'extend' | 'keep_in_place' | 'nearest_boundary';
+  outside?: OutsidePoints;
   /** Outside, displacements fade to nothing at this distance; 0: they do not. */
   falloff?: number;
   leaveLinearPrecision?: boolean;
@@ -176,7 +176,7 @@ export interface PackOptions {
   reach?: number;
   /** or in these poses, one after the other. */
   poses?: Numbers;
-  format?: 'smallest' | 'scalar' | 'half' | 'int16' | 'int8';
+  format?: WeightFormat;
   clips?: Readonly<Record<string, Clip>>;
   /** Packed figures of less detail, of the same handles. */
   levels?: readonly (ArrayBuffer | ArrayBufferView)[];
@@ -191,7 +191,7 @@ export interface ClipOptions {
   tolerance?: number;
   /** The largest distance that curves in 16 bits may cost; 0: they stay exact. */
   packTolerance?: number;
-  keys?: 'smooth' | 'linear' | 'hold';
+  keys?: Keys;
   before?: 'stay' | 'straight_on' | 'cycle' | 'cycle_with_offset' | 'ping_pong';
   after?: 'stay' | 'straight_on' | 'cycle' | 'cycle_with_offset' | 'ping_pong';
   scalar?: Scalar;

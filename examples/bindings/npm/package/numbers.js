@@ -96,7 +96,8 @@ export function options(given, known) {
   }
   return given;
 }
-export function choice(choices, given, name) {
+export function choice(choices, chosen, name) {
+  const given = Object.hasOwn(choices, chosen) || typeof chosen !== 'string' ? chosen : chosen.replaceAll('_', '-');
   if (!Object.hasOwn(choices, given)) {
     const names = Object.keys(choices)
       .map(own => `'${own}'`)

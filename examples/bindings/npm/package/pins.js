@@ -4,7 +4,7 @@ import { Coordinates, reported, taken } from './bindings.js';
 import { dimensionOf } from './cages.js';
 import { MADE, Owner, objectOf, scalarOf, started } from './engine.js';
 import { Clip, Figure, described, fileAt, orFree } from './figures.js';
-import { CONSTANTS } from './layout.js';
+import { CHOICES, CONSTANTS } from './layout.js';
 import {
   bytesOf,
   choice,
@@ -21,7 +21,6 @@ import {
   whole,
 } from './numbers.js';
 
-const JOINED = { smooth: CONSTANTS.SMOOTH, linear: CONSTANTS.LINEAR, hold: CONSTANTS.HOLD };
 const ENDS = {
   stay: CONSTANTS.STAY,
   straight_on: CONSTANTS.GO_STRAIGHT_ON,
@@ -46,7 +45,7 @@ export function compileClip(times, poses, chosen) {
     own = {
       tolerance: number(tolerance, 'tolerance'),
       packTolerance: number(packTolerance, 'packTolerance'),
-      keys: choice(JOINED, keys, 'keys'),
+      keys: choice(CHOICES.keys, keys, 'keys'),
       before: choice(ENDS, before, 'before'),
       after: choice(ENDS, after, 'after'),
       scalar: scalarOf(scalarClass(scalar)),

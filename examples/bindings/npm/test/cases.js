@@ -19,31 +19,39 @@ import {
   uniformly,
 } from './support.js';
 
-/** Coordinates of every type, with points inside. */
-function* everyType({ Cage, Coordinates }, random) {
+/** Coordinates of every type, of each cage that it takes, with points inside. */
+function* everyType({ Cage, Coordinates, CageformError }, random) {
   for (const scalar of ['float32', 'float64']) {
-    const Kind = scalar === 'float32' ? Float32Array : Float64Array;
-    const square = Cage.polygon(SQUARE),
-      cube = Cage.mesh(CUBE, TRIANGLES);
-    const plane = () => uniformly(random, 60, 0.5, 3.5, Kind),
+    const Kind = scalar === 'float32' ? Float32Array : Float64Array,
       space = () => uniformly(random, 60, -0.9, 0.9, Kind);
-    for (const kind of ['mean-value', 'harmonic', 'green', 'wachspress', 'discrete-harmonic', 'sibson'])
-      yield { coordinates: new Coordinates(square, { kind, scalar }), points: plane(), Kind };
-    for (const kind of ['mean-value', 'harmonic', 'green', 'sibson'])
-      yield { coordinates: new Coordinates(cube, { kind, scalar }), points: space(), Kind };
-    yield { coordinates: new Coordinates(Cage.mesh(CUBE, QUADS, { divisions: 2 }), { scalar }), points: space(), Kind };
-    yield { coordinates: new Coordinates(Cage.lattice(BOX), { scalar }), points: space(), Kind };
-    yield {
-      coordinates: new Coordinates(Cage.curves(CURVES), { scalar }),
-      points: uniformly(random, 60, 0.5, 3, Kind),
-      Kind,
-    };
-    yield { coordinates: new Coordinates(Cage.sites(CUBE), { scalar, degree: 3 }), points: space(), Kind };
-    yield {
-      coordinates: new Coordinates(Cage.polygon(SQUARE.slice(0, 3)), { kind: 'barycentric', scalar }),
-      points: uniformly(random, 60, 0.4, 0.6, Kind).map((x, n) => (n % 2 ? x : x + 2)),
-      Kind,
-    };
+    const cages = [
+      [Cage.polygon(SQUARE), () => uniformly(random, 60, 0.5, 3.5, Kind)],
+      [
+        Cage.polygon(SQUARE.slice(0, 3)),
+        () => uniformly(random, 60, 0.4, 0.6, Kind).map((x, n) => (n % 2 ? x : x + 2)),
+      ],
+      [Cage.mesh(CUBE, TRIANGLES), space],
+      [Cage.mesh(CUBE, QUADS, { divisions: 2 }), space],
+      [Cage.lattice(BOX), space],
+      [Cage.curves(CURVES), () => uniformly(random, 60, 0.5, 3, Kind)],
+      [Cage.sites(CUBE), space],
+    ];
+    for (const kind of Coordinates.kinds) {
+      let taken = 0;
+      for (const [cage, inside] of cages) {
+        try {
+          const coordinates = new Coordinates(cage, { kind, scalar }),
+            points = inside();
+          coordinates.bind(points);
+          yield { coordinates, points, Kind };
+          ++taken;
+        } catch (error) {
+          const known = ['cage_kind_not_supported', 'not_a_simplex', 'divisions_not_supported'];
+          if (!(error instanceof CageformError && known.includes(error.status))) throw error;
+        }
+      }
+      assert(taken > 0, `${kind} takes none of the cages`);
+    }
   }
 }
 
@@ -171,7 +179,6 @@ export const tests = [
     name: 'every type: weights sum to one, rest comes back to the bit, moves are exact',
     run({ cageform }) {
       const random = randomOf(1);
-      let types = 0;
       for (const { coordinates, points, Kind } of everyType(cageform, random)) {
         const binding = coordinates.bind(points),
           { figure } = binding,
@@ -194,9 +201,7 @@ export const tests = [
           points.map(x => x + 0.25),
         );
         assert(off <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: a move is off by ${off}`);
-        ++types;
       }
-      equal(types, 30, 'types');
     },
   },
 
@@ -541,7 +546,7 @@ export const tests = [
     name: 'bad points are listed and kept',
     run({ cageform }) {
       const coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE));
-      const binding = coordinates.bind([NaN, 1, 9, 9, 1, 1], { outside: 'keep_in_place' });
+      const binding = coordinates.bind([NaN, 1, 9, 9, 1, 1], { outside: 'keep-in-place' });
       equal(`${binding.notFinite} ${binding.outside}`, '0 1', 'lists');
       assert(Number.isNaN(binding.figure.clone(binding.figure.rest()).points[0]), 'a point that is not finite stays');
     },

@@ -36,7 +36,7 @@ expect(faults.length === 0 && cage.kind === 'polygon' && cage.vertices?.length =
 const coordinates = new Coordinates(cage, { kind: 'harmonic', scalar: 'float32', accuracy: 1e-4 });
 const solved: Report = coordinates.solve({ progress: (done: number) => done <= 1 });
 expect(solved.unknowns > 0 && solved.status === 'ok' && coordinates.hasGradients, String(solved));
-const options: BindOptions = { outside: 'keep_in_place', progress: () => undefined };
+const options: BindOptions = { outside: 'keep-in-place', progress: () => undefined };
 const binding: Binding = coordinates.bind(Float32Array.of(1, 1, 2, 3), options);
 const figure: Figure = binding.figure,
   pose: Array32or64 = figure.rest();

@@ -44,9 +44,9 @@ def cases():
         yield 'cube', cube, {'kind': kind}
     yield 'quads', quads, {'kind': 'mean-value'}
     yield 'lattice', lattice, {}
-    yield 'curves', curves, {'kind': 'green'}
+    yield 'curves', curves, {'kind': 'curved-green'}
     yield 'sites', sites, {'kind': 'sibson'}
-    yield 'sites of degree 3', sites3, {'kind': 'sibson', 'degree': 3}
+    yield 'sites of degree 3', sites3, {'kind': 'sibson-c1'}
     yield 'triangle', triangle, {'kind': 'barycentric'}
 
 

@@ -18,7 +18,7 @@ def main(out):
     points = np.stack([x.ravel(), y.ravel()], axis=1)
     figure, both = plt.subplots(1, 2, figsize=(10, 5))
     for axes, kind in zip(both, ('mean-value', 'harmonic')):
-        binding = cageform.Coordinates(cageform.Cage.polygon(corner), kind).bind(points, outside='keep_in_place')
+        binding = cageform.Coordinates(cageform.Cage.polygon(corner), kind).bind(points, outside='keep-in-place')
         weights = binding.weights()[:, 3]
         weights[binding.outside] = np.nan
         drawn = axes.contourf(x, y, weights.reshape(x.shape), np.linspace(-0.2, 1, 25), cmap='RdBu_r', vmin=-1, vmax=1)

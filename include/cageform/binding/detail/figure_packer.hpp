@@ -62,17 +62,16 @@ Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& op
 
 /// Returns the part of a figure that holds its clips.
 inline std::vector<Lanes<double>> packed_clips(std::span<const FigureClipData> clips) {
-    const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
     const std::uint64_t count = clips.size();
     std::size_t name = sizeof(count) + clips.size() * sizeof(FigureClip), end = name;
     for (const FigureClipData& clip : clips) end += clip.name.size();
-    end = whole(end);
+    end = whole_lines(end);
     std::vector<FigureClip> lines;
     for (const FigureClipData& clip : clips) {
         lines.push_back({end, clip.bytes.size(), static_cast<std::uint32_t>(name),
                          static_cast<std::uint32_t>(clip.name.size())});
         name += clip.name.size();
-        end += whole(clip.bytes.size());
+        end += whole_lines(clip.bytes.size());
     }
     std::vector<Lanes<double>> memory(end / 64);
     std::byte* const data = std::as_writable_bytes(std::span(memory)).data();

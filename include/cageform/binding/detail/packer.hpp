@@ -205,7 +205,7 @@ private:
         header.row_begin = 1;
         std::size_t sum = 0;
         for_each_blob_array<T, D>(header, [&sum](std::uint64_t, std::uint64_t bytes, bool wanted) {
-            if (wanted) sum += std::size_t(bytes + 63) / 64 * 64;
+            if (wanted) sum += std::size_t(whole_lines(bytes));
         });
         return sum;
     }

@@ -6,12 +6,20 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+// X(name, NAME, "description"): the enumerators here, and of C: CAGEFORM_NAME. Add new ones at the end.
+// clang-format off
+#define CAGEFORM_OUTSIDE_POINTS(X)                                                                           \
+    X(extend, EXTEND, "by the coordinate type's own extension; kept in place if it has none")                \
+    X(keep_in_place, KEEP_IN_PLACE, "no pose moves them")                                                    \
+    X(nearest_boundary, NEAREST_BOUNDARY,                                                                    \
+      "they follow the nearest point of the cage's boundary, at the same offset")
+// clang-format on
+
 /// How points outside the cage are bound.
 enum class OutsidePoints : std::uint8_t {
-    extend,        ///< by the coordinate type's own extension; kept in place if it has none
-    keep_in_place, ///< no pose moves them
-    /// They follow the nearest point of the cage's boundary, at the same offset.
-    nearest_boundary,
+#define CAGEFORM_DETAIL_OUTSIDE(name, ...) name,
+    CAGEFORM_OUTSIDE_POINTS(CAGEFORM_DETAIL_OUTSIDE)
+#undef CAGEFORM_DETAIL_OUTSIDE
 };
 
 /// Whether weights that miss Σw = 1 or Σwc = p (solvers leave a residual) are changed by the least

@@ -100,16 +100,16 @@ cageform_status cageform_coordinates_describe(const cageform_coordinates* coordi
 
 cageform_status cageform_coordinates_rest(const cageform_coordinates* coordinates, cageform_output handles) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(coordinates);
+    cageform_status status = c::check_object(coordinates);
     if (status != CAGEFORM_OK) return status;
     return c::with(coordinates->coordinates, [&](const auto& any) {
         using Any = std::remove_cvref_t<decltype(any)>;
-        return c::with_points<typename Any::scalar, Any::dimension>(handles, [&](const auto& out) {
-            const auto its = any.handles();
-            if (out.size() < its.count) return c::code_of(cageform::Status::output_too_small);
-            for (std::size_t i = 0; i < its.count; ++i) out.store(i, its.rest[i]);
-            return cageform_status(CAGEFORM_OK);
-        });
+        const auto out = c::view_of<typename Any::scalar, Any::dimension>(handles, status);
+        const auto its = any.handles();
+        if (status != CAGEFORM_OK) return status;
+        if (out.size() < its.count) return c::code_of(cageform::Status::output_too_small);
+        for (std::size_t i = 0; i < its.count; ++i) out.store(i, its.rest[i]);
+        return status;
     });
 }
 
@@ -142,9 +142,16 @@ cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_
         if (status != CAGEFORM_OK) return status;
         if (binding == nullptr || (normals == nullptr && tangents != nullptr))
             return cageform_status(CAGEFORM_ARGUMENT_NULL);
-        if (own.outside > CAGEFORM_NEAREST_BOUNDARY) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
         cageform::BindOptions choice;
-        choice.outside = static_cast<cageform::OutsidePoints>(own.outside);
+        switch (own.outside) {
+#define CAGEFORM_DETAIL_OUTSIDE(name, NAME, ...)                                                             \
+    case CAGEFORM_##NAME:                                                                                    \
+        choice.outside = cageform::OutsidePoints::name;                                                      \
+        break;
+            CAGEFORM_OUTSIDE_POINTS(CAGEFORM_DETAIL_OUTSIDE)
+#undef CAGEFORM_DETAIL_OUTSIDE
+        default: return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        }
         choice.falloff = own.falloff;
         if (own.leave_linear_precision != 0) choice.linear_precision = cageform::LinearPrecision::leave;
         return c::with_running(running, [&](const cageform::Running& how) {

@@ -12,13 +12,16 @@ namespace cageform::inline CAGEFORM_ABI::detail::c {
 /// Copies points of either scalar.
 template <class T, std::size_t D>
 cageform_status copy_points(const cageform_points& points, std::vector<Vec<T, D>>& copied) {
+    cageform_status status = CAGEFORM_OK;
     const auto copy = [&](const auto& view) {
         copied.reserve(view.size());
         for (std::size_t i = 0; i < view.size(); ++i) copied.push_back(vec_cast<T>(view[i]));
-        return cageform_status(CAGEFORM_OK);
     };
-    return points.scalar == CAGEFORM_DOUBLE ? with_points<double, D>(points, copy)
-                                            : with_points<float, D>(points, copy);
+    if (points.scalar == CAGEFORM_DOUBLE)
+        copy(view_of<double, D>(points, status));
+    else
+        copy(view_of<float, D>(points, status));
+    return status;
 }
 
 /// The dimension of a cage.

@@ -2,19 +2,8 @@
 // the program links cageform::compiled.
 #pragma once
 
+#include <cageform/binding/make_coordinates.hpp>
 #include <cageform/c/detail/cages.hpp>
-#include <cageform/cage/cell_complex.hpp>
-#include <cageform/cage/curved/curved_polygon.hpp>
-#include <cageform/cage/point_set.hpp>
-#include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/blended.hpp>
-#include <cageform/coordinates/curved_green.hpp>
-#include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/harmonic.hpp>
-#include <cageform/coordinates/lattice.hpp>
-#include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/sibson.hpp>
-#include <cageform/coordinates/three_point.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
@@ -174,81 +163,75 @@ LatticeCoordinates<T, D> lattice_of(const cageform_cage& cage) {
     return LatticeCoordinates<T, D>(axes, box, static_cast<T>(cage.falloff));
 }
 
-inline HarmonicOptions harmonic_options(const cageform_coordinates_options& options) {
-    HarmonicOptions own;
-    if (options.accuracy != 0) own.accuracy = options.accuracy;
-    if (options.memory_limit != 0) own.memory_limit = options.memory_limit;
+inline cageform_status type_of(const cageform_coordinates_options& options, CoordinateType& type) noexcept {
+    switch (options.type) {
+#define CAGEFORM_DETAIL_TYPE(name, NAME, ...)                                                                \
+    case CAGEFORM_##NAME: type = CoordinateType::name; return CAGEFORM_OK;
+        CAGEFORM_COORDINATE_TYPES(CAGEFORM_DETAIL_TYPE)
+#undef CAGEFORM_DETAIL_TYPE
+    default: return CAGEFORM_CHOICE_UNKNOWN;
+    }
+}
+
+template <class T>
+CoordinateOptions<T> options_of(const cageform_coordinates_options& options) {
+    CoordinateOptions<T> own;
+    if (options.accuracy != 0) own.harmonic.accuracy = options.accuracy;
+    if (options.memory_limit != 0) own.harmonic.memory_limit = options.memory_limit;
+    if (options.sibson_degree != 0) own.sibson.degree = int(options.sibson_degree);
+    if (options.disk[2] != 0)
+        own.curved_green.disk = {{static_cast<T>(options.disk[0]), static_cast<T>(options.disk[1])},
+                                 static_cast<T>(options.disk[2])};
     return own;
+}
+
+/// Calls use(cage) with the cage that is described: of the library's class for its kind.
+///
+///   kind   that of the cage; or CAGEFORM_SITES, for its vertices alone
+template <class T, std::size_t D, class Use>
+cageform_status with_cage(const cageform_cage& cage, std::uint32_t kind, const Use& use) {
+    const auto use_made = [&](cageform_status status, const auto& made) {
+        return status == CAGEFORM_OK ? use(made) : status;
+    };
+    if (has_cells(cage)) {
+        CellComplex<T, D> cells;
+        return use_made(complex_of(cage, cells), cells);
+    }
+    if (kind == CAGEFORM_LATTICE) return use(lattice_of<T, D>(cage));
+    if (kind == CAGEFORM_SITES) {
+        std::vector<Vec<T, D>> sites;
+        const cageform_status status = copy_points(cage.vertices, sites);
+        return use_made(status, PointSet<T, D>(sites));
+    }
+    if constexpr (D == 3) {
+        return with_mesh<T>(cage, use);
+    } else if (kind == CAGEFORM_CURVES) {
+        CurvedPolygon<T> curves;
+        return use_made(curves_of(cage, curves), curves);
+    } else {
+        Polygon<T> polygon;
+        return use_made(polygon_of(cage, polygon), polygon);
+    }
 }
 
 template <class T, std::size_t D>
 cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordinates_options& options,
                                AnyCoordinates<T, D>& made) {
-    const auto keep = [&](auto coordinates) {
-        made = std::move(coordinates);
+    CoordinateType type{};
+    const cageform_status status = type_of(options, type);
+    if (status != CAGEFORM_OK) return status;
+    if (type == CoordinateType::green && cage.kind == CAGEFORM_CURVES) type = CoordinateType::curved_green;
+    const std::uint32_t cages = facts_of(type).cages;
+    if (has_cells(cage) && (cages & cage_kinds::cells) == 0) return CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED;
+    // The vertices of a polygon or a mesh serve as sites.
+    const bool by_sites =
+        cages == cage_kinds::sites && (cage.kind == CAGEFORM_POLYGON || cage.kind == CAGEFORM_MESH);
+    return with_cage<T, D>(cage, by_sites ? std::uint32_t(CAGEFORM_SITES) : cage.kind, [&](const auto& its) {
+        if ((cages & kinds_of<std::remove_cvref_t<decltype(its)>>) == 0)
+            return cageform_status(CAGEFORM_CAGE_KIND_NOT_SUPPORTED);
+        made = make_coordinates(type, its, options_of<T>(options));
         return cageform_status(CAGEFORM_OK);
-    };
-    if (options.type > CAGEFORM_SPLINES) return CAGEFORM_CHOICE_UNKNOWN;
-    if (has_cells(cage)) {
-        if (options.type != CAGEFORM_HARMONIC) return CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED;
-        CellComplex<T, D> cells;
-        const cageform_status status = complex_of(cage, cells);
-        if (status != CAGEFORM_OK) return status;
-        return keep(
-            HarmonicCoordinates<T, D, CellComplex<T, D>>(std::move(cells), harmonic_options(options)));
-    }
-    if (options.type == CAGEFORM_SPLINES || cage.kind == CAGEFORM_LATTICE) {
-        if (options.type != CAGEFORM_SPLINES || cage.kind != CAGEFORM_LATTICE)
-            return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
-        return keep(lattice_of<T, D>(cage));
-    }
-    if (options.type == CAGEFORM_SIBSON && cage.kind != CAGEFORM_CURVES) {
-        std::vector<Vec<T, D>> sites;
-        const cageform_status status = copy_points(cage.vertices, sites);
-        if (status != CAGEFORM_OK) return status;
-        return keep(SibsonCoordinates<T, D>(
-            PointSet<T, D>(sites), {.degree = options.sibson_degree == 0 ? 1 : int(options.sibson_degree)}));
-    }
-    if constexpr (D == 2) {
-        if (cage.kind == CAGEFORM_CURVES && options.type == CAGEFORM_GREEN) {
-            CurvedPolygon<T> curves;
-            const cageform_status status = curves_of(cage, curves);
-            if (status != CAGEFORM_OK) return status;
-            CurvedGreenOptions<T> own;
-            if (options.disk[2] != 0)
-                own.disk = {{static_cast<T>(options.disk[0]), static_cast<T>(options.disk[1])},
-                            static_cast<T>(options.disk[2])};
-            return keep(CurvedGreenCoordinates<T>(std::move(curves), own));
-        }
-        if (cage.kind != CAGEFORM_POLYGON) return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
-        Polygon<T> polygon;
-        const cageform_status status = polygon_of(cage, polygon);
-        if (status != CAGEFORM_OK) return status;
-        switch (options.type) {
-        case CAGEFORM_MEAN_VALUE: return keep(MeanValueCoordinates<T, 2>(polygon));
-        case CAGEFORM_HARMONIC: return keep(HarmonicCoordinates<T, 2>(polygon, harmonic_options(options)));
-        case CAGEFORM_GREEN: return keep(GreenCoordinates<T, 2>(polygon));
-        case CAGEFORM_WACHSPRESS: return keep(WachspressCoordinates<T>(polygon));
-        case CAGEFORM_DISCRETE_HARMONIC: return keep(DiscreteHarmonicCoordinates<T>(polygon));
-        default: return keep(BarycentricCoordinates<T, 2>(polygon));
-        }
-    } else {
-        if (cage.kind != CAGEFORM_MESH || options.type >= CAGEFORM_WACHSPRESS)
-            return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
-        if (options.type == CAGEFORM_BARYCENTRIC) {
-            std::vector<Vec<T, 3>> corners;
-            const cageform_status status = copy_points(cage.vertices, corners);
-            return status != CAGEFORM_OK ? status : keep(BarycentricCoordinates<T, 3>(corners));
-        }
-        return with_mesh<T>(cage, [&](const auto& mesh) {
-            using Mesh = std::remove_cvref_t<decltype(mesh)>;
-            switch (options.type) {
-            case CAGEFORM_MEAN_VALUE: return keep(MeanValueCoordinates<T, 3, Mesh>(mesh));
-            case CAGEFORM_GREEN: return keep(GreenCoordinates<T, 3, Mesh>(mesh));
-            default: return keep(HarmonicCoordinates<T, 3, Mesh>(mesh, harmonic_options(options)));
-            }
-        });
-    }
+    });
 }
 
 template <class T, std::size_t D>
@@ -274,15 +257,15 @@ cageform_status blend_of(std::span<const cageform_cage* const> cages,
         made = std::move(blended);
         return cageform_status(CAGEFORM_OK);
     };
-    switch (options.type) {
-    case CAGEFORM_MEAN_VALUE:
+    CoordinateType type{};
+    const cageform_status status = type_of(options, type);
+    if (status != CAGEFORM_OK) return status;
+    if (type == CoordinateType::mean_value)
         return blend([](Cage cage) { return MeanValueCoordinates<T, D>(std::move(cage)); });
-    case CAGEFORM_HARMONIC:
-        return blend(
-            [&](Cage cage) { return HarmonicCoordinates<T, D>(std::move(cage), harmonic_options(options)); });
-    default:
-        return options.type > CAGEFORM_SPLINES ? CAGEFORM_CHOICE_UNKNOWN : CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
-    }
+    if (type != CoordinateType::harmonic) return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
+    return blend([&](Cage cage) {
+        return HarmonicCoordinates<T, D>(std::move(cage), options_of<T>(options).harmonic);
+    });
 }
 
 template <class T, std::size_t D>
@@ -291,31 +274,12 @@ cageform_status check_cage(const cageform_cage& cage, CageReport& report) {
         report = std::move(its);
         return cageform_status(CAGEFORM_OK);
     };
-    const auto check_made = [&](const auto& made, cageform_status status) {
-        return status != CAGEFORM_OK ? status : keep(check(made));
-    };
-    if (has_cells(cage)) {
-        CellComplex<T, D> cells;
-        const cageform_status status = complex_of(cage, cells);
-        return check_made(cells, status);
-    }
-    if (cage.kind == CAGEFORM_LATTICE) return keep(lattice_of<T, D>(cage).cage_report());
-    if (cage.kind == CAGEFORM_SITES) {
-        std::vector<Vec<T, D>> sites;
-        const cageform_status status = copy_points(cage.vertices, sites);
-        return check_made(PointSet<T, D>(sites), status);
-    }
-    if constexpr (D == 3) {
-        return with_mesh<T>(cage, [&](const auto& mesh) { return keep(check(mesh)); });
-    } else if (cage.kind == CAGEFORM_CURVES) {
-        CurvedPolygon<T> curves;
-        const cageform_status status = curves_of(cage, curves);
-        return check_made(curves, status);
-    } else {
-        Polygon<T> polygon;
-        const cageform_status status = polygon_of(cage, polygon);
-        return check_made(polygon, status);
-    }
+    return with_cage<T, D>(cage, cage.kind, [&](const auto& its) {
+        if constexpr (requires { its.cage_report(); })
+            return keep(its.cage_report()); // a lattice
+        else
+            return keep(check(its));
+    });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail::c

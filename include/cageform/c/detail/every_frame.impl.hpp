@@ -223,15 +223,14 @@ cageform_status cageform_figure_describe(const cageform_figure* figure, cageform
 
 cageform_status cageform_figure_rest(const cageform_figure* figure, cageform_output handles) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
+    cageform_status status = c::check_object(figure);
     if (status != CAGEFORM_OK) return status;
-    return c::with(figure->view, [&](const auto& view) {
-        using View = std::remove_cvref_t<decltype(view)>;
-        return c::with_points<typename View::scalar, View::dimension>(handles, [&](const auto& out) {
-            if (out.size() < view.handle_count()) return c::code_of(cageform::Status::output_too_small);
-            for (std::size_t i = 0; i < view.handle_count(); ++i) out.store(i, view.points.rest_handles[i]);
-            return cageform_status(CAGEFORM_OK);
-        });
+    return c::with(figure->view, [&]<class T, std::size_t D>(const cageform::PackedFigureView<T, D>& view) {
+        const auto out = c::view_of<T, D>(handles, status);
+        if (status != CAGEFORM_OK) return status;
+        if (out.size() < view.handle_count()) return c::code_of(cageform::Status::output_too_small);
+        for (std::size_t i = 0; i < view.handle_count(); ++i) out.store(i, view.points.rest_handles[i]);
+        return status;
     });
 }
 
@@ -287,16 +286,12 @@ cageform_status cageform_clone_transposed(const cageform_figure* figure, cagefor
 cageform_status cageform_pose_handles(const cageform_figure* figure, cageform_points vertices,
                                       cageform_output handles) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
+    cageform_status status = c::check_object(figure);
     if (status != CAGEFORM_OK) return status;
-    return c::with(figure->view, [&](const auto& view) {
-        using View = std::remove_cvref_t<decltype(view)>;
-        using T = typename View::scalar;
-        constexpr std::size_t D = View::dimension;
-        return c::with_points<T, D>(vertices, [&](const auto& source) {
-            return c::with_points<T, D>(
-                handles, [&](const auto& out) { return c::code_of(pose_handles(view, source, out).status); });
-        });
+    return c::with(figure->view, [&]<class T, std::size_t D>(const cageform::PackedFigureView<T, D>& view) {
+        const auto source = c::view_of<T, D>(vertices, status);
+        const auto out = c::view_of<T, D>(handles, status);
+        return status != CAGEFORM_OK ? status : c::code_of(pose_handles(view, source, out).status);
     });
 }
 
@@ -377,19 +372,16 @@ cageform_status cageform_player_describe(const cageform_player* player, cageform
 
 cageform_status cageform_player_sample(cageform_player* player, double time, cageform_output pose) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(player);
+    cageform_status status = c::check_object(player);
     if (status != CAGEFORM_OK) return status;
-    return c::with(player->playing, [&](auto& playing) {
-        using Playing = std::remove_cvref_t<decltype(playing)>;
-        using T = typename Playing::scalar;
-        return c::with_points<T, Playing::dimension>(pose, [&](const auto& out) {
-            if (out.size() < playing.pose.size()) return c::code_of(cageform::Status::output_too_small);
-            if (!cageform::is_finite(static_cast<T>(time)))
-                return c::code_of(cageform::Status::value_not_finite);
-            playing.clip.sample(time, playing.cursor, playing.pose);
-            for (std::size_t i = 0; i < playing.pose.size(); ++i) out.store(i, playing.pose[i]);
-            return cageform_status(CAGEFORM_OK);
-        });
+    return c::with(player->playing, [&]<class T, std::size_t D>(cageform_player::Playing<T, D>& playing) {
+        const auto out = c::view_of<T, D>(pose, status);
+        if (status != CAGEFORM_OK) return status;
+        if (out.size() < playing.pose.size()) return c::code_of(cageform::Status::output_too_small);
+        if (!cageform::is_finite(static_cast<T>(time))) return c::code_of(cageform::Status::value_not_finite);
+        playing.clip.sample(time, playing.cursor, playing.pose);
+        for (std::size_t i = 0; i < playing.pose.size(); ++i) out.store(i, playing.pose[i]);
+        return status;
     });
 }
 

@@ -64,7 +64,15 @@ inline std::span<const std::byte> bytes_of(const cageform_part& part) noexcept {
 template <class T, std::size_t D>
 cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pack_options& options,
                             const Running& running, cageform_bytes** packed, cageform_report& report) {
-    if (options.format > CAGEFORM_FORMAT_INT8) return CAGEFORM_CHOICE_UNKNOWN;
+    std::optional<WeightFormat> format; // the smallest
+    switch (options.format) {
+    case CAGEFORM_FORMAT_SMALLEST: break;
+#define CAGEFORM_DETAIL_FORMAT(name, NAME, ...)                                                              \
+    case CAGEFORM_FORMAT_##NAME: format = WeightFormat::name; break;
+        CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_FORMAT)
+#undef CAGEFORM_DETAIL_FORMAT
+    default: return CAGEFORM_CHOICE_UNKNOWN;
+    }
     std::vector<Vec<T, D>> posed;
     cageform_status status = copy_points(options.poses, posed);
     if (status == CAGEFORM_OK) status = read_parts(options.clips, options.clip_count);
@@ -93,8 +101,7 @@ cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pa
         return CAGEFORM_VALUE_NOT_FINITE;
     const FigurePartData place{"ORIG", std::as_bytes(origin)};
     if (std::any_of(origin.begin(), origin.end(), [](double x) { return x != 0; })) own.parts = {&place, 1};
-    if (options.format != CAGEFORM_FORMAT_SMALLEST)
-        own.weights.format = static_cast<WeightFormat>(options.format - CAGEFORM_FORMAT_SCALAR);
+    own.weights.format = format;
     auto made = pack(figure, own, running);
     fill(report, made.report);
     report.seconds = made.report.seconds;

@@ -148,18 +148,20 @@ cageform_status check_points(const P& points, std::size_t dimension, std::size_t
                       points.count - 1 <= (points.bytes - size) / stride && points.bytes <= PTRDIFF_MAX;
     return fits ? CAGEFORM_OK : CAGEFORM_POINTS_LEAVE_MEMORY;
 }
-/// Calls use(view) with points of the scalar T.
-template <class T, std::size_t D, class P, class Use>
-cageform_status with_points(const P& points, const Use& use) {
-    std::size_t stride = 0;
-    const cageform_status status = check_points(points, D, stride);
-    if (status != CAGEFORM_OK) return status;
-    constexpr bool is_float = std::is_same_v<T, float>;
-    if (points.count > 0 && (points.scalar == CAGEFORM_FLOAT) != is_float) return CAGEFORM_SCALAR_DIFFERS;
+/// Returns points of the scalar T as a view. If the points are faulty, sets `status`, unless an earlier
+/// failure is in it, and returns an empty view.
+template <class T, std::size_t D, class P>
+auto view_of(const P& points, cageform_status& status) noexcept {
     using Number =
         std::conditional_t<std::is_const_v<std::remove_pointer_t<decltype(points.data)>>, const T, T>;
-    return use(StridedPoints<Number, D>(static_cast<Number*>(points.data), points.count,
-                                        static_cast<std::ptrdiff_t>(stride)));
+    std::size_t stride = 0;
+    if (status == CAGEFORM_OK) status = check_points(points, D, stride);
+    constexpr bool is_float = std::is_same_v<T, float>;
+    if (status == CAGEFORM_OK && points.count > 0 && (points.scalar == CAGEFORM_FLOAT) != is_float)
+        status = CAGEFORM_SCALAR_DIFFERS;
+    return StridedPoints<Number, D>(static_cast<Number*>(points.data),
+                                    status == CAGEFORM_OK ? points.count : 0,
+                                    static_cast<std::ptrdiff_t>(stride));
 }
 
 /// Makes an object that fill(object), which returns a code, fills.

@@ -131,16 +131,15 @@ cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets
                                     cageform_report* report) {
     namespace c = cageform::detail::c;
     return c::reported(report, "pin", [&](cageform_report& its) {
-        const cageform_status status = c::check_object(pins);
+        cageform_status status = c::check_object(pins);
         if (status != CAGEFORM_OK) return status;
         return c::with(pins->solver, [&]<class T, std::size_t D>(cageform::PoseSolver<T, D>& solver) {
-            return c::with_points<T, D>(targets, [&](const auto& to) {
-                return c::with_points<T, D>(pose, [&](const auto& out) {
-                    const cageform::PoseSolverReport posed = solver.solve(to, out);
-                    c::fill(its, posed);
-                    return c::code_of(posed.status);
-                });
-            });
+            const auto to = c::view_of<T, D>(targets, status);
+            const auto out = c::view_of<T, D>(pose, status);
+            if (status != CAGEFORM_OK) return status;
+            const cageform::PoseSolverReport posed = solver.solve(to, out);
+            c::fill(its, posed);
+            return c::code_of(posed.status);
         });
     });
 }

@@ -59,14 +59,6 @@ private:
     }
 };
 
-/// Calls use(parallel_for) with the loop that the caller asks for.
-template <class Use>
-cageform_status with_loop(const cageform_running* given, const Use& use) {
-    cageform_running running;
-    const cageform_status status = read_struct(given, running);
-    return status != CAGEFORM_OK ? status : use(CallersFor{running});
-}
-
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
 /// Calls use(running) with the caller's threads and progress. An exception of a body on another thread of the
 /// caller's loop is thrown again here, for C functions are not passed by exceptions.

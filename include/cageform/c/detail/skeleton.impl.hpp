@@ -41,9 +41,9 @@ inline cageform_status fit_skeleton_of(const cageform_points& rest, const cagefo
                                        const SkeletonOptions& options, const Running& running,
                                        cageform_skeleton& object, cageform_report& report) {
     std::vector<Vec<double, 3>> places;
-    const cageform_status status = copy_points(rest, places);
-    if (status != CAGEFORM_OK) return status;
+    cageform_status status = copy_points(rest, places);
     const auto fit = [&](const auto& points) {
+        if (status != CAGEFORM_OK) return status;
         const std::size_t count = places.empty() ? 0 : points.size() / places.size();
         if (!places.empty() && points.size() % places.size() != 0)
             return code_of(Status::frames_do_not_match);
@@ -63,8 +63,8 @@ inline cageform_status fit_skeleton_of(const cageform_points& rest, const cagefo
         object.bones = options.kind;
         return cageform_status(CAGEFORM_OK);
     };
-    return frames.scalar == CAGEFORM_DOUBLE ? with_points<double, 3>(frames, fit)
-                                            : with_points<float, 3>(frames, fit);
+    return frames.scalar == CAGEFORM_DOUBLE ? fit(view_of<double, 3>(frames, status))
+                                            : fit(view_of<float, 3>(frames, status));
 }
 
 /// Where numbers of each bone in each frame are written; nowhere if they are not asked for.

@@ -1,4 +1,4 @@
-// The curves of a cage in one list, and the steps of its check.
+// The curves of a cage in one list, and the steps of their check.
 #pragma once
 
 #include <cageform/cage/curved/curves_touch.hpp>
@@ -12,8 +12,8 @@ class CurvedPolygon; // in cage/curved/curved_polygon.hpp
 
 namespace detail {
 
-/// Whether a ray from q to the right crosses a curve an odd number of times. q must be farther from the
-/// curve than the tolerance.
+/// Whether a ray from q to the right crosses a curve an odd number of times. The distance of q from the
+/// curve must exceed the tolerance.
 inline bool crosses_ray(const Vec<double, 2>& q, const PlaneCurve& curve, double tolerance) noexcept {
     const auto box = curve.bounds();
     if (box.lower[1] > q[1] || box.upper[1] <= q[1] || box.upper[0] < q[0]) return false;
@@ -23,7 +23,7 @@ inline bool crosses_ray(const Vec<double, 2>& q, const PlaneCurve& curve, double
     return crosses_ray(q, low, tolerance) != crosses_ray(q, high, tolerance);
 }
 
-/// The edges of a curved cage, each ending exactly where the next begins.
+/// The edges of a curved cage; each ends exactly where the next begins.
 struct CurveLoops {
     struct Loop {
         std::size_t begin, end; ///< in `edges`
@@ -33,12 +33,12 @@ struct CurveLoops {
 
     Buffer<PlaneCurve> edges; ///< in units of 1/scale
     Buffer<Loop> loops;
-    Bounds<double, 2> bounds{}; ///< of all control points, in units of 1/scale; so is the tolerance
+    Bounds<double, 2> bounds{}; ///< of all control points, in units of 1/scale, like the tolerance
     double scale = 1, tolerance = 0;
     bool is_float = false;
 
     CurveLoops() = default;
-    /// Adds faults of edges that are no curves, and of loops that are not closed, to the report.
+    /// Reports edges of unsupported degree and loops that are not closed.
     template <Scalar T>
     CurveLoops(const CurvedPolygon<T>& polygon, CageReport& report)
         : is_float(std::is_same_v<T, float>) {
@@ -86,7 +86,7 @@ struct CurveLoops {
         }
     }
 
-    /// Whether the inside of the cage lies to the left of the edges of a loop. Loops must not touch.
+    /// Whether the inside of the cage is to the left of the edges of loop k. Loops must not touch.
     bool inside_is_left(std::size_t k) const noexcept {
         const auto q = edges[loops[k].begin].begin();
         bool is_hole = false;
@@ -150,23 +150,11 @@ private:
         return twice / 2;
     }
     /// Whether all control points of a loop lie within the tolerance of a line.
-    bool is_flat(std::size_t k) const noexcept {
-        const auto origin = edges[loops[k].begin].begin();
-        Vec<double, 2> axis{};
-        const auto all = [&](const auto& holds) {
-            return std::all_of(edges.begin() + loops[k].begin, edges.begin() + loops[k].end,
-                               [&](const PlaneCurve& curve) {
-                                   const auto points = curve.points();
-                                   return std::all_of(points.begin(), points.end(), holds);
-                               });
-        };
-        (void)all([&](const Vec<double, 2>& p) {
-            if (dot(p - origin, p - origin) > dot(axis, axis)) axis = p - origin;
-            return true;
-        });
-        return all([&](const Vec<double, 2>& p) {
-            return std::fabs(cross(axis, p - origin)) <= tolerance * length(axis);
-        });
+    bool is_flat(std::size_t k) const {
+        std::vector<Vec<double, 2>> points;
+        for (std::size_t e = loops[k].begin; e < loops[k].end; ++e)
+            points.insert(points.end(), edges[e].points().begin(), edges[e].points().end());
+        return are_collinear<double>(points, tolerance);
     }
     void check_crossings(CageReport& report) const {
         Buffer<std::uint32_t> order(edges.size()), loop_of(edges.size());
@@ -191,7 +179,6 @@ private:
             }
         }
     }
-    /// `loop` is that of edge a.
     bool edges_touch(std::size_t a, std::size_t b, const Loop& loop, CurvesTouch& touch) const {
         std::array<Vec<double, 2>, 2> common{};
         std::size_t count = 0;

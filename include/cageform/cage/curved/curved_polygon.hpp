@@ -1,4 +1,4 @@
-// A cage in the plane whose edges are Bézier curves: its data and its check.
+// A 2D cage with Bézier curves as edges: its data and its check.
 #pragma once
 
 #include <cageform/cage/curved/check_curves.hpp>
@@ -8,26 +8,25 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A cage of closed loops of Bézier curves of degree 1, 2 and 3. Outer loops and holes come in any order
-/// and direction; the even-odd rule decides what is inside. Edges are numbered through all loops.
-///
-/// Construction never fails; `check` reports whether the curves can serve as a cage, and coordinates call
-/// it.
+/// A cage of closed loops of Bézier curves of degree 1 to 3. Outer loops and holes may have any order and
+/// orientation; the even-odd rule decides what is inside. Edges are numbered consecutively through all
+/// loops. Construction never fails; `check` reports whether the curves are a valid cage, and coordinates
+/// call it.
 template <Scalar T>
 class CurvedPolygon {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = 2;
-    /// The control points of an edge, its ends included: 2 of a line, 3 of a quadratic, 4 of a cubic.
+    /// The control points of an edge, ends included: 2 for a line, 3 for a quadratic, 4 for a cubic.
     using Edge = std::vector<Vec<T, 2>>;
-    /// Edges one after the other. Each begins where the one before it ends, within the tolerance of
-    /// `check`; its own start counts.
+    /// Consecutive edges. Each begins where the one before it ends, within the tolerance of `check`; the
+    /// start of an edge replaces the end before it.
     using Loop = std::vector<Edge>;
 
     CurvedPolygon() = default;
     explicit CurvedPolygon(std::vector<Loop> loops) noexcept
         : loops_(std::move(loops)) {}
-    /// Takes the edges of a polygon as lines.
+    /// Makes the edges of a polygon lines.
     explicit CurvedPolygon(const Polygon<T>& polygon)
         : status_(detail::guard_memory([&] {
             if (polygon.status() != Status::ok || !polygon.loops_match()) return polygon_status(polygon);
@@ -42,7 +41,7 @@ public:
         if (status_ != Status::ok) loops_.clear();
     }
 
-    /// Returns why a polygon was not taken; the cage is then empty.
+    /// Returns why a polygon was refused; the cage is then empty.
     Status status() const noexcept { return status_; }
     std::span<const Loop> loops() const noexcept { return loops_; }
 
@@ -55,14 +54,14 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Whether curves can serve as a cage: every loop is closed and has an area, no edge is a point, and no
+/// Checks whether curves are a valid cage: every loop is closed and has an area, no edge is a point, and no
 /// edges cross or touch each other or themselves, except neighbours at their common end. Ends meet if their
 /// distance is at most the coincidence_tolerance of all control points; curves touch within that distance.
-/// Next to a common end, within 2^-20 of an edge's extent (in float 2^-8), crossings are not looked for.
-/// Curves that run so close to each other that 2^17 pieces do not separate them count as touching.
+/// Crossings closer to a common end than 2^-20 of an edge's extent (2^-8 for float) are not detected.
+/// Curves that 2^17 pieces do not separate count as touching.
 ///
-/// A cusp inside an edge is a warning: weights next to it lose digits, and outside they may be huge. Usually
-/// O(#E log #E), O(#E²) at worst.
+/// A cusp inside an edge is a warning: weights near it lose digits, and weights outside may be very large.
+/// Usually O(#E log #E), O(#E²) at worst.
 template <Scalar T>
 CageReport check(const CurvedPolygon<T>& polygon) {
     return detail::report_on(polygon.status(), [&](CageReport& report) {

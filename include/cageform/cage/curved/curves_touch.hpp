@@ -9,26 +9,26 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Finds out whether two curves come within a tolerance of each other, by halving both until boxes about
-/// their pieces are apart or as small as the tolerance. A box has the direction of a piece's chord, so
-/// that curves along each other are told apart after few steps.
+/// Tests whether two curves come within a tolerance of each other. Halves both until boxes around their
+/// pieces are apart or as small as the tolerance. The boxes are aligned with the chords of the pieces,
+/// which separates nearly parallel curves in few steps.
 class CurvesTouch {
 public:
     explicit CurvesTouch(double tolerance)
         : tolerance_(tolerance) {}
 
-    /// Does not look at pairs of pieces that both lie within `radius` of one of the `exempt` places.
+    /// Ignores pairs of pieces that both lie within `radius` of one of the `exempt` points.
     bool operator()(const PlaneCurve& a, const PlaneCurve& b, std::span<const Vec<double, 2>> exempt,
                     double radius) {
         pairs_.clear();
         pairs_.push_back({a, b});
-        std::size_t looked_at = 0;
+        std::size_t tested = 0;
         while (!pairs_.empty()) {
             const Pair pair = pairs_.back();
             pairs_.pop_back();
             if (are_apart(pair) || are_exempt(pair, exempt, radius)) continue;
             const double a_size = pair.a.bounds().diagonal(), b_size = pair.b.bounds().diagonal();
-            if ((a_size <= tolerance_ && b_size <= tolerance_) || ++looked_at > most_pairs) return true;
+            if ((a_size <= tolerance_ && b_size <= tolerance_) || ++tested > most_pairs) return true;
             const bool splits_a = a_size > b_size;
             const auto [low, high] = (splits_a ? pair.a : pair.b).halves();
             for (const auto& half : {low, high})
@@ -87,21 +87,21 @@ private:
     std::vector<Pair> pairs_;
 };
 
-/// Returns the complex roots of e', from the coefficients of e. A curve turns back next to a root that is
-/// nearly real.
-inline PolynomialRoots turning_places(const std::array<Vec<double, 2>, 4>& c) noexcept {
-    PolynomialRoots places;
+/// Returns the complex roots of e', from the power coefficients of e. A curve reverses direction near a
+/// root that is nearly real.
+inline PolynomialRoots turning_points(const std::array<Vec<double, 2>, 4>& c) noexcept {
+    PolynomialRoots roots;
     const ComplexNumber constant = to_number(c[1]), first = 2.0 * to_number(c[2]),
                         second = 3.0 * to_number(c[3]);
     if (norm(second) > 0)
-        add_quadratic_roots(second, first, constant, places);
+        add_quadratic_roots(second, first, constant, roots);
     else if (norm(first) > 0)
-        places.add(-(constant / first));
-    return places;
+        roots.add(-(constant / first));
+    return roots;
 }
 
-/// Whether a curve comes within a tolerance of itself: a loop, or a line that turns back. A cubic meets
-/// itself at s and t where (e(s) − e(t))/(s − t) = c_1 + c_2 (s + t) + c_3 (s² + s t + t²) = 0.
+/// Whether a curve comes within a tolerance of itself: a loop, or a straight curve that reverses. A cubic
+/// meets itself at s and t where (e(s) − e(t))/(s − t) = c_1 + c_2 (s + t) + c_3 (s² + s t + t²) = 0.
 ///
 ///   joined  whether the ends of the curve may meet
 inline bool touches_itself(const PlaneCurve& curve, bool joined, double tolerance) noexcept {
@@ -124,45 +124,39 @@ inline bool touches_itself(const PlaneCurve& curve, bool joined, double toleranc
             if (meet(0.5 * (sum - root), 0.5 * (sum + root))) return true;
         }
     }
-    // A line: its places along the control point farthest from the start must not turn back.
-    Vec<double, 2> axis{};
-    for (const auto& p : curve.points()) {
-        if (dot(p - c[0], p - c[0]) > dot(axis, axis)) axis = p - c[0];
-    }
+    // A straight curve must not reverse along its line.
+    const auto axis = farthest_offset<double>(curve.points());
     const double size = length(axis);
-    if (!(size > 0)) return false;
-    for (const auto& p : curve.points()) {
-        if (std::fabs(cross(axis, p - c[0])) > tolerance * size) return false;
-    }
-    const PolynomialRoots turning = turning_places(c);
+    if (!(size > 0) || !are_collinear<double>(curve.points(), tolerance)) return false;
+    const PolynomialRoots turning = turning_points(c);
     double highest = dot(curve.begin() - c[0], axis);
-    std::array<double, 4> places{0, 1, 1, 1};
-    for (std::size_t n = 0; n < turning.count; ++n) places[n] = std::clamp(turning.s[n].re, 0.0, 1.0);
-    places[turning.count] = 0;
-    std::sort(places.begin(), places.end());
-    const double way = dot(curve.end() - curve.begin(), axis) < 0 ? -1 : 1;
-    highest *= way;
-    return std::any_of(places.begin(), places.end(), [&](double t) {
-        const double along = way * dot(curve.at(t) - c[0], axis);
+    std::array<double, 4> parameters{0, 1, 1, 1};
+    for (std::size_t n = 0; n < turning.count; ++n) parameters[n] = std::clamp(turning.s[n].re, 0.0, 1.0);
+    parameters[turning.count] = 0;
+    std::sort(parameters.begin(), parameters.end());
+    const double direction = dot(curve.end() - curve.begin(), axis) < 0 ? -1 : 1;
+    highest *= direction;
+    return std::any_of(parameters.begin(), parameters.end(), [&](double t) {
+        const double along = direction * dot(curve.at(t) - c[0], axis);
         const bool turns_back = along < highest - tolerance * size;
         highest = (std::max)(highest, along);
         return turns_back;
     });
 }
 
-/// Returns a place strictly inside a curve where it has a cusp, within a tolerance, or NaN: e' has a root
-/// there whose place on the curve differs from the real one by no more.
+/// Returns the parameter of a cusp strictly inside a curve, or NaN: a root of e' whose point on the curve
+/// is within the tolerance of that at the root's real part.
 inline double cusp_inside(const PlaneCurve& curve, double tolerance) noexcept {
     const double none = std::numeric_limits<double>::quiet_NaN();
     if (curve.degree < 3) return none;
     const auto c = curve.powers();
-    const PolynomialRoots turning = turning_places(c);
+    const PolynomialRoots turning = turning_points(c);
     for (std::size_t n = 0; n < turning.count; ++n) {
         const auto [t, off] = turning.s[n];
         if (!(t > 0 && t < 1)) continue;
         const auto at = curve.at(t);
         if (length(at - curve.begin()) <= tolerance || length(at - curve.end()) <= tolerance) continue;
-        // e' ≈ e'' (t − τ) near the root, so that the places differ by |e''| off² or so.
+        // e' ≈ e'' (t − τ) near the root τ, so the points differ by about |e''| off².
         const auto bend = 2.0 * (c[2] + 3 * t * c[3]);
         if (length(bend) * off * off <= tolerance) return t;
     }

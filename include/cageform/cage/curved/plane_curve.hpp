@@ -9,7 +9,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A curve e: [0, 1] → plane by its control points.
 struct PlaneCurve {
     static constexpr std::size_t most_degree = 3;
 
@@ -49,7 +48,7 @@ struct PlaneCurve {
         }
         return {low, high};
     }
-    /// Returns the coefficients c of e(t) = c_0 + c_1 t + …; differences of control points give all but c_0.
+    /// Returns the coefficients c of e(t) = c_0 + c_1 t + …; all but c_0 are differences of control points.
     std::array<Vec<double, 2>, most_degree + 1> powers() const noexcept {
         const auto& e = control;
         std::array<Vec<double, 2>, most_degree + 1> c{};
@@ -62,8 +61,8 @@ struct PlaneCurve {
         if (degree == 3) c[3] = ((e[3] - e[2]) - (e[2] - e[1])) - second;
         return c;
     }
-    /// Returns a control point that lies elsewhere than the start, as seen from there: the direction in
-    /// which the curve leaves. Zero if there is none.
+    /// Returns the direction of the curve at its start: the offset of the first control point that differs
+    /// from the start, or zero.
     Vec<double, 2> leaving() const noexcept {
         for (std::size_t i = 1; i <= degree; ++i) {
             if (control[i] != control[0]) return control[i] - control[0];

@@ -1,4 +1,4 @@
-// The boundary values that bones give to points inside and near them.
+// The boundary values of bones at points inside and near them.
 #pragma once
 
 #include <cageform/cage/types/boundary_value.hpp>
@@ -14,7 +14,7 @@ class CellComplex; // in cage/cell_complex.hpp
 
 namespace detail {
 
-/// A bone with the positions of its ends.
+/// A bone with the positions of its end points.
 template <std::size_t D>
 struct PlacedBone {
     std::uint32_t i, j; ///< handles
@@ -26,7 +26,7 @@ struct PlacedBone {
     double distance(const Vec<double, D>& p) const noexcept { return distance_to_segment(p, a, b) - radius; }
 };
 
-/// Returns the value that a bone gives to a point: that of the bone's nearest point.
+/// Returns the boundary value of a bone at the bone's point nearest to `p`.
 template <std::size_t D>
 BoundaryValue<D> bone_value(const PlacedBone<D>& bone, const Vec<double, D>& p) noexcept {
     const double s = segment_parameter(p, bone.a, bone.b);
@@ -38,7 +38,7 @@ BoundaryValue<D> bone_value(const PlacedBone<D>& bone, const Vec<double, D>& p) 
     return value;
 }
 
-/// The value that bones give to a point, and how far the point is from them.
+/// The boundary value of bones at a point, and the point's distance.
 template <std::size_t D>
 struct BoneHit {
     double distance = 0; ///< from the surface of the nearest bone, negative inside
@@ -53,13 +53,13 @@ PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexc
 
 template <std::size_t D>
 struct DeepBone {
-    double depth = 0; ///< of a point below the surface
+    double depth = 0; ///< of the point below the surface
     PlacedBone<D> bone{};
 };
 
-/// Returns the mean of the values of up to three bones, weighted by the point's depths in them.
-/// Returns nullopt if the bones have more handles together than a value can hold, which happens
-/// only if they share no joint; `check` refuses that.
+/// Returns the mean of the values of up to three bones, weighted by the point's depths. Returns nullopt if
+/// the bones have more handles than a value can hold. This happens only for bones without a common joint,
+/// which `check` refuses.
 template <std::size_t D>
 std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& deepest,
                                               const Vec<double, D>& p) noexcept {
@@ -82,10 +82,9 @@ std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& 
     return mean;
 }
 
-/// Returns the value that the bones bone(0) … bone(count − 1) give to a point, if its distance from
-/// the surface of one of them is at most `reach`. Where bones overlap, as at joints, the result is
-/// the mean of their values weighted by the point's depth in each, so that it is continuous. (If
-/// more than three bones overlap, only the deepest three count.)
+/// Returns the boundary value of bone(0) … bone(count − 1) at a point whose distance from the surface of
+/// one of them is at most `reach`. Where bones overlap, as at joints, the result is the mean of their
+/// values weighted by the point's depth in each, which is continuous. Only the three deepest bones count.
 template <std::size_t D, class Bones>
 std::optional<BoneHit<D>> nearest_bone(std::size_t count, const Bones& bone, const Vec<double, D>& p,
                                        double reach) noexcept {

@@ -1,4 +1,4 @@
-// A tree of bounding boxes, for queries about segments, rays and the nearest of many items.
+// A bounding volume hierarchy for ray, segment and nearest-item queries.
 #pragma once
 
 #include <cageform/core/types/bounds.hpp>
@@ -12,7 +12,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A bounding volume hierarchy of the items 0, …, n − 1: boxes are halved along their longest side at the
+/// A bounding volume hierarchy of the items 0, …, n − 1. Boxes are halved along their longest side at the
 /// median of the items' centres. Built in O(n log n); a query usually takes O(log n).
 template <std::size_t D>
 class BoxTree {
@@ -30,11 +30,11 @@ public:
     }
 
     bool is_empty() const noexcept { return nodes_.empty(); }
-    /// The bounds of all items; there must be one.
+    /// Returns the bounds of all items; there must be at least one.
     const Bounds<double, D>& bounds() const noexcept { return nodes_[0].box; }
 
-    /// Calls visit(item) for all items whose boxes the segment from `from` to from + length · direction
-    /// meets, or comes as near to as `slack`. visit returns the length to continue with.
+    /// Calls visit(item) for all items whose boxes come within `slack` of the segment from `from` to from +
+    /// length · direction. visit returns the new length.
     template <class Visit>
     void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
                          double slack, const Visit& visit) const {
@@ -60,16 +60,15 @@ public:
         });
     }
 
-    /// Whether f(item) holds for one of the items whose boxes the segment from p to q may meet.
+    /// Whether f(item) is true for an item whose box the segment from p to q may meet.
     template <class F>
     bool any_on_segment(const Vec<double, D>& p, const Vec<double, D>& q, const F& f) const {
         constexpr double least = 1e-290; // keeps the inverse finite
         constexpr double slack = 1e-9;   // in segment lengths, far above rounding
-        Box segment;
-        Vec<double, D> inverse{}; // 0 along axes that the segment hardly moves along
+        Box segment{p, p};
+        segment.include({q, q});
+        Vec<double, D> inverse{}; // 0 along axes with almost no extent
         for (std::size_t k = 0; k < D; ++k) {
-            segment.lower[k] = (std::min)(p[k], q[k]);
-            segment.upper[k] = (std::max)(p[k], q[k]);
             if (segment.upper[k] - segment.lower[k] > least) inverse[k] = 1 / (q[k] - p[k]);
         }
         const auto may_meet = [&](const Box& box) {
@@ -87,8 +86,8 @@ public:
     }
 
     /// Calls visit(item) for all items whose boxes are at most as far from q as the nearest item so far,
-    /// near ones first. `distance2` is the squared distance to begin with; visit returns that of the nearest
-    /// item so far.
+    /// near ones first. `distance2` is the initial squared distance; visit returns that of the nearest item
+    /// so far.
     template <class Visit>
     void for_each_near(const Vec<double, D>& q, double distance2, const Visit& visit) const {
         if (!nodes_.empty()) find_near(0, q, distance2, visit);
@@ -101,17 +100,11 @@ private:
         std::uint32_t begin, end; ///< of items in `order_`
         std::uint32_t second;     ///< the second child; the first is the next node. 0 for a leaf
     };
-    static constexpr std::uint32_t leaf = 4; ///< most items of a leaf
+    static constexpr std::uint32_t leaf = 4; ///< maximum number of items in a leaf
 
     std::uint32_t divide(const std::vector<Box>& boxes, std::uint32_t begin, std::uint32_t end) {
         Box box = boxes[order_[begin]];
-        for (std::uint32_t n = begin + 1; n < end; ++n) {
-            const auto& more = boxes[order_[n]];
-            for (std::size_t k = 0; k < D; ++k) {
-                box.lower[k] = (std::min)(box.lower[k], more.lower[k]);
-                box.upper[k] = (std::max)(box.upper[k], more.upper[k]);
-            }
-        }
+        for (std::uint32_t n = begin + 1; n < end; ++n) box.include(boxes[order_[n]]);
         const auto number = std::uint32_t(nodes_.size());
         nodes_.push_back({box, begin, end, 0});
         if (end - begin <= leaf) return number;
@@ -131,19 +124,19 @@ private:
         return number;
     }
 
-    /// Whether f(item) holds for one of the items in nodes whose boxes `meets` accepts.
+    /// Whether f(item) is true for an item in the nodes whose boxes satisfy `meets`.
     template <class Meets, class F>
     bool any(const Meets& meets, const F& f) const {
-        std::array<std::uint32_t, 64> waiting; // the tree of at most 2^32 items has 32 levels
-        waiting[0] = 0;
+        std::array<std::uint32_t, 64> stack; // the tree of at most 2^32 items has 32 levels
+        stack[0] = 0;
         std::size_t count = nodes_.empty() ? 0 : 1;
         while (count > 0) {
-            const std::uint32_t number = waiting[--count];
+            const std::uint32_t number = stack[--count];
             const Node& node = nodes_[number];
             if (!meets(node.box)) continue;
             if (node.second != 0) {
-                waiting[count++] = node.second;
-                waiting[count++] = number + 1;
+                stack[count++] = node.second;
+                stack[count++] = number + 1;
                 continue;
             }
             for (std::uint32_t n = node.begin; n < node.end; ++n) {

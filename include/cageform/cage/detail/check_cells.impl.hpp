@@ -1,4 +1,4 @@
-// Checks whether the cells inside a cage lie inside, and meet only where they may.
+// Checks that the interior cells of a cage lie inside and meet only where allowed.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -16,8 +16,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Checks that vertices are finite, that facets name existing vertices, and that bones have a
-/// positive radius.
+/// Checks that vertices are finite, that facets have valid indices, and that bones have a positive radius.
 template <Scalar T, std::size_t D>
 void check_cells(const CellComplex<T, D>& cage, CageReport& report) {
     for (std::size_t i = cage.boundary().size(); i < cage.size(); ++i) {
@@ -33,7 +32,7 @@ void check_cells(const CellComplex<T, D>& cage, CageReport& report) {
     }
 }
 
-/// The steps of `check` after `check_cells` found nothing. Each step adds to the report.
+/// The steps of `check` after `check_cells` found no fault. Each step adds to the report.
 template <Scalar T, std::size_t D>
 class ComplexCheck {
 public:
@@ -50,8 +49,8 @@ public:
         });
     }
 
-    /// Checks that vertices of cells are apart from all others and inside, unless they belong to
-    /// the boundary. Unused vertices get a warning, as in a mesh.
+    /// Checks that vertices of cells are apart from all others and inside, unless they belong to the
+    /// boundary. Unused vertices get a warning.
     void check_vertices() {
         std::vector<bool> used(cage_.size());
         for (const auto& facet : cells()) {
@@ -89,8 +88,8 @@ public:
         }
     }
 
-    /// Checks that facets lie inside, and meet the boundary and each other only in common vertices
-    /// and edges.
+    /// Checks that facets lie inside, and meet the boundary and each other only in common vertices and
+    /// edges.
     void check_facets() {
         for (const auto& facet : cells()) {
             std::array<double, D> middle;
@@ -105,8 +104,7 @@ public:
         }
     }
 
-    /// Checks that bones keep their radius from all facets, and from other bones unless they share
-    /// a joint.
+    /// Checks that bones keep their radius from all facets, and from bones without a common joint.
     void check_bones() {
         for (std::size_t n = 0; n < bones_.size(); ++n) {
             const auto& bone = bones_[n];
@@ -118,7 +116,7 @@ public:
                 const auto& other = bones_[m];
                 const bool joined = bone.has(other.i) || bone.has(other.j);
                 const double apart = segment_distance(bone.a, bone.b, other.a, other.b);
-                if (joined ? swallows(bone, other) || swallows(other, bone)
+                if (joined ? contains_far_end(bone, other) || contains_far_end(other, bone)
                            : apart <= bone.radius + other.radius + tolerance_)
                     touch(other.i, bone.i);
             }
@@ -133,7 +131,7 @@ private:
     }
     void touch(std::size_t a, std::size_t b) { report_.add(CageFaultKind::interior_cells_touch, a, b); }
     /// Whether an end of bone `b`, other than a joint shared with bone `a`, lies inside bone `a`.
-    bool swallows(const PlacedBone<D>& a, const PlacedBone<D>& b) const noexcept {
+    bool contains_far_end(const PlacedBone<D>& a, const PlacedBone<D>& b) const noexcept {
         return (!a.has(b.i) && a.distance(b.a) <= tolerance_) ||
                (!a.has(b.j) && a.distance(b.b) <= tolerance_);
     }

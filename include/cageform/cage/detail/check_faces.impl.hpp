@@ -1,4 +1,4 @@
-// Checks whether the faces of a polyhedral mesh are planar polygons or fans, and its triangles a closed
+// Checks that the faces of a polyhedral mesh are planar polygons or fans, and its triangles a closed
 // surface.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Returns a face that has a vertex, or a point of fans, as a corner; face_count() if there is none.
+/// Returns a face that has the given vertex or fan point as a corner; face_count() if there is none.
 template <Scalar T>
 std::size_t face_at(const PolyhedralMesh<T>& mesh, std::size_t point) {
     const auto faces = mesh.triangles().faces();
@@ -24,12 +24,12 @@ std::size_t face_at(const PolyhedralMesh<T>& mesh, std::size_t point) {
     return mesh.face_count();
 }
 
-/// Translates a fault of the triangle mesh that names points of fans to one of vertices or faces.
+/// Replaces the fan points in a fault of the triangle mesh by vertices or faces of the polyhedral mesh.
 template <Scalar T>
 void name_without_points(const PolyhedralMesh<T>& mesh, CageFault& fault) {
     using Kind = CageFaultKind;
     const auto is_point = [&](std::size_t i) { return i >= mesh.size() && i < mesh.triangles().size(); };
-    if (fault.kind == Kind::vertex_not_finite) { // the corners are finite, their mean is not
+    if (fault.kind == Kind::vertex_not_finite) { // finite corners with a mean that is not
         if (!is_point(fault.a)) return;
         const auto corners = mesh.fan_points().corners(fault.a - mesh.size());
         const auto size = [&](std::uint32_t i) {
@@ -41,7 +41,7 @@ void name_without_points(const PolyhedralMesh<T>& mesh, CageFault& fault) {
         if (!is_point(fault.a) && !is_point(fault.b)) return;
         fault = {Kind::faces_cross, face_at(mesh, fault.a), face_at(mesh, fault.b)};
     } else if (fault.kind == Kind::open_edge || fault.kind == Kind::edge_not_manifold ||
-               fault.kind == Kind::gap_closed) { // a piece of a divided edge
+               fault.kind == Kind::gap_closed) { // part of a divided edge
         if (!is_point(fault.a) && !is_point(fault.b)) return;
         const auto corners = mesh.fan_points().corners((is_point(fault.a) ? fault.a : fault.b) - mesh.size());
         fault = {fault.kind, corners[0], corners[1]};
@@ -50,7 +50,7 @@ void name_without_points(const PolyhedralMesh<T>& mesh, CageFault& fault) {
     }
 }
 
-/// Adds the faults of the triangle mesh, with triangle numbers translated to face numbers.
+/// Adds the faults of the triangle mesh, with triangle indices replaced by face indices.
 template <Scalar T>
 void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) {
     using Kind = CageFaultKind;
@@ -72,9 +72,9 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
     if (report.status == Status::ok) report.status = found.status;
 }
 
-/// Returns the first fault of a face that is a fan, if any: face_crosses_itself, face_without_area or
-/// face_fan_folds. Its mean must see all edges from the side that the face's normal ½ Σ c_i × c_{i+1}
-/// points to, and once around. O(m log m) for m corners.
+/// Returns the first fault of a fan, if any: face_crosses_itself, face_without_area or face_fan_folds. The
+/// triangles around the mean must turn once around the face's normal ½ Σ c_i × c_{i+1}, all in its
+/// direction. O(m log m) for m corners.
 template <Scalar T>
 std::optional<CageFault> fan_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
     using Kind = CageFaultKind;
@@ -100,7 +100,7 @@ std::optional<CageFault> fan_fault(const PolyhedralMesh<T>& mesh, std::size_t f)
             return CageFault{Kind::face_without_area, f};
         const auto of_triangle = cross(at[k], next(k));
         if (!(dot(of_triangle, normal) > 0)) return CageFault{Kind::face_fan_folds, f, loop[k]};
-        // Seen along the normal, with lengths times |normal|.
+        // The angle in the projection along the normal; both are scaled by |normal|².
         const double sine = dot(of_triangle, normal) * length(normal);
         const double cosine =
             dot(at[k], next(k)) * dot(normal, normal) - dot(at[k], normal) * dot(next(k), normal);
@@ -117,7 +117,7 @@ std::optional<CageFault> fan_fault(const PolyhedralMesh<T>& mesh, std::size_t f)
     return std::nullopt;
 }
 
-/// Adds warnings for the fans that are not planar. With k divisions the distance is that of the cells.
+/// Adds a warning for each non-planar fan. With k divisions the distance is that of the cells.
 template <Scalar T>
 void add_fans(const PolyhedralMesh<T>& mesh, CageReport& report) {
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {

@@ -1,4 +1,4 @@
-// Closes small gaps of a triangle mesh, and checks whether it can serve as a cage.
+// Closes small gaps of a triangle mesh, and checks whether it is a valid cage.
 #pragma once
 
 #include <cageform/cage/detail/facet_pairs.hpp>
@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The steps of `check` after the indices are known to be sound. Each step adds to the report.
+/// The steps of `check` after the index check. Each step adds to the report.
 template <Scalar T>
 class MeshCheck {
 public:
@@ -56,7 +56,7 @@ public:
         });
     }
 
-    /// Checks that the edges opposite to a vertex form one loop. All edges must be manifold.
+    /// Checks that the edges opposite to each vertex form one loop. All edges must be manifold.
     void check_fans() {
         using Edge = std::pair<std::uint32_t, std::uint32_t>;
         std::vector<std::vector<Edge>> opposite(mesh_.size());
@@ -81,14 +81,14 @@ public:
         }
     }
 
-    /// Finds faces that pass through each other. Around a vertex of many faces (the apex of a fan),
-    /// pairs are searched by direction from the apex.
+    /// Finds intersecting faces. Pairs around a vertex of many faces (the apex of a fan) are searched by
+    /// direction from the apex.
     void check_crossing_faces() {
         const auto apex = apexes();
         FacetPairs<3>(facets_, apex, tolerance_)
             .for_each([&](std::size_t f, std::size_t g) { return cross_each_other(f, g); },
                       [&](std::size_t f, std::size_t g) { add_crossing(f, g); });
-        std::vector<std::size_t> fans; // faces that have an apex, by apex
+        std::vector<std::size_t> fans; // faces with an apex, by apex
         for (std::size_t f = 0; f < apex.size(); ++f) {
             if (apex[f] != no_apex) fans.push_back(f);
         }
@@ -114,8 +114,7 @@ public:
 
 private:
     bool is_given(std::size_t face) const noexcept { return face < mesh_.given_faces(); }
-    /// Adds a fault of a face. If the face closes a gap, the gap cannot be closed; one of its edges
-    /// is then reported as open.
+    /// Adds a fault of a face. If the face closes a gap, reports an open edge of the gap instead.
     void add_at_face(CageFaultKind kind, std::size_t face, std::size_t a, std::size_t b = 0) {
         if (is_given(face)) return report_.add(kind, a, b);
         report_.add(CageFaultKind::open_edge, facets_[face].vertex[1], facets_[face].vertex[2]);
@@ -124,7 +123,8 @@ private:
         return passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]);
     }
     void add_crossing(std::size_t f, std::size_t g) { add_at_face(CageFaultKind::faces_cross, g, f, g); }
-    /// Returns for every face its vertex with the most faces, if these are many; else no_apex.
+    /// Returns for every face its vertex with the most faces if there are more than few_faces, else
+    /// no_apex.
     std::vector<std::uint32_t> apexes() const {
         std::vector<std::uint32_t> faces_at(mesh_.size());
         for (const auto& facet : facets_) {
@@ -141,8 +141,8 @@ private:
         }
         return apex;
     }
-    /// Reports faces around an apex that cross. Seen from the apex each face is an arc on the unit
-    /// sphere. An arc's box is that of its ends, widened by the height of the arc.
+    /// Reports intersecting faces around an apex. Seen from the apex, each face is an arc on the unit
+    /// sphere. The box of an arc is the box of its ends, widened by the height of the arc.
     void check_fan(std::uint32_t apex, std::span<const std::size_t> fan) {
         constexpr double rounding = 1e-12;
         const auto origin = vec_cast<double>(mesh_[apex]);
@@ -181,7 +181,6 @@ private:
     Buffer<Facet<3>> facets_;
 };
 
-/// Checks the numbers of vertices and faces, that indices are valid and vertices finite.
 template <Scalar T>
 void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
     if (mesh.size() < 4) report.add(CageFaultKind::too_few_vertices, 0, mesh.size());

@@ -1,4 +1,4 @@
-// Checks whether a polygon can serve as a cage.
+// Checks whether a polygon is a valid cage.
 #pragma once
 
 #include <cageform/cage/detail/facet_pairs.hpp>
@@ -10,7 +10,6 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Checks the numbers of vertices, and that all are finite.
 template <Scalar T>
 void check_loops(const Polygon<T>& polygon, CageReport& report) {
     const auto loops = polygon.loops();
@@ -28,20 +27,6 @@ void check_loops(const Polygon<T>& polygon, CageReport& report) {
     }
 }
 
-/// Whether all vertices lie within tolerance of the line through the first vertex and the one
-/// farthest from it.
-inline bool is_flat_loop(std::span<const Facet<2>> edges, double tolerance) {
-    const auto origin = edges[0].corner[0];
-    Vec<double, 2> axis{0, 0};
-    for (const auto& edge : edges) {
-        const auto d = edge.corner[0] - origin;
-        if (dot(d, d) > dot(axis, axis)) axis = d;
-    }
-    return std::all_of(edges.begin(), edges.end(), [&](const Facet<2>& edge) {
-        return std::fabs(cross(axis, edge.corner[0] - origin)) <= tolerance * length(axis);
-    });
-}
-
 inline void check_crossing_edges(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
     FacetPairs<2>(edges, {}, tolerance)
         .for_each([&](std::size_t m, std::size_t n) { return facets_touch(edges[m], edges[n], tolerance); },
@@ -50,7 +35,7 @@ inline void check_crossing_edges(std::span<const Facet<2>> edges, double toleran
                   });
 }
 
-/// Warns of vertices whose two edges are collinear.
+/// Adds a warning for each vertex with collinear edges.
 inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
     const Facet<2>* before = &edges.back();
     for (const auto& edge : edges) {
@@ -62,7 +47,6 @@ inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tol
     }
 }
 
-/// Runs the steps of `check`.
 template <Scalar T>
 void check_polygon(const Polygon<T>& polygon, CageReport& report) {
     check_loops(polygon, report);
@@ -80,7 +64,9 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
             report.add(CageFaultKind::duplicate_vertices, edge.vertex[0], edge.vertex[1]);
     }
     for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-        if (is_flat_loop(edges_of(k), tolerance)) report.add(CageFaultKind::no_area, k);
+        const auto& loop = polygon.loops()[k];
+        if (are_collinear<T>(polygon.vertices().subspan(loop.begin, loop.size()), tolerance))
+            report.add(CageFaultKind::no_area, k);
     }
     if (report.status != Status::ok) return;
 

@@ -1,4 +1,4 @@
-// A smooth measure of how deep inside a cage a point lies.
+// A smooth measure of a point's depth inside a cage.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -7,12 +7,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A function that is proportional to the distance from the boundary close to it and smooth
-/// everywhere inside. It is one over the integral of 1/ρ over all directions, where ρ is the
-/// distance of the boundary in that direction (further crossings count with alternating signs).
-/// Mean value weights are normalised by this integral (Dyken & Floater, Transfinite mean value
-/// interpolation, CAGD 26 (2009), sec. 3). The cage must be sound, and points must lie inside.
-/// O(edges or faces).
+/// A function that is smooth inside and proportional to the distance close to the boundary: the reciprocal
+/// of the integral of 1/ρ over all directions, where ρ is the distance of the boundary in a direction
+/// (further crossings count with alternating signs). Mean value weights are normalised by this integral
+/// (Dyken & Floater, Transfinite mean value interpolation, CAGD 26 (2009), sec. 3). The cage must be valid,
+/// and points must lie inside. O(edges or faces).
 template <class Cage>
 class Depth;
 
@@ -28,7 +27,7 @@ public:
             });
         }
     }
-    /// Returns the depth in the units of the cage; 0 where rounding leaves no answer.
+    /// Returns the depth in the units of the cage; 0 if the sum is not positive because of rounding.
     double operator()(const Vec<T, 2>& p) const noexcept {
         double sum = 0;
         for (const auto& [from, to] : edges_) {
@@ -66,8 +65,8 @@ public:
                 largest = (std::max)(largest, length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
-            // The spherical triangle's vector area along the normal: half the sum over its sides of
-            // the side's angle times its unit normal.
+            // The vector area of the spherical triangle along the normal: half the sum over its sides of
+            // angle times unit normal.
             double area = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto over = cross(c[k], c[(k + 1) % 3]);
@@ -75,8 +74,8 @@ public:
                 if (size > 0)
                     area += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
-            // A face seen edge-on from beside contributes only rounding. From right above the face
-            // `area` is about π.
+            // An edge-on face beside the point contributes only rounding. Directly above a face `area` is
+            // about π.
             if (std::fabs(height) < 1e-7 * largest && std::fabs(area) < 1) continue;
             sum += area / height;
         }
@@ -91,7 +90,7 @@ private:
     std::vector<Face> faces_;
 };
 
-/// The depth in a cell complex ignores the cells inside.
+/// The depth in a cell complex ignores its cells.
 template <Scalar T, std::size_t D>
 class Depth<CellComplex<T, D>> : public Depth<typename CellComplex<T, D>::Boundary> {
 public:

@@ -1,20 +1,20 @@
-// The plane of a face with any number of corners, and the triangulation of the face.
+// The plane of a face with any number of corners, and the triangulation of the face in it.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// An orthonormal frame of the plane that a face lies in. `normal` points outward if the corners
-/// are counter-clockwise seen from outside; `u` runs along the longest edge, so that a rectangle's
-/// sides are parallel to the axes.
+/// An orthonormal frame of a face's plane. `normal` points outward if the corners are counter-clockwise
+/// seen from outside; `u` is parallel to the longest edge, so the sides of a rectangle are parallel to the
+/// axes.
 struct FacePlane {
     Vec<double, 3> origin{}, u{1, 0, 0}, v{0, 1, 0}, normal{0, 0, 1};
-    bool has_area = false; ///< whether the corners define a normal; if not, the axes are those of space
+    bool has_area = false; ///< whether the corners define a normal; if not, the frame is the default
 
     FacePlane() = default;
-    /// Makes the plane through the corners' centroid whose normal is the sum of the cross products
-    /// of neighbouring corners (Newell's normal).
+    /// Makes the plane through the centroid of the corners with Newell's normal, the sum of the cross
+    /// products of consecutive corners.
     explicit FacePlane(std::span<const Vec<double, 3>> corners) noexcept {
         const auto scale = unit_scale(bounds_of(corners)); // keeps products in range
         for (const auto& c : corners) origin = origin + (1.0 / double(corners.size())) * c;
@@ -41,7 +41,7 @@ struct FacePlane {
     double height(const Vec<double, 3>& p) const noexcept { return dot(p - origin, normal); }
 };
 
-/// The corner of a face that lies farthest off its plane, and how far that is.
+/// The corner of a face with the largest distance from its plane, and that distance.
 struct FarthestCorner {
     std::size_t corner = 0;
     double distance = 0;
@@ -55,23 +55,22 @@ struct FarthestCorner {
     }
 };
 
-/// Triangulates one simple polygon, counter-clockwise. Clips ears (Meisters, Polygons have ears,
-/// Amer. Math. Monthly 82, 1975), then flips diagonals until they are locally Delaunay (Lawson,
-/// Software for C1 surface interpolation, 1977). After the flips a vertex on the line of its
-/// neighbours leaves no triangle without area.
-class PolygonCutter {
+/// Triangulates a simple counter-clockwise polygon. Clips ears (Meisters, Polygons have ears, Amer. Math.
+/// Monthly 82, 1975), then flips diagonals until they are locally Delaunay (Lawson, Software for C1 surface
+/// interpolation, 1977). The flips remove degenerate triangles at vertices with collinear neighbours.
+class PolygonTriangulation {
 public:
     using Triangle = std::array<std::uint32_t, 3>;
 
-    explicit PolygonCutter(std::span<const Vec<double, 2>> at)
+    explicit PolygonTriangulation(std::span<const Vec<double, 2>> at)
         : at_(at) {
         clip_ears();
         find_neighbours();
         flip_diagonals();
     }
 
-    /// Returns n − 2 triangles as indices of the polygon's vertices. Works for any n ≥ 3 vertices,
-    /// even if the polygon is not simple. O(n²) as a rule, O(n³) at worst.
+    /// Returns n − 2 triangles as indices of the polygon's vertices, for any n ≥ 3 vertices, even if the
+    /// polygon is not simple. Usually O(n²), O(n³) at worst.
     const Buffer<Triangle>& triangles() const noexcept { return triangles_; }
 
 private:
@@ -88,7 +87,7 @@ private:
     bool is_ear(const Buffer<Corner>& corners, std::uint32_t tip) const noexcept {
         if (!(corner_area(corners, tip) > 0)) return false;
         const auto [a, c] = corners[tip];
-        // If any vertex lies in an ear, a non-convex one does.
+        // If any vertex lies in an ear, a non-convex vertex does.
         for (auto p = corners[c].after; p != a; p = corners[p].after) {
             const bool in_ear = area(a, tip, p) >= 0 && area(tip, c, p) >= 0 && area(c, a, p) >= 0;
             if (in_ear && corner_area(corners, p) <= 0) return false;
@@ -107,16 +106,16 @@ private:
             triangles_.push_back({before, tip, after});
             corners[before].after = after;
             corners[after].before = before;
-            tip = corners[after].after; // alternate ears, so that the triangles do not form one fan
+            tip = corners[after].after; // skips a corner, so that the triangles do not form one fan
         }
     }
 
-    /// Finds the neighbours of every triangle; edge k is opposite to corner k.
+    /// Finds the neighbours of all triangles; edge k is opposite to corner k.
     void find_neighbours() {
-        struct HalfEdge {
+        struct LoopEdge {
             std::uint32_t low, high, triangle, edge;
         };
-        Buffer<HalfEdge> edges;
+        Buffer<LoopEdge> edges;
         for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
             neighbours_.push_back({none, none, none});
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -124,11 +123,11 @@ private:
                 edges.push_back({low, high, t, k});
             }
         }
-        std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+        std::sort(edges.begin(), edges.end(), [](const LoopEdge& a, const LoopEdge& b) {
             return a.low != b.low ? a.low < b.low : a.high < b.high;
         });
         for (std::size_t e = 1; e < edges.size(); ++e) {
-            const HalfEdge &a = edges[e - 1], &b = edges[e];
+            const LoopEdge &a = edges[e - 1], &b = edges[e];
             if (a.low != b.low || a.high != b.high) continue;
             neighbours_[a.triangle][a.edge] = b.triangle;
             neighbours_[b.triangle][b.edge] = a.triangle;
@@ -136,7 +135,7 @@ private:
     }
 
     void flip_diagonals() {
-        std::size_t flips = 64 + triangles_.size() * triangles_.size(); // more than are ever needed
+        std::size_t flips = 64 + triangles_.size() * triangles_.size(); // upper bound
         for (bool flipped = true; flipped && flips > 0;) {
             flipped = false;
             for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -148,7 +147,7 @@ private:
             }
         }
     }
-    /// Flips an edge of a triangle if the two angles opposite to it add up to more than 180°.
+    /// Flips an edge of a triangle if the two angles opposite to it sum to more than 180°.
     bool flip(std::uint32_t t, std::uint32_t k) {
         const std::uint32_t other = neighbours_[t][k];
         if (other == none) return false;

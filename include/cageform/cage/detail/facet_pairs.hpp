@@ -1,4 +1,4 @@
-// Finds the pairs of facets that meet, by recursive bisection of a box around them.
+// Finds the pairs of intersecting facets by recursive bisection of a box around them.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the bounds of a facet clipped to a box, or nothing if the facet lies outside
-/// (Sutherland, Hodgman 1974: the facet is clipped against one side of the box after the other).
+/// Returns the bounds of a facet clipped to a box, or nullopt if the facet lies outside (Sutherland,
+/// Hodgman 1974: clips against one side of the box after the other).
 template <std::size_t D>
 std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
                                                 const Bounds<double, D>& box) noexcept {
@@ -39,15 +39,15 @@ std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
     return bounds_of(std::span<const Vec<double, D>>(from.data(), count));
 }
 
-/// Finds the pairs of facets that meet.
+/// Finds the pairs of intersecting facets.
 ///
-/// Halves a box around all facets, along the axis that leaves the fewest pairs, until a cell has
-/// few pairs or halving no longer helps. Facets are clipped to their cells, which separates slivers
-/// whose bounds overlap. Usually O(n log n), O(n²) at worst.
+/// Halves a box around all facets, along the axis with the fewest remaining pairs, until a cell has few
+/// pairs or halving no longer reduces them. Facets are clipped to their cells, which separates slivers with
+/// overlapping bounds. Usually O(n log n), O(n²) at worst.
 template <std::size_t D>
 class FacetPairs {
 public:
-    /// Takes facets and their groups: facets of the same group, other than no_group, are not
+    /// `groups` are the groups of the facets: facets of the same group, other than no_group, are not
     /// paired. Facets up to `margin` apart may count as meeting.
     FacetPairs(std::span<const Facet<D>> facets, std::span<const std::uint32_t> groups, double margin)
         : facets_(facets)
@@ -57,8 +57,8 @@ public:
 
     static constexpr std::uint32_t no_group = ~std::uint32_t{0};
 
-    /// Calls found(m, n), m < n, once for every pair with meet(m, n). The order is arbitrary but
-    /// the same in every call. `meet` may be called several times for a pair.
+    /// Calls found(m, n), m < n, once for every pair with meet(m, n), in a deterministic order. `meet` may
+    /// be called several times for a pair.
     template <class Meet, class Found>
     void for_each(const Meet& meet, const Found& found) {
         std::vector<Item> items;
@@ -86,7 +86,7 @@ private:
         return groups_.empty() ? no_group : groups_[item.facet];
     }
 
-    /// Counts the pairs among items that are added one by one, group by group.
+    /// Counts the pairs among items added one by one, group by group.
     struct PairCount {
         double items = 0, pairs = 0, in_group = 0;
         std::uint32_t last = no_group;
@@ -111,9 +111,8 @@ private:
         }
         return {axis, at, lower.pairs + upper.pairs};
     }
-    /// Chooses the best split over all axes, at the median of the items' middles or at the middle
-    /// of their range. The median suits items scattered over many scales, the middle suits two
-    /// clusters.
+    /// Returns the best split over all axes, at the median of the items' centres or at the centre of their
+    /// range. The median suits items of many scales, the centre suits two clusters.
     Split best_split(const Items& items) const {
         Split best;
         std::vector<double> middles(items.size());
@@ -133,8 +132,8 @@ private:
         return best;
     }
 
-    /// Returns the items that reach into a box, clipped to it. With a group `only`, clips the items
-    /// of that group and keeps the others as they are.
+    /// Returns the items that intersect a box, clipped to it. If `only` is a group, clips only its items
+    /// and keeps the others.
     Items clipped(const Items& items, const Bounds<double, D>& box, std::uint32_t only) const {
         Items inside;
         for (const Item& item : items) {
@@ -167,9 +166,8 @@ private:
         return box;
     }
 
-    /// If one group has more than half of the items, clips it to the bounds of the others, since it
-    /// is only paired with those. Halving alone does not separate slivers at an apex from their
-    /// surroundings.
+    /// If one group has more than half of the items, clips it to the bounds of the others, since it is
+    /// paired only with those. Halving alone does not separate slivers at an apex from other faces.
     Items cropped(Items items) const {
         std::size_t begin = 0, end = end_of_group(items, 0);
         while (2 * (end - begin) <= items.size() && end < items.size()) {
@@ -191,8 +189,7 @@ private:
     template <class Meet, class Found>
     void divide(Items items, const Meet& meet, const Found& found) {
         constexpr double few = 8;      // pairs per item: testing them costs about as much as halving
-        constexpr double helps = 0.95; // limits all halvings together to a few times the cost of testing
-                                       // all pairs
+        constexpr double helps = 0.95; // bounds the cost of halving by a small multiple of testing all pairs
         PairCount count;
         for (const Item& item : items) count.add(group(item));
         if (count.pairs == 0) return;
@@ -233,7 +230,7 @@ private:
             ++end;
         return end;
     }
-    /// Whether an earlier cell contained both facets close to each other.
+    /// Whether an earlier cell contained both facets with nearby bounds.
     bool found_before(std::size_t m, std::size_t n) const noexcept {
         const auto &a = cells_of_[m], &b = cells_of_[n];
         for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
@@ -246,7 +243,7 @@ private:
     std::span<const Facet<D>> facets_;
     std::span<const std::uint32_t> groups_;
     double margin_;
-    std::vector<std::vector<InCell>> cells_of_; ///< for every facet, ascending
+    std::vector<std::vector<InCell>> cells_of_; ///< per facet, ascending
     std::uint32_t cells_ = 0;
 };
 

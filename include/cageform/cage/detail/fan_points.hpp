@@ -1,4 +1,4 @@
-// The points that a mesh adds to its vertices to bind faces that are not planar, and the triangles over them.
+// The points that a polyhedral mesh adds to bind non-planar faces, and the triangles over them.
 #pragma once
 
 #include <cageform/core/detail/face_handles.hpp>
@@ -14,9 +14,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The points that a PolyhedralMesh adds to its vertices, with the numbers after theirs. Each point is a
-/// weighted mean of corners of one face; the weights are positive and sum to 1. So weights of the point
-/// are passed on to the corners: the sum of all weights and Σ w C stay as they are.
+/// The points that a PolyhedralMesh adds after its vertices. Each point is a weighted mean of corners of
+/// one face, with positive weights that sum to 1. The weight of a point is distributed to these corners,
+/// which preserves the sum of all weights and Σ w C.
 class FanPoints {
 public:
     std::size_t size() const noexcept { return ends_.size(); }
@@ -25,11 +25,10 @@ public:
         weights_.insert(weights_.end(), weights.begin(), weights.end());
         ends_.push_back(corners_.size());
     }
-    /// Returns the corners that a point is a mean of, as vertex numbers.
+    /// Returns the vertices whose weighted mean the point is.
     std::span<const std::uint32_t> corners(std::size_t point) const noexcept {
         return {corners_.data() + begin(point), ends_[point] - begin(point)};
     }
-    /// Calls f(vertex, weight) for the corners of a point.
     template <class F>
     void for_each_corner(std::size_t point, F&& f) const {
         for (std::size_t n = begin(point); n < ends_[point]; ++n) f(corners_[n], weights_[n]);
@@ -40,25 +39,25 @@ private:
 
     std::vector<std::uint32_t> corners_; ///< of all points, one after the other
     std::vector<double> weights_;
-    std::vector<std::size_t> ends_; ///< where each point ends in both
+    std::vector<std::size_t> ends_; ///< end of each point in both
 };
 
-/// Replaces the faces of a mesh by fans of triangles about the means of their corners. With k divisions
-/// a face of four corners becomes k × k cells of its bilinear patch, each a fan; edges of such faces are
-/// divided into k pieces on their other side too.
+/// Replaces the faces of a mesh by fans of triangles around the means of their corners. With k divisions, a
+/// face of four corners becomes k × k cells of its bilinear patch, each a fan. Its edges are divided into k
+/// pieces in the neighbouring faces too.
 template <Scalar T>
-class FanMaker {
+class FanBuilder {
 public:
     using Triangles = std::vector<std::array<std::uint32_t, 3>>;
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-    /// `at` holds the vertices; the points are appended to it, and to `points`.
-    FanMaker(std::vector<Vec<T, 3>>& at, FanPoints& points, std::uint32_t divisions) noexcept
+    /// `at` holds the vertices; new points are appended to it and to `points`.
+    FanBuilder(std::vector<Vec<T, 3>>& at, FanPoints& points, std::uint32_t divisions) noexcept
         : at_(at)
         , points_(points)
         , k_(divisions) {}
 
-    /// Divides the edges of a face that `add` will divide. All such faces come first.
+    /// Divides the edges of a face if `add` divides the face. Call this for all faces before `add`.
     void divide_edges(std::span<const std::uint32_t> loop) {
         if (!is_divided(loop)) return;
         const auto corners = from_lowest(loop);
@@ -71,7 +70,7 @@ public:
             }
         }
     }
-    /// Returns a face's loop with the points of its divided edges.
+    /// Returns a face's loop including the points of its divided edges.
     std::vector<std::uint32_t> with_edge_points(std::span<const std::uint32_t> loop) const {
         std::vector<std::uint32_t> longer;
         for (std::size_t c = 0; c < loop.size(); ++c) {
@@ -94,7 +93,7 @@ public:
 
 private:
     bool is_divided(std::span<const std::uint32_t> loop) const noexcept { return k_ > 1 && loop.size() == 4; }
-    /// Returns a loop that begins at its lowest number, so that points do not depend on where it began.
+    /// Rotates a loop to begin at its lowest index, so that points do not depend on its first vertex.
     static std::vector<std::uint32_t> from_lowest(std::span<const std::uint32_t> loop) {
         std::vector<std::uint32_t> corners(loop.begin(), loop.end());
         std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
@@ -114,7 +113,7 @@ private:
         at_.push_back(vec_cast<T>(sum));
         return std::uint32_t(at_.size() - 1);
     }
-    /// Returns point i of a divided edge, counted in its direction; i = 0 and k are its ends.
+    /// Returns point i, 0 ≤ i ≤ k, of a divided edge in its direction; points 0 and k are its ends.
     std::uint32_t on_edge(std::uint32_t from, std::uint32_t to, std::uint32_t i) const {
         if (i == 0 || i == k_) return i == 0 ? from : to;
         const std::uint32_t first = edges_.at(Edge(std::minmax(from, to)));
@@ -127,7 +126,7 @@ private:
                                 {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v});
         };
         const double size = 1 / double(k_);
-        const auto inner = std::uint32_t(at_.size()); // the first node that is on no edge
+        const auto inner = std::uint32_t(at_.size()); // the first node inside the patch
         for (std::uint32_t j = 1; j < k_; ++j) {
             for (std::uint32_t i = 1; i < k_; ++i) (void)on_patch(i * size, j * size);
         }
@@ -149,7 +148,7 @@ private:
     std::vector<Vec<T, 3>>& at_;
     FanPoints& points_;
     std::uint32_t k_;
-    /// The first point of each divided edge, from its lower end to its higher one.
+    /// First point of each divided edge; points run from its lower vertex to its higher one.
     std::map<Edge, std::uint32_t> edges_;
 };
 

@@ -11,7 +11,6 @@ class PolyhedralMesh; // in cage/polyhedral_mesh.hpp
 
 namespace detail {
 
-/// Returns the positions of a face's corners.
 template <Scalar T>
 Buffer<Vec<double, 3>> corners_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
     Buffer<Vec<double, 3>> positions;
@@ -19,7 +18,6 @@ Buffer<Vec<double, 3>> corners_of(const PolyhedralMesh<T>& mesh, std::size_t f) 
     return positions;
 }
 
-/// Returns the plane of a face.
 template <Scalar T>
 FacePlane plane_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
     return FacePlane(corners_of(mesh, f));

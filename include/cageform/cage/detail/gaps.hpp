@@ -1,4 +1,4 @@
-// The half-edges of a triangle mesh, and the faces that close small gaps in it.
+// The half-edges of a triangle mesh, and the faces that close its small gaps.
 #pragma once
 
 #include <cageform/cage/detail/mesh_face.hpp>
@@ -9,20 +9,19 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// An edge in the direction in which one of its faces runs along it.
+/// An edge in the direction of one of its faces.
 struct HalfEdge {
     std::uint32_t from, to, face;
 
-    /// Returns the edge regardless of direction.
     auto edge() const noexcept { return std::pair((std::min)(from, to), (std::max)(from, to)); }
 };
 
-/// Returns the half-edges of all faces, grouped by edge and sorted by the edges' smaller vertices.
-/// O(#F + #V) if vertices have few faces.
+/// Returns the half-edges of all faces, grouped by edge and sorted by the edges' lower vertices. O(#F + #V)
+/// if vertices have few faces.
 inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint32_t, 3>> faces) {
     std::size_t size = 0;
     for (const auto& [a, b, c] : faces) size = std::max<std::size_t>(size, (std::max)({a, b, c}));
-    std::vector<std::size_t> end(size + 2); // end of the half-edges of each smaller vertex, after placement
+    std::vector<std::size_t> end(size + 2); // end of the half-edges of each lower vertex, after placement
     const auto for_each = [&](const auto& f) {
         for (std::size_t n = 0; n < 3 * faces.size(); ++n) {
             const auto& face = faces[n / 3];
@@ -42,8 +41,7 @@ inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint3
     return all;
 }
 
-/// Calls f(half-edges) for every edge. In a closed manifold an edge has two, of opposite
-/// directions.
+/// Calls f(half-edges) for every edge. In a closed manifold an edge has two, of opposite directions.
 template <class F>
 void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
     for (std::size_t begin = 0, end = 0; begin < half_edges.size(); begin = end) {
@@ -52,9 +50,9 @@ void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
     }
 }
 
-using MeshLoop = std::vector<std::uint32_t>; ///< vertices in order; the first follows the last
+using MeshLoop = std::vector<std::uint32_t>; ///< consecutive vertices; the first follows the last
 
-/// Splits directed edges into loops that use each edge once. Returns nullopt if they do not close.
+/// Splits directed edges into loops that use each edge once. Returns nullopt if they are not closed.
 inline std::optional<std::vector<MeshLoop>>
 loops_of(std::vector<std::pair<std::uint32_t, std::uint32_t>> edges) {
     std::sort(edges.begin(), edges.end());
@@ -73,7 +71,7 @@ loops_of(std::vector<std::pair<std::uint32_t, std::uint32_t>> edges) {
             continue;
         }
         loops.emplace_back(met, walk.end());
-        // Where another loop touches this one, continue from their common vertex.
+        // If another loop touches this one, continue from their common vertex.
         walk.erase(met == walk.begin() ? met : met + 1, walk.end());
     }
     return loops;
@@ -88,8 +86,8 @@ public:
         , faces_(faces)
         , half_edges_(half_edges_of(faces)) {}
 
-    /// Returns no faces if some gap cannot be closed, or if the gaps add up to more than a quarter
-    /// of the area of the faces.
+    /// Returns no faces if a gap cannot be closed, or if the gaps exceed a quarter of the area of the
+    /// faces.
     std::vector<MeshFace> closing_faces() const {
         const auto gaps = loops_of(open_edges());
         if (!gaps) return {};
@@ -105,7 +103,7 @@ public:
     }
 
 private:
-    /// Returns the edges that have only one face, in the direction of the missing face.
+    /// Returns the edges with only one face, in the direction of the missing face.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges() const {
         std::vector<std::pair<std::uint32_t, std::uint32_t>> open;
         for_each_edge(half_edges_, [&](std::span<const HalfEdge> edge) {
@@ -119,15 +117,15 @@ private:
                                          [](const HalfEdge& a, const auto& b) { return a.edge() < b; });
         return at != half_edges_.end() && at->edge() == edge;
     }
-    /// Whether a gap of three edges is the rim of a single isolated face; a second face would not
-    /// make it a cage.
+    /// Whether a gap of three edges is the boundary of a single isolated face; a second face would not make
+    /// it a cage.
     bool is_stray(const MeshLoop& gap) const noexcept {
         return gap.size() == 3 && std::any_of(faces_.begin(), faces_.end(), [&](const MeshFace& face) {
                    return std::is_permutation(face.begin(), face.end(), gap.begin());
                });
     }
-    /// Returns the fan of least area from one vertex to all others, among fans whose inner edges
-    /// are not edges of the mesh yet. For a long gap not every apex is tried.
+    /// Returns the fan of least area from one vertex to all others, among fans whose inner edges are not
+    /// edges of the mesh. For a long gap only some apexes are tried.
     std::vector<MeshFace> smallest_fan(const MeshLoop& gap) const {
         std::vector<MeshFace> best;
         double least = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// The faces of triangle meshes, with indices that may name no vertex.
+// The faces of triangle meshes, with indices that may be out of range.
 #pragma once
 
 #include <cageform/cage/faces_of.hpp>
@@ -23,13 +23,12 @@ MeshFace checked_face(const F& face, std::size_t count) noexcept {
     return checked;
 }
 
-/// Returns whether a corner of a facet is no_vertex.
 template <std::size_t D>
 bool has_missing_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
     return std::find(facet.begin(), facet.end(), no_vertex) != facet.end();
 }
 
-/// Makes the faces that close small gaps of a mesh; see TriangleMesh. Defined in check_mesh.impl.hpp.
+/// Makes the faces that close small gaps of a mesh (TriangleMesh). Defined in check_mesh.impl.hpp.
 template <class T>
 std::vector<MeshFace> closing_faces(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
 

@@ -1,4 +1,4 @@
-// Finds the point of a polygon's edge nearest to a point.
+// The point of a polygon's edge nearest to a point.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -10,12 +10,12 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 class Polygon; // in cage/polygon.hpp
 template <Scalar T>
-struct BoundaryPoint; // there too
+struct BoundaryPoint; // in cage/polygon.hpp
 
 namespace detail {
 
-/// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so that both
-/// ends are reproduced exactly. `p` must be finite.
+/// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so both ends are
+/// exact. `p` must be finite.
 template <Scalar T>
 BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
                                  const Vec<T, 2>& p) noexcept {

@@ -1,4 +1,4 @@
-// Exact predicates: on which side of a line or plane a point lies, and whether segments meet.
+// Exact predicates: orientation with respect to a line or plane, and intersection of segments.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -11,10 +11,9 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// A sum of products without rounding. Splits products and sums into a rounded part and its error
-/// (Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates,
-/// Discrete Comput. Geom. 18 (1997), sec. 2: Two-Sum, Two-Product, Grow-Expansion). The factors
-/// must be at most 1 and either zero or at least 1e-120; for products of three factors, at least
-/// 1e-90.
+/// (Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates, Discrete
+/// Comput. Geom. 18 (1997), sec. 2: Two-Sum, Two-Product, Grow-Expansion). Factors must be at most 1 and
+/// either zero or at least 1e-120; in products of three factors, at least 1e-90.
 template <std::size_t terms>
 class ExactSum {
 public:
@@ -43,12 +42,11 @@ private:
         count_ = kept;
     }
 
-    std::array<double, terms>
-        components_{}; // without overlap, ascending, none zero; their exact sum is the result
+    std::array<double, terms> components_{}; ///< non-overlapping, ascending, non-zero; they sum to the result
     std::size_t count_ = 0;
 };
 
-/// Returns a power of two that scales the largest coordinate to at most 1.
+/// Returns a power of two that scales the largest absolute coordinate to at most 1.
 template <std::size_t D>
 double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept {
     double largest = 0;
@@ -60,8 +58,8 @@ double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept 
     return std::ldexp(1.0, -(std::max)(exponent, -1022));
 }
 
-/// Returns 1 if `c` lies to the left of the line from `a` to `b`, −1 if to the right, 0 if on it.
-/// Exact for finite points whose non-zero coordinates differ by less than a factor of 1e120.
+/// Returns 1 if `c` is to the left of the line from `a` to `b`, −1 if to the right, 0 if on it. Exact for
+/// finite points whose non-zero coordinates differ by less than a factor of 1e120.
 inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c) noexcept {
     const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
     // The error bound of Shewchuk, sec. 4.3. Products below 1e-290 lose more.
@@ -79,7 +77,7 @@ inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const V
     return sum.sign();
 }
 
-/// Returns 1 if `d` lies on the side of the plane through `a`, `b` and `c` from which these are
+/// Returns 1 if `d` is on the side of the plane through `a`, `b` and `c` from which these are
 /// counter-clockwise, −1 on the other side, 0 in the plane. Exact for finite points whose non-zero
 /// coordinates differ by less than a factor of 1e90.
 inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& c,
@@ -109,7 +107,7 @@ inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const V
     return sum.sign();
 }
 
-/// Whether the segments ab and cd have a point in common, ends included. Exact as `orientation` is.
+/// Whether the segments ab and cd have a common point, ends included. Exact like `orientation`.
 inline bool segments_touch(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c,
                            const Vec<double, 2>& d) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {

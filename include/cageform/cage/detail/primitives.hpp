@@ -1,4 +1,4 @@
-// Segments and triangles, of which all cages are made, and the rules for which side is inside.
+// Segments and triangles, the facets of all cages, and the rules that decide what is inside.
 #pragma once
 
 #include <cageform/cage/detail/orientation.hpp>
@@ -14,11 +14,9 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// For each axis of space, the other two in order.
+/// For each axis of 3D space, the other two in order.
 inline constexpr std::array<std::array<std::size_t, 2>, 3> other_axes{{{1, 2}, {0, 2}, {0, 1}}};
 
 template <std::size_t D>
@@ -28,25 +26,22 @@ double length(const Vec<double, D>& v) noexcept {
 
 // ---- which side is inside -----------------------------------------------------------------------
 
-/// The even-odd rule in the plane: a point is inside if the ray from it to the right crosses an odd
-/// number of edges. An edge includes its lower end but not its upper one, so that a ray through a
-/// vertex counts correctly.
+/// The even-odd rule in 2D: a point is inside if the ray from it to the right crosses an odd number of
+/// edges. An edge includes its lower end but not its upper one, so a ray through a vertex counts correctly.
 inline bool crosses_ray(const Vec<double, 2>& q, const Vec<double, 2>& a, const Vec<double, 2>& b) noexcept {
     return (a[1] > q[1]) != (b[1] > q[1]) && (cross(b - a, q - a) > 0) == (b[1] > a[1]);
 }
 
-/// The rule in space: a point is inside if the winding number rounds to an odd integer.
+/// The rule in 3D: a point is inside if the winding number rounds to an odd integer.
 inline bool is_enclosed(double winding_number) noexcept {
     return std::fmod(std::fabs(std::round(winding_number)), 2.0) == 1;
 }
 
-// ---- facets: edges in the plane, triangles in space ---------------------------------------------
+// ---- facets: edges in 2D, triangles in 3D -------------------------------------------------------
 
-/// The positions of a facet's corners.
 template <std::size_t D>
 using Corners = std::array<Vec<double, D>, D>;
 
-/// A facet: its vertices and their positions.
 template <std::size_t D>
 struct Facet {
     std::array<std::uint32_t, D> vertex;
@@ -58,15 +53,14 @@ struct Facet {
         for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[of[k]]);
     }
     bool has(std::uint32_t i) const noexcept {
-        bool found = false; // branch-free: called for all pairs of a fan
+        bool found = false; // branch-free, because it is called for all pairs of a fan
         for (const std::uint32_t v : vertex) found |= v == i;
         return found;
     }
     Bounds<double, D> bounds() const noexcept { return bounds_of(std::span<const Vec<double, D>>(corner)); }
 };
 
-/// Returns the parameter of the point on segment ab nearest to `p`: 0 at a, 1 at b; 0 if a equals
-/// b.
+/// Returns the parameter of the point of segment ab nearest to `p`: 0 at a, 1 at b; 0 if a equals b.
 template <std::size_t D>
 double segment_parameter(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
     const auto e = b - a;
@@ -74,7 +68,7 @@ double segment_parameter(const Vec<double, D>& p, const Vec<double, D>& a, const
     return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
 }
 
-/// Returns the point on segment ab nearest to `p`.
+/// Returns the point of segment ab nearest to `p`.
 template <std::size_t D>
 Vec<double, D> nearest_on_segment(const Vec<double, D>& p, const Vec<double, D>& a,
                                   const Vec<double, D>& b) noexcept {
@@ -86,7 +80,7 @@ double distance_to_segment(const Vec<double, D>& p, const Vec<double, D>& a,
     return length(nearest_on_segment(p, a, b) - p);
 }
 
-/// Returns the distance of two segments; in the plane it is exactly 0 if they meet.
+/// Returns the distance between two segments; in 2D it is exactly 0 if they meet.
 template <std::size_t D>
 double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
                         const Vec<double, D>& d) noexcept {
@@ -95,8 +89,7 @@ double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const 
     if constexpr (D == 2) {
         return segments_touch(a, b, c, d) ? 0.0 : least;
     } else {
-        // The interior can only be closer than the ends if the common perpendicular meets both
-        // segments.
+        // Interior points can be closer than the ends only if the common perpendicular meets both segments.
         const auto e = b - a, f = d - c, g = a - c;
         const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f), determinant = ee * ff - ef * ef;
         if (!(determinant > 0)) return least;
@@ -112,8 +105,8 @@ inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p, const Cor
     const double s = segment_parameter(p, edge[0], edge[1]);
     return {1 - s, s};
 }
-/// Returns the point of a triangle nearest to `p`, as barycentric weights (Ericson, Real-Time
-/// Collision Detection (2005), sec. 5.1.5: the regions of vertices, edges and the face).
+/// Returns the point of a triangle nearest to `p`, as barycentric weights (Ericson, Real-Time Collision
+/// Detection (2005), sec. 5.1.5: the regions of vertices, edges and the face).
 inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Corners<3>& triangle) noexcept {
     const auto& [a, b, c] = triangle;
     const auto n = cross(b - a, c - a);
@@ -137,7 +130,6 @@ inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Cor
     return best;
 }
 
-/// Returns the point with these barycentric weights on a facet.
 template <std::size_t D>
 Vec<double, D> point_on_facet(const std::array<double, D>& weights, const Corners<D>& corner) noexcept {
     Vec<double, D> x{};
@@ -149,23 +141,49 @@ double distance_to_facet(const Vec<double, D>& p, const Corners<D>& corner) noex
     return length(point_on_facet(nearest_on_facet(p, corner), corner) - p);
 }
 
-/// Whether the corners of a triangle lie on one line, within `tolerance`.
+/// Returns the normal of a triangle with twice its area as length.
+inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
+    return cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
+/// Whether the corners of a triangle are collinear within `tolerance`.
 inline bool is_flat(const Corners<3>& corner, double tolerance) noexcept {
     const auto& [a, b, c] = corner;
     const double longest = (std::max)({length(b - a), length(c - b), length(a - c)});
-    return !(length(cross(b - a, c - a)) > tolerance * longest);
+    return !(length(area_normal(corner)) > tolerance * longest);
 }
 
-/// Returns half the solid angle that a triangle subtends at `q`, positive if it is clockwise seen
-/// from `q` (van Oosterom & Strackee 1983).
+/// Returns the offset from the first point to the point farthest from it.
+template <Scalar T>
+Vec<double, 2> farthest_offset(std::span<const Vec<T, 2>> points) noexcept {
+    Vec<double, 2> farthest{};
+    for (const auto& p : points) {
+        const auto d = vec_cast<double>(p) - vec_cast<double>(points[0]);
+        if (dot(d, d) > dot(farthest, farthest)) farthest = d;
+    }
+    return farthest;
+}
+/// Whether all points lie within `tolerance` of the line through the first point and the one farthest from
+/// it.
+template <Scalar T>
+bool are_collinear(std::span<const Vec<T, 2>> points, double tolerance) noexcept {
+    const auto axis = farthest_offset(points);
+    return std::all_of(points.begin(), points.end(), [&](const auto& p) {
+        return std::fabs(cross(axis, vec_cast<double>(p) - vec_cast<double>(points[0]))) <=
+               tolerance * length(axis);
+    });
+}
+
+/// Returns half the solid angle of a triangle seen from `q`, positive if it is clockwise seen from `q` (van
+/// Oosterom & Strackee 1983).
 inline double half_solid_angle(const Vec<double, 3>& q, const Corners<3>& corner) noexcept {
     const auto a = corner[0] - q, b = corner[1] - q, c = corner[2] - q;
     const double x = length(a), y = length(b), z = length(c);
     return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
 }
 
-/// Whether a line through `s` and `t`, not in the triangle's plane, passes through the triangle or
-/// touches its rim. Exact: no line slips between triangles that share an edge.
+/// Whether a line through `s` and `t`, not in the triangle's plane, meets the triangle or its boundary.
+/// Exact: a line cannot pass between triangles that share an edge.
 inline bool line_meets(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
     const auto& [a, b, c] = corner;
     const int first = orientation(s, t, a, b), second = orientation(s, t, b, c);
@@ -173,15 +191,15 @@ inline bool line_meets(const Vec<double, 3>& s, const Vec<double, 3>& t, const C
     const int third = orientation(s, t, c, a);
     return first * third >= 0 && second * third >= 0;
 }
-/// Whether the segment from `s` to `t`, ends included, passes through or touches a triangle. The
-/// segment must not lie in the triangle's plane. Exact.
+/// Whether the segment from `s` to `t`, ends included, meets a triangle. The segment must not lie in the
+/// triangle's plane. Exact.
 inline bool pierces(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
     const auto& [a, b, c] = corner;
     const int from = orientation(a, b, c, s), to = orientation(a, b, c, t);
     return from * to <= 0 && from != to && line_meets(s, t, corner);
 }
 
-/// Returns the distance of the segment from `a` to `b` to a facet.
+/// Returns the distance between the segment from `a` to `b` and a facet.
 template <std::size_t D>
 double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const Corners<D>& corner) noexcept {
     if constexpr (D == 2) {
@@ -195,7 +213,7 @@ double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const 
     }
 }
 
-/// Whether two edges come within `tolerance` of each other, apart from a vertex they share.
+/// Whether two edges come within `tolerance` of each other, except at a common vertex.
 inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t l = 0; l < 2; ++l) {
@@ -209,13 +227,13 @@ inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance)
     }
     return segment_distance(a.corner[0], a.corner[1], b.corner[0], b.corner[1]) <= tolerance;
 }
-/// Whether two triangles meet anywhere except in the vertices they share.
+/// Whether two triangles meet anywhere except in their common vertices.
 inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance) noexcept {
     const auto shared =
         std::count_if(a.vertex.begin(), a.vertex.end(), [&](std::uint32_t i) { return b.has(i); });
     if (shared == 3) return true;
-    // An edge without a shared end may pass through or near the other triangle. An edge with one
-    // cannot, unless it lies in the triangle's plane.
+    // An edge without a shared end may intersect or come near the other triangle. An edge with one cannot,
+    // unless it lies in the triangle's plane.
     const auto comes_near = [&](const Facet<3>& f, const Facet<3>& g) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t l = (k + 1) % 3;
@@ -230,9 +248,8 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     return comes_near(a, b) || comes_near(b, a);
 }
 
-/// Returns the axis along which boxes are shortest on average, relative to the standard deviation
-/// of their centres. Scaling by the deviation keeps a few far outliers from making all other boxes
-/// look short.
+/// Returns the axis along which boxes are shortest on average, relative to the standard deviation of their
+/// centres. This keeps a few outliers from making all other boxes look short.
 template <std::size_t D>
 std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
     std::size_t axis = 0;
@@ -254,8 +271,8 @@ std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
     return axis;
 }
 
-/// Calls f(m, n), m < n, for all pairs of boxes that overlap, sweeping along one axis. Usually O(n
-/// log n), O(n²) at worst.
+/// Calls f(m, n), m < n, for all pairs of overlapping boxes, by a sweep along one axis. Usually O(n log n),
+/// O(n²) at worst.
 template <std::size_t D, class F>
 void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     const std::size_t axis = sweep_axis(boxes);
@@ -275,6 +292,4 @@ void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     }
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,11 +1,10 @@
-// The fault of a cell complex given to a coordinate type that does not support cells inside.
+// The fault of a cell complex in a coordinate type that does not support interior cells.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Reports interior cells as a fault, for coordinate types that do not support them.
 template <Scalar T, std::size_t D>
 void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
     const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();

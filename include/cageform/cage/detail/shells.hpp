@@ -1,4 +1,4 @@
-// The connected components of a triangle mesh, and which of them must be flipped to face outward.
+// The connected components of a triangle mesh, and their orientation.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -12,18 +12,14 @@ class TriangleMesh; // in cage/triangle_mesh.hpp
 
 namespace detail {
 
-/// The connected components of a closed mesh.
 struct Shells {
     std::vector<std::uint32_t> of_face;    ///< the shell of every face
     std::vector<std::uint32_t> first_face; ///< of every shell
-    /// Six times the volume of every shell; positive if counter-clockwise seen from outside.
-    std::vector<double> volume;
-    /// Whether a shell's faces must be flipped to be counter-clockwise seen from outside the cage.
-    std::vector<bool> reversed;
+    std::vector<double> volume; ///< six times each shell's volume; positive if counter-clockwise from outside
+    std::vector<bool> reversed; ///< whether faces must be flipped to be counter-clockwise from outside
 };
 
-/// Finds the connected components, numbers them by their first faces, and fills `of_face` and
-/// `first_face`.
+/// Finds the connected components, numbered by their first faces; fills `of_face` and `first_face`.
 template <Scalar T>
 Shells connected_faces(const TriangleMesh<T>& mesh) {
     DisjointSets components(mesh.size());
@@ -77,8 +73,8 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
     return shells;
 }
 
-/// Returns the faces with those of wrongly oriented shells flipped, so that all are
-/// counter-clockwise seen from outside the cage. Costs as much as `shells_of`.
+/// Returns the faces, with those of reversed shells flipped, so that all are counter-clockwise seen from
+/// outside the cage. Costs as much as `shells_of`.
 template <Scalar T>
 std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
     const auto shells = shells_of(mesh);

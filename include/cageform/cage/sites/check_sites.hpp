@@ -1,4 +1,4 @@
-// Checks whether sites can serve as control points: finds sites too close to each other, or all in a plane.
+// Checks whether sites are valid control points: no two too close to each other, and not all in a plane.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -20,10 +20,9 @@ class PointSet; // in cage/point_set.hpp
 
 namespace detail {
 
-/// Calls f(i, j), i < j, for sites closer to each other than `tolerance`. Each site j is reported
-/// at most once, with the first site i it coincides with. Sorts the sites along one axis after the
-/// other and splits them at gaps wider than the tolerance, until no axis splits a run any more. O(n
-/// log n) unless very many sites almost coincide.
+/// Finds sites closer to each other than `tolerance`. Sorts the sites along one axis after the other and
+/// splits them at gaps wider than the tolerance, until no axis splits a range any more. O(n log n) unless
+/// very many sites almost coincide.
 template <std::size_t D>
 class CloseSites {
 public:
@@ -33,7 +32,7 @@ public:
         , order_(sites.size()) {
         std::iota(order_.begin(), order_.end(), std::size_t{0});
     }
-
+    /// Calls f(i, j), i < j, at most once for each site j, with the first coincident site i.
     template <class F>
     void for_each(const F& f) {
         std::vector<Run> runs{{0, order_.size(), 0, 0}};
@@ -51,9 +50,9 @@ public:
 
 private:
     struct Run {
-        std::size_t begin, end;
-        std::size_t axis;      ///< the axis to sort along next
-        std::size_t undivided; ///< number of successive axes without a gap
+        std::size_t begin, end; ///< in order_
+        std::size_t axis;       ///< the next axis to sort along
+        std::size_t undivided;  ///< number of successive axes without a gap
     };
 
     void divide(const Run& run, std::vector<Run>& runs) {
@@ -88,8 +87,8 @@ private:
     std::vector<std::size_t> order_;
 };
 
-/// Whether all sites lie within `tolerance` of a line (in the plane) or of a plane (in space). The
-/// line or plane is spanned greedily: each axis points to the site farthest from the span so far.
+/// Whether all sites lie within `tolerance` of a line (in 2D) or of a plane (in 3D). Each axis points to
+/// the site farthest from the span of the previous axes.
 template <std::size_t D>
 bool is_flat_set(std::span<const Vec<double, D>> sites, double tolerance) noexcept {
     std::array<Vec<double, D>, D> axis{}; // orthonormal
@@ -107,7 +106,6 @@ bool is_flat_set(std::span<const Vec<double, D>> sites, double tolerance) noexce
     return false;
 }
 
-/// Runs the steps of `check`.
 template <Scalar T, std::size_t D>
 void check_point_set(const PointSet<T, D>& set, CageReport& report) {
     if (set.size() < D + 1) return report.add(CageFaultKind::too_few_vertices, 0, set.size());
@@ -116,7 +114,7 @@ void check_point_set(const PointSet<T, D>& set, CageReport& report) {
     }
     if (report.status != Status::ok) return;
 
-    // Scale by the largest coordinate so that nothing overflows or underflows.
+    // Scaled by the largest coordinate against overflow and underflow.
     std::vector<Vec<double, D>> sites;
     for (const auto& site : set.sites()) sites.push_back(vec_cast<double>(site));
     int exponent = 0;

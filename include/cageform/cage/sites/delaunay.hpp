@@ -1,18 +1,19 @@
-// The Delaunay triangulation of sites, in the plane and in space.
+// The Delaunay triangulation of sites, in 2D and 3D.
 #pragma once
 
+#include <cageform/cage/sites/insertion_order.hpp>
 #include <cageform/cage/sites/site_lattice.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A Delaunay triangulation, with a *ghost* simplex beyond every facet of the convex hull.
 ///
-/// Inserts site by site (Bowyer 1981, Watson 1981) with exact predicates: sites are rounded to a
-/// lattice of step 2^-60 extents (site_lattice.hpp), and determinants of uncertain sign in double use
-/// integers. Points on a sphere count as outside, so no simplex is flat. Sites are renumbered in an
-/// order that depends only on their positions; so do the triangulation and the order of its simplices.
+/// Inserts site by site (Bowyer 1981, Watson 1981) with exact predicates: sites are rounded to a lattice of
+/// step 2^-60 extents (site_lattice.hpp), and determinants of uncertain sign in double are evaluated in
+/// integers. Points on a sphere count as outside, so no simplex is flat. The numbering of vertices and
+/// simplices depends only on the positions of the sites.
 ///
-///   cost    O(n log n) for usual sites, O(n²) at worst in space
+///   cost    O(n log n) for usual sites, O(n²) at worst in 3D
 ///   memory  6 triangles or about 7 tetrahedra of 64 bytes per site
 template <std::size_t D>
 class Delaunay {
@@ -20,12 +21,12 @@ class Delaunay {
 
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    /// The vertex at infinity, the last vertex of every ghost.
+    /// The vertex at infinity, which is the last vertex of every ghost.
     static constexpr std::uint32_t infinite = none;
 
-    /// Vertices are ascending, except that the first two may be swapped to make the simplex
-    /// positively oriented (`detail::orientation`). A ghost is so with its last vertex moved to a
-    /// point beyond its facet. Neighbour k lies across the facet opposite to vertex k.
+    /// Vertices are ascending, except that the first two may be swapped for positive orientation
+    /// (`detail::orientation`). The orientation of a ghost is that with its last vertex at a point beyond
+    /// its facet. Neighbour k is across the facet opposite to vertex k.
     struct Simplex {
         std::array<std::uint32_t, D + 1> vertex;
         std::array<std::uint32_t, D + 1> neighbour;
@@ -42,12 +43,12 @@ public:
         }
     };
 
-    /// The working memory of a search; every thread needs its own.
+    /// The working memory of a search, one per thread.
     class Search {
         friend class Delaunay;
 
     public:
-        /// The simplices whose open balls contain the point, in ascending order: the *cavity*.
+        /// Returns the *cavity*: the simplices whose open balls contain the point, in ascending order.
         std::span<const std::uint32_t> cavity() const noexcept { return cavity_; }
         bool holds(std::uint32_t simplex) const noexcept { return stamps_[simplex] == stamp_; }
 
@@ -63,13 +64,13 @@ public:
 
         std::vector<std::uint32_t> cavity_, stamps_;
         std::uint32_t stamp_ = 0;
-        std::uint32_t last_ = 0; ///< the start of the next walk
+        std::uint32_t last_ = 0; ///< start of the next walk
     };
 
     Delaunay() = default;
 
-    /// Triangulates points on a lattice; duplicates are left out. The result is empty if all points
-    /// lie in one plane (in 2D, on one line).
+    /// Triangulates points on a lattice and skips duplicates. The result is empty if all points lie in one
+    /// plane (in 2D, on one line).
     explicit Delaunay(std::vector<detail::LatticePoint<D>> points)
         : site_(points.size())
         , point_(std::move(points)) {
@@ -79,16 +80,16 @@ public:
         for (std::uint32_t i = D + 1; i < point_.size(); ++i) insert(i, search);
         finish();
         find_centres();
-        lay_grid();
+        make_start_grid();
     }
 
     bool empty() const noexcept { return simplices_.empty(); }
     std::size_t size() const noexcept { return point_.size(); }
     std::span<const Simplex> simplices() const noexcept { return simplices_; }
-    /// Returns the number that the caller gave to a vertex.
+    /// Returns the caller's index of a vertex.
     std::uint32_t site(std::uint32_t vertex) const noexcept { return site_[vertex]; }
     const detail::LatticePoint<D>& point(std::uint32_t vertex) const noexcept { return point_[vertex]; }
-    /// Returns the circumcentre of a simplex that is no ghost, relative to its first vertex.
+    /// Returns the circumcentre of a simplex that is not a ghost, relative to its first vertex.
     const detail::Centre<D>& centre(std::uint32_t simplex) const noexcept { return centres_[simplex]; }
 
     std::array<detail::LatticePoint<D>, D + 1> corners(const Simplex& simplex) const noexcept {
@@ -97,14 +98,13 @@ public:
         return a;
     }
 
-    /// Returns a simplex that contains `p`, or a ghost if p lies beyond the ghost's facet. Walks
-    /// there from a start near p.
+    /// Returns a simplex that contains `p`, or a ghost if p lies beyond the ghost's facet.
     std::uint32_t locate(const detail::LatticePoint<D>& p, Search& search) const noexcept {
         return walk(p, search, [](std::uint32_t) { return false; });
     }
 
-    /// Fills the cavity of `p`: empty if p is a site; partial, with a ghost, beyond the hull. Walks
-    /// to the first ball containing p; returns a simplex of the cavity or one with corner p.
+    /// Finds the cavity of `p`: empty if p is a site; incomplete, with a ghost, if p is outside the hull.
+    /// Returns a simplex of the cavity, or one with corner p.
     std::uint32_t find_cavity(const detail::LatticePoint<D>& p, Search& search) const {
         const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
         const std::uint32_t from = walk(p, search, holds);
@@ -116,57 +116,15 @@ private:
     using LatticePoint = detail::LatticePoint<D>;
     using Corners = std::array<LatticePoint, D + 1>;
 
-    // ---- the order of insertion -----------------------------------------------------------------
-
-    /// Whether `a` precedes `b` on the Morton curve: compares along the axis whose coordinates
-    /// differ in the highest bit (Chan 2002).
-    static bool before_on_curve(const LatticePoint& a, const LatticePoint& b) noexcept {
-        std::size_t axis = 0;
-        std::uint64_t most = 0;
-        for (std::size_t k = 0; k < D; ++k) {
-            const auto differing = std::uint64_t(a[k]) ^ std::uint64_t(b[k]);
-            if (most < differing && most < (most ^ differing)) {
-                most = differing;
-                axis = k;
-            }
-        }
-        return a[axis] < b[axis];
-    }
-    /// Returns the insertion round of a site: rounds are random halves, each sorted along the curve
-    /// (Amenta, Choi, Rote 2003). The random bits are a hash of the position.
-    static int round_of(const LatticePoint& a) noexcept {
-        std::uint64_t z = 0;
-        for (const std::int64_t x : a) {
-            z = (z ^ std::uint64_t(x)) * 0x9E3779B97F4A7C15u;
-            z ^= z >> 29;
-        }
-        int round = 0;
-        while (round < 20 && ((z >> round) & 1u) != 0) ++round;
-        return -round;
-    }
     void sort_sites() {
-        struct Entry {
-            int round;
-            std::uint32_t site;
-        };
-        std::vector<Entry> order(point_.size());
-        for (std::uint32_t i = 0; i < point_.size(); ++i) order[i] = {round_of(point_[i]), i};
-        std::sort(order.begin(), order.end(), [&](const Entry& a, const Entry& b) {
-            if (a.round != b.round) return a.round < b.round;
-            if (point_[a.site] != point_[b.site]) return before_on_curve(point_[a.site], point_[b.site]);
-            return a.site < b.site;
-        });
+        site_ = detail::insertion_order<D>(point_);
         std::vector<LatticePoint> sorted;
         sorted.reserve(point_.size());
-        for (std::size_t n = 0; n < order.size(); ++n) {
-            site_[n] = order[n].site;
-            sorted.push_back(point_[order[n].site]);
-        }
+        for (const std::uint32_t site : site_) sorted.push_back(point_[site]);
         point_ = std::move(sorted);
     }
 
-    /// Makes the first simplex, from the first D + 1 affinely independent sites in order, and moves
-    /// these sites to the front.
+    /// Makes the first simplex of the first D + 1 affinely independent sites, and moves these to the front.
     bool begin() {
         std::size_t count = 0;
         for (std::size_t i = 0; i < point_.size() && count <= D; ++i) {
@@ -184,7 +142,7 @@ private:
         for (std::uint32_t k = 0; k <= D; ++k) first.neighbour[k] = k + 1;
         simplices_.push_back(first);
         for (std::size_t k = 0; k <= D; ++k) {
-            // Beyond facet k the orientation is reversed, so two vertices are swapped.
+            // The orientation is reversed beyond facet k, so two vertices are swapped.
             Simplex ghost = first;
             ghost.vertex[k] = infinite;
             ghost.neighbour[k] = 0;
@@ -203,7 +161,7 @@ private:
             return detail::orientation<D>(a) != 0;
         }
         if (count == 1) return p != point_[0];
-        // In space, p is off the line through the first two points if some minor does not vanish.
+        // In 3D, p is off the line through the first two points if a minor is not zero.
         using detail::WideInt;
         const LatticePoint d = detail::difference<D>(point_[1], point_[0]),
                            e = detail::difference<D>(p, point_[0]);
@@ -223,14 +181,14 @@ private:
         return found;
     }
 
-    /// Steps towards `p`, across a facet at a time, to the simplex containing it or the first `found`.
+    /// Walks towards `p` across facets, to the simplex that contains it or to the first `found` one.
     template <class Found>
     std::uint32_t walk(const LatticePoint& p, Search& search, const Found& found) const noexcept {
         std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
         if (at >= simplices_.size()) at = 0;
         if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
         std::uint32_t from = none;
-        // Among cospherical simplices a walk may cycle. The loop below then searches all simplices.
+        // A walk may cycle among cospherical simplices. The loop below then searches all simplices.
         for (std::size_t step = 0; step <= 2 * simplices_.size() && !is_free(at); ++step) {
             if (found(at)) return search.last_ = at;
             const std::uint32_t next = step_towards(p, at, from, step);
@@ -245,7 +203,7 @@ private:
         }
         return search.last_ = (std::min)(at, std::uint32_t(simplices_.size() - 1));
     }
-    /// Fills the cavity of p, starting from a simplex that contains p or whose ball does.
+    /// Finds the cavity of p, starting from a simplex that contains p or whose ball contains it.
     void find_cavity(const detail::LatticePoint<D>& p, std::uint32_t from, Search& search) const {
         search.begin(simplices_.size());
         if (!in_conflict(from, p)) return;
@@ -263,26 +221,26 @@ private:
         }
         std::sort(search.cavity_.begin(), search.cavity_.end());
     }
-    /// Returns the neighbour across a facet that `p` lies strictly beyond, or none. The first facet
-    /// tried rotates with `rotation`; the simplex that the walk came from is skipped.
+    /// Returns the neighbour across a facet that strictly separates `p` from the simplex, or none.
+    /// `rotation` selects the first facet to test; the simplex that the walk came from is skipped.
     std::uint32_t step_towards(const LatticePoint& p, std::uint32_t at, std::uint32_t from,
                                std::size_t rotation) const noexcept {
         const Simplex& simplex = simplices_[at];
-        const detail::CornersSeen<D> seen(corners(simplex), p);
+        const detail::RelativeCorners<D> relative(corners(simplex), p);
         for (std::size_t n = 0; n <= D; ++n) {
             const std::size_t k = (n + rotation) % (D + 1);
-            if (simplex.neighbour[k] != from && seen.side(k) < 0) return simplex.neighbour[k];
+            if (simplex.neighbour[k] != from && relative.side(k) < 0) return simplex.neighbour[k];
         }
         return none;
     }
 
-    /// Tests with the circumcentre whether the ball of a simplex that is no ghost strictly contains
-    /// `p`: 1 or -1; 0 if uncertain.
+    /// Whether the ball of a simplex that is not a ghost strictly contains `p`, by its circumcentre in
+    /// double: 1 or −1; 0 if uncertain.
     int certainly_inside(std::uint32_t s, const LatticePoint& p) const noexcept {
         return detail::certain_in_sphere<D>(point_[simplices_[s].vertex[0]], centres_[s], p);
     }
-    /// Whether `p` lies strictly inside the ball of a simplex. For a ghost: whether p lies strictly
-    /// beyond its facet, or in its plane and inside the ball of the adjacent simplex.
+    /// Whether the ball of a simplex strictly contains `p`. The ball of a ghost is the half-space beyond
+    /// its facet, together with the part of the facet's plane inside the adjacent simplex's ball.
     bool in_conflict(std::uint32_t s, const LatticePoint& p) const noexcept {
         const Simplex& simplex = simplices_[s];
         if (!centres_.empty() && !simplex.is_ghost()) {
@@ -299,7 +257,7 @@ private:
 
     // ---- insertion ------------------------------------------------------------------------------
 
-    /// A facet of a new simplex that contains the new site; paired with that of another one.
+    /// A facet of a new simplex that contains the new site, to be paired with that of another new simplex.
     struct OpenFacet {
         std::array<std::uint32_t, D - 1> ridge; ///< the other vertices, ascending
         std::uint32_t simplex;
@@ -330,7 +288,6 @@ private:
         }
         search.last_ = added_.front();
     }
-    /// Adds the simplex of `v` and the facet of `s` opposite to vertex `k`.
     void add_simplex(std::uint32_t v, std::uint32_t s, std::size_t k) {
         Simplex fresh = simplices_[s];
         const std::uint32_t beyond = fresh.neighbour[k];
@@ -358,7 +315,7 @@ private:
         }
     }
 
-    // ---- the final order ------------------------------------------------------------------------
+    // ---- final order ----------------------------------------------------------------------------
 
     /// Sorts the vertices within each simplex, then the simplices.
     void finish() {
@@ -395,8 +352,8 @@ private:
                                                   : detail::circumcentre<D>(corners(simplex)));
         }
     }
-    /// Makes a grid of fewer cells than sites; each stores a simplex where walks start.
-    void lay_grid() {
+    /// Makes a grid with fewer cells than sites; each cell stores a start for walks.
+    void make_start_grid() {
         if (size() < 64) return;
         int bits = 0;
         while ((std::size_t{1} << (D * std::size_t(bits + 1))) <= size()) ++bits;
@@ -437,11 +394,11 @@ private:
         if (odd) exchange(0, 1);
     }
 
-    std::vector<std::uint32_t> site_;
+    std::vector<std::uint32_t> site_; ///< the caller's index of each vertex
     std::vector<LatticePoint> point_;
     std::vector<Simplex> simplices_;
     std::vector<detail::Centre<D>> centres_;
-    std::vector<std::uint32_t> starts_; ///< of walks, per grid cell
+    std::vector<std::uint32_t> starts_; ///< start of walks, per grid cell
     int grid_bits_ = 0;                 ///< log2 of the number of cells along an axis
     std::vector<std::uint32_t> free_, added_;
     std::vector<OpenFacet> open_;

@@ -1,4 +1,4 @@
-// The facets of the convex hull of sites, with coplanar facets merged.
+// The facets of the convex hull of sites, with nearly coplanar facets merged.
 #pragma once
 
 #include <cageform/cage/detail/box_tree.hpp>
@@ -6,33 +6,32 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A plane of the hull (a line in 2D) and the sites within tolerance of it. Lengths are in extents.
+/// A plane of the hull (a line in 2D) and the sites within the tolerance of it. Lengths are in extents.
 template <std::size_t D>
 struct HullFacet {
-    Vec<double, D> normal; ///< outwards, of length 1
+    Vec<double, D> normal; ///< outward unit normal
     double offset;         ///< normal·x on the plane
     std::vector<std::uint32_t> vertex;
 
     double distance(const Vec<double, D>& p) const noexcept { return dot(normal, p) - offset; }
 };
 
-/// A facet of the exact hull, and the index in `HullFacets::facets` of the merged facet it belongs
-/// to.
+/// A facet of the exact hull, and the index of its merged facet in `HullFacets::facets`.
 template <std::size_t D>
 struct HullPiece {
     Corners<D> corner;
     std::uint32_t facet;
 };
 
-/// Merges the facets of a hull. A rotated lattice is flat only up to rounding: its exact hull has
-/// slivers of arbitrary direction, or hides sites just below the surface. Therefore facets are
-/// processed from the largest down. Each collects all sites within tolerance of its plane that are
-/// connected to it through facets of simplices in that plane. The rest is flatter than the
-/// tolerance and joins a neighbouring facet.
+/// Merges the facets of a hull. Rounding makes the exact hull of a rotated lattice uneven: it has slivers
+/// of arbitrary direction, and some sites lie just below the surface. Facets are therefore processed in
+/// descending order of size. Each facet collects the sites within the tolerance of its plane that are
+/// connected to it through facets of simplices in that plane. The remaining facets are flatter than the
+/// tolerance and join a neighbouring facet.
 template <std::size_t D>
 class HullFacets {
 public:
-    /// Takes the triangulation and its vertices `at` in extents.
+    /// `at` are the vertices of the triangulation in extents.
     HullFacets(const Delaunay<D>& sites, std::span<const Vec<double, D>> at, double tolerance)
         : sites_(sites)
         , at_(at)
@@ -66,18 +65,18 @@ private:
 
     const auto& simplex(std::uint32_t s) const noexcept { return sites_.simplices()[s]; }
 
-    /// Returns an outward normal whose length is the edge's length, or twice the triangle's area.
+    /// Returns an outward normal; its length is the length of the edge, or twice the area of the triangle.
     Vec<double, D> outward(std::uint32_t ghost) const noexcept {
         const auto& v = simplex(ghost).vertex;
         const auto e = at_[v[1]] - at_[v[0]];
         if constexpr (D == 2) {
-            return {-e[1], e[0]}; // a ghost with a third vertex on the left is positively oriented
+            return {-e[1], e[0]}; // a ghost with its third vertex on the left is positively oriented
         } else {
             return cross(e, at_[v[2]] - at_[v[0]]);
         }
     }
     double longest_edge(std::uint32_t ghost) const noexcept {
-        if constexpr (D == 2) return 1; // in 2D both sides of the comparison are lengths
+        if constexpr (D == 2) return 1; // in 2D the measure and the tolerance are both lengths
         double longest = 0;
         const auto& v = simplex(ghost).vertex;
         for (std::size_t k = 0; k < D; ++k)
@@ -85,7 +84,7 @@ private:
         return longest;
     }
 
-    /// Spreads facets from the ghosts that have one to neighbouring ghosts that have none yet.
+    /// Assigns the remaining ghosts to the facets of their neighbours.
     void find_pieces() {
         std::vector<std::uint32_t> ghosts;
         for (std::uint32_t s = 0; s < facet_of_.size(); ++s) {
@@ -149,11 +148,11 @@ private:
     std::span<const Vec<double, D>> at_;
     double tolerance_;
     std::vector<std::uint32_t> seen_, in_facet_;
-    std::vector<std::uint32_t> facet_of_; ///< of ghosts
+    std::vector<std::uint32_t> facet_of_; ///< per ghost
     std::uint32_t stamp_ = 0;
 };
 
-/// Finds the point of a hull nearest to a query point. O(n log n) to build, usually O(log n) per query.
+/// Finds the nearest point of a hull. O(n log n) to build, usually O(log n) per query.
 template <std::size_t D>
 class HullTree {
 public:
@@ -170,7 +169,7 @@ public:
             return bounds_of(std::span<const Vec<double, D>>(pieces_[n].corner));
         }) {}
 
-    /// Replaces `best` if some point of the hull is nearer to `q`.
+    /// Replaces `best` if a point of the hull is nearer to `q`.
     void find(const Vec<double, D>& q, Nearest& best) const {
         boxes_.for_each_near(q, best.distance2, [&](std::uint32_t n) {
             const auto& [corner, facet] = pieces_[n];

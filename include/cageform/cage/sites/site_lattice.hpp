@@ -6,8 +6,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A point on a lattice whose step is 2^-60 extents. An *extent* is a unit of length: the least power of
-/// two above the longest side of the sites' bounds. Differences need 61 bits and a sign.
+/// A point on a lattice of step 2^-60 extents. An *extent* is the unit of length: the smallest power of two
+/// above the longest side of the sites' bounds. Differences need 61 bits and a sign.
 template <std::size_t D>
 using LatticePoint = std::array<std::int64_t, D>;
 
@@ -24,8 +24,8 @@ LatticePoint<D> difference(LatticePoint<D> a, const LatticePoint<D>& b) noexcept
     return a;
 }
 
-/// Converts points of the user to lattice points and back. Rounds a double within the bounds only
-/// below 2^-60 extents, however far from the origin they lie.
+/// Converts between points of the caller and lattice points. The rounding error of a double within the
+/// bounds is below 2^-60 extents, for any distance from the origin.
 template <std::size_t D>
 class SiteLattice {
 public:
@@ -43,8 +43,7 @@ public:
         for (std::size_t k = 0; k < D; ++k) origin_[k] = fixed(lower_[k]);
     }
 
-    /// Returns the lattice point of `p`, which must lie within the bounds, or outside by at most
-    /// their length.
+    /// Returns the lattice point of `p`, whose distance from the bounds must be at most their length.
     LatticePoint<D> position(const Vec<double, D>& p) const noexcept {
         LatticePoint<D> result;
         for (std::size_t k = 0; k < D; ++k) result[k] = std::int64_t(fixed(p[k]) - origin_[k]);
@@ -53,9 +52,9 @@ public:
     /// Converts a length to extents; the longest side of the bounds is at least 1/2 and less than 1.
     double extents(double length) const noexcept { return std::ldexp(length, exponent_ - 60); }
     double units(double extents) const noexcept { return std::ldexp(extents, 60 - exponent_); }
-    /// Returns a point relative to the lower bounds, in extents. Coordinates beyond 2^400 extents
-    /// are clamped to that.
-    Vec<double, D> seen(const Vec<double, D>& p) const noexcept {
+    /// Returns a point relative to the lower bounds, in extents. Coordinates beyond 2^400 extents are
+    /// clamped.
+    Vec<double, D> to_extents(const Vec<double, D>& p) const noexcept {
         Vec<double, D> r{};
         for (std::size_t k = 0; k < D; ++k) {
             int exponent = 0;
@@ -65,17 +64,16 @@ public:
         }
         return r;
     }
-    Vec<double, D> seen(const LatticePoint<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
-    /// Converts a point in extents back to the units of the user.
-    Vec<double, D> unseen(const Vec<double, D>& q) const noexcept {
+    Vec<double, D> to_extents(const LatticePoint<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
+    /// Converts a point in extents back to the units of the caller.
+    Vec<double, D> from_extents(const Vec<double, D>& q) const noexcept {
         Vec<double, D> r{};
         for (std::size_t k = 0; k < D; ++k) r[k] = lower_[k] + units(q[k]);
         return r;
     }
 
 private:
-    /// Returns the lowest 64 bits of x 2^exponent, rounded. Higher bits are not needed: differences
-    /// within the bounds fit into 64 bits.
+    /// Returns the lowest 64 bits of x 2^exponent, rounded. Differences within the bounds fit into them.
     std::uint64_t fixed(double x) const noexcept {
         const auto bits = std::bit_cast<std::uint64_t>(x);
         const auto raw = int((bits >> 52) & 0x7ff);
@@ -101,8 +99,8 @@ private:
 template <class X, std::size_t N>
 using Square = std::array<std::array<X, N>, N>;
 
-/// Returns the determinant by cofactor expansion along the last column. `permanent` sums the
-/// absolute values of the same terms.
+/// Returns the determinant by cofactor expansion along the last column. `permanent` sums the absolute
+/// values of its terms.
 template <class X>
 X determinant(const Square<X, 2>& m) noexcept {
     return m[0][0] * m[1][1] - m[0][1] * m[1][0];
@@ -134,10 +132,9 @@ double permanent(const Square<double, N>& m) noexcept {
     return sum;
 }
 
-/// Bounds the rounding error of a determinant in double, relative to the sum of its terms' absolute
-/// values. A term has at most five factors, each of them rounded, three sums of squares, and there
-/// are 24 terms. In any order of summation that -ffast-math may choose, this is far less than 2^6
-/// roundings of 2^-53.
+/// Bounds the rounding error of a determinant in double, relative to the sum of its terms' absolute values.
+/// There are 24 terms of at most five rounded factors and three sums of squares. In any order of summation,
+/// as with -ffast-math, the error is far below 2^6 roundings of 2^-53.
 inline constexpr double determinant_error = 0x1p-47;
 
 /// Returns the sign of the determinant if it is certain in double, else 2.
@@ -150,7 +147,6 @@ int certain_sign(const Square<double, N>& m) noexcept {
     return 2;
 }
 
-/// Returns the rows a_1 − a_0, …, a_D − a_0.
 template <class X, std::size_t D>
 Square<X, D> edge_rows(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     Square<X, D> rows;
@@ -180,21 +176,21 @@ int orientation(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     return sign != 2 ? sign : determinant(edge_rows<WideInt, D>(a)).sign();
 }
 
-/// A simplex with its corners relative to a point, to test the sides of several facets.
+/// The corners of a simplex relative to a point, to test the point against several facets.
 template <std::size_t D>
-class CornersSeen {
+class RelativeCorners {
 public:
-    CornersSeen(const std::array<LatticePoint<D>, D + 1>& corners, const LatticePoint<D>& p) noexcept
+    RelativeCorners(const std::array<LatticePoint<D>, D + 1>& corners, const LatticePoint<D>& p) noexcept
         : corners_(corners)
         , point_(p) {
         for (std::size_t i = 0; i <= D; ++i) {
-            for (std::size_t k = 0; k < D; ++k) seen_[i][k] = double(corners[i][k] - p[k]);
+            for (std::size_t k = 0; k < D; ++k) relative_[i][k] = double(corners[i][k] - p[k]);
         }
     }
     /// Returns the orientation of the simplex with corner k replaced by the point. Exact.
     int side(std::size_t k) const noexcept {
         Square<double, D> rows;
-        for (std::size_t n = 0; n < D; ++n) rows[n] = seen_[n < k ? n : n + 1];
+        for (std::size_t n = 0; n < D; ++n) rows[n] = relative_[n < k ? n : n + 1];
         const int sign = certain_sign<D>(rows);
         if (sign != 2) return k % 2 == 0 ? sign : -sign;
         auto a = corners_;
@@ -205,7 +201,7 @@ public:
 private:
     std::array<LatticePoint<D>, D + 1> corners_;
     LatticePoint<D> point_;
-    std::array<std::array<double, D>, D + 1> seen_;
+    std::array<std::array<double, D>, D + 1> relative_;
 };
 
 /// Returns a positive number if `q` lies strictly inside the circumscribed ball of a positively
@@ -282,15 +278,15 @@ private:
     }
 };
 
-/// A circumcentre with an error bound for its largest component.
+/// A circumcentre with an error bound for its components.
 template <std::size_t D>
 struct Centre {
     Vec<double, D> at;
     double error;
 };
 
-/// Evaluates `in_sphere` with the first corner as origin and the circumcentre c, as the sign of 2
-/// q·c − |q|²; 0 if uncertain.
+/// Evaluates `in_sphere` from the circumcentre c relative to the first corner, as the sign of 2 q·c − |q|²;
+/// 0 if uncertain.
 template <std::size_t D>
 int certain_in_sphere(const LatticePoint<D>& first, const Centre<D>& centre,
                       const LatticePoint<D>& p) noexcept {
@@ -305,8 +301,8 @@ int certain_in_sphere(const LatticePoint<D>& first, const Centre<D>& centre,
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 
-/// Returns the circumcentre relative to the first corner, computed in integers, with a relative
-/// error of 2^-50.
+/// Returns the circumcentre relative to the first corner, computed in integers, with a relative error of
+/// 2^-50.
 template <std::size_t D>
 Centre<D> exact_centre(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     const auto q = centre_quotient<WideInt, D>(edge_rows<WideInt, D>(a));
@@ -318,7 +314,7 @@ Centre<D> exact_centre(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     }
     return c;
 }
-/// Finds the circumcentre from edges in double; returns false if its error may exceed 2^-42 of its
+/// Computes the circumcentre from edges in double; returns false if its error may exceed 2^-42 of its
 /// largest component.
 template <std::size_t D>
 bool find_centre(const Square<double, D>& edges, Centre<D>& c) noexcept {

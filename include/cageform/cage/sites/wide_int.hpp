@@ -1,9 +1,10 @@
-// Wide integers (exact) and wide floating-point numbers (120 bits), whatever the compiler's
-// floating-point flags are.
+// Exact wide integers, and floating-point numbers of 120 bits, independent of floating-point compiler
+// flags.
 #pragma once
 
 #include <cageform/config.hpp>
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -23,20 +24,8 @@ inline Product64 multiply(std::uint64_t a, std::uint64_t b) noexcept {
     return {(a >> 32) * (b >> 32) + (lh >> 32) + (hl >> 32) + (middle >> 32), (middle << 32) | (ll & half)};
 }
 
-/// Returns the index of the highest bit set, counted from 0; `x` must not be zero.
-inline int highest_bit(std::uint64_t x) noexcept {
-    int bit = 0;
-    for (int step = 32; step > 0; step /= 2) {
-        if ((x >> step) != 0) {
-            x >>= step;
-            bit += step;
-        }
-    }
-    return bit;
-}
-
-/// A 320-bit integer in two's complement. For coordinates of 61 bits and a sign, in_sphere in space
-/// needs 312 bits, a circumcentre 250. Larger results wrap around.
+/// A 320-bit integer in two's complement. For coordinates of 61 bits and a sign, in_sphere in 3D needs 312
+/// bits and a circumcentre 250. Larger results wrap around.
 class WideInt {
 public:
     static constexpr std::size_t limbs = 10;
@@ -102,9 +91,8 @@ private:
     std::uint32_t limb_[limbs]{};
 };
 
-/// A 128-bit floating-point number: ± (high 2^64 + low) 2^exponent with the top bit of `high` set,
-/// or 0. Sums, products and quotients have an error of at most 2^-120 of the largest operand or
-/// result.
+/// A 128-bit floating-point number: ± (high 2^64 + low) 2^exponent with the top bit of `high` set, or 0.
+/// Sums, products and quotients have an error of at most 2^-120 of the largest operand or result.
 class WideFloat {
 public:
     WideFloat() noexcept = default;
@@ -122,7 +110,7 @@ public:
         if (top == 0) return;
         high_ = x.word(top - 1);
         low_ = top > 1 ? x.word(top - 2) : 0;
-        const int shift = 63 - highest_bit(high_);
+        const int shift = std::countl_zero(high_);
         const std::uint64_t rest = top > 2 ? x.word(top - 3) : 0;
         exponent_ = 64 * (std::int64_t(top) - 2);
         normalise();
@@ -182,8 +170,7 @@ public:
         result.normalise();
         return result;
     }
-    /// Returns 1 / a. Newton's iteration starts from the quotient in double and doubles its digits
-    /// in each round.
+    /// Returns 1 / a, by Newton's iteration from the quotient in double.
     friend WideFloat inverse(const WideFloat& a) noexcept {
         WideFloat scaled = a;
         scaled.exponent_ = -127; // in [1, 2)
@@ -206,7 +193,7 @@ private:
             *this = {};
             return;
         }
-        const int shift = 63 - highest_bit(high_);
+        const int shift = std::countl_zero(high_);
         if (shift == 0) return;
         high_ = (high_ << shift) | (low_ >> (64 - shift));
         low_ <<= shift;

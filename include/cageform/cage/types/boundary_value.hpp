@@ -1,12 +1,12 @@
-// Boundary data at a point of a cage's boundary: handles and their hat function values.
+// Boundary data at a point of a cage's boundary: handles and the values of their hat functions.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The boundary data at a point: the handles whose hat functions do not vanish there, and the
-/// values of these functions, which sum to 1.
+/// The boundary data at a point: the handles with non-zero hat functions there, and the values of these
+/// functions, which sum to 1.
 template <std::size_t D>
 struct BoundaryValue {
     static constexpr std::size_t most = D; ///< a vertex, an edge or a triangle
@@ -14,7 +14,6 @@ struct BoundaryValue {
     std::array<double, most> weight{};
 };
 
-/// Returns the boundary data at the point of a facet with these barycentric weights.
 template <std::size_t D>
 BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
                                 const std::array<double, D>& weight) noexcept {
@@ -23,9 +22,9 @@ BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
 
 namespace detail {
 
-/// Boundary data made of the vertices' hat functions: a point's BoundaryValue is its whole data.
+/// Boundary data that is linear on facets: a point's BoundaryValue is complete.
 template <std::size_t D>
-class HatData {
+class LinearBoundaryData {
 public:
     using Value = BoundaryValue<D>;
 

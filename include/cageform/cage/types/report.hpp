@@ -10,19 +10,19 @@ namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
     too_few_vertices,    ///< loop or face `a` has only `b` vertices (< 3); a point set has `b` (< D + 1)
-    not_a_simplex,       ///< `a` vertices were given where a simplex has `b`
+    not_a_simplex,       ///< a simplex has `b` vertices, but `a` were given
     loops_do_not_match,  ///< the loop sizes add up to `a`, but there are `b` vertices
     vertex_not_finite,   ///< vertex `a` is NaN or infinite; in a cage of curves, point `b` of edge `a`
     duplicate_vertices,  ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
-    edges_cross,         ///< the edges that start at vertices `a` and `b` cross or touch; a curve may itself
+    edges_cross,         ///< the edges that start at vertices `a` and `b` cross or touch; may be one curve
     no_area,             ///< all vertices of loop `a` lie on one line
     degenerate_simplex,  ///< the simplex has no volume relative to its size
     no_volume,           ///< a mesh has no faces, or the shell of face `a` is flat
-    face_without_vertex, ///< face `a` of a mesh names a vertex that does not exist
+    face_without_vertex, ///< face `a` of a mesh has a vertex index out of range
     face_without_area,   ///< the corners of face `a` lie on one line
     face_not_planar,     ///< vertex `b`, a corner of face `a`, lies off the face's plane
     face_crosses_itself, ///< the loop of face `a` crosses or touches itself, first at vertex `b`
-    face_fan_folds,      ///< the mean of face `a`'s corners does not see the edge after vertex `b`
+    face_fan_folds,      ///< the fan of face `a` folds at the edge after vertex `b`
     open_edge,           ///< only one face has the edge between vertices `a` and `b`
     edge_not_manifold,   ///< more than two faces have the edge between vertices `a` and `b`
     face_flipped,        ///< the neighbouring faces `a` and `b` have opposite orientations
@@ -30,32 +30,30 @@ enum class CageFaultKind : std::uint8_t {
     faces_cross,         ///< the faces `a` and `b` pass through each other
     radius_not_positive, ///< the interior cell at handle `a` has no positive radius
     interior_cell_outside, ///< the interior cell at handle `a` is not inside the boundary
-    interior_cells_touch,  ///< the cells or facets at handles `a` and `b` touch outside shared vertices
-    vertex_not_convex,     ///< vertex `a` is no convex corner, or starts a second loop; this type needs
-                           ///< convexity
-    sites_in_a_plane,      ///< all sites lie in one plane; in the plane, on one line
-    bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in the plane, on one line
-    lattice_degree,        ///< a lattice has degree `b` along axis `a`: none, or too high a one
-    lattice_knots,         ///< knot `b` of a lattice along axis `a` is out of place, or there are `b` knots
+    interior_cells_touch,  ///< the cells or facets at handles `a` and `b` meet outside common vertices
+    vertex_not_convex,     ///< vertex `a` is not a convex corner, or begins a second loop
+    sites_in_a_plane,      ///< all sites lie in one plane; in 2D, on one line
+    bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in 2D, on one line
+    lattice_degree,        ///< a lattice has degree `b` along axis `a`, which is zero or too high
+    lattice_knots,         ///< knot `b` of a lattice along axis `a` is invalid, or the number `b` of knots
     frame_not_finite,      ///< column `a` of a box is NaN or infinite; D: its origin
     frame_flat,            ///< axis `a` of a box depends on the others
-    falloff_negative,      ///< the falloff of a lattice is not a number of at least 0
-    face_divisions,        ///< faces are divided by `a`: not 1 to 64, or not 1 where only that works
+    falloff_negative,      ///< the falloff of a lattice is negative or NaN
+    face_divisions,        ///< `a` divisions of faces: not 1 to 64, or not 1 where only 1 is supported
     loop_not_closed,       ///< loop `a` of curves is open after edge `b`
-    curve_degree,          ///< edge `a` is of degree `b` at rest or in poses, which is not supported
+    curve_degree,          ///< edge `a` has the unsupported degree `b` at rest or in poses
     disk_too_small,        ///< control point `a` of the cage lies outside the disk, or there is no disk
-    interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
+    interior_cells_not_supported, ///< the coordinate type does not support interior cells; there are `a`
     face_fanned,   ///< warning: face `a` is not planar and is bound as a fan; see `fan_distances`
     edge_has_cusp, ///< warning: edge `a` has a cusp at `b` thousandths of its parameter; divide it there
     gap_closed,    ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
     vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
-    shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is handled
-    loop_orientation_reversed,  ///< warning: loop `a` is a clockwise outer loop or a counter-clockwise hole;
-                                ///< handled
+    shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is corrected
+    loop_orientation_reversed,  ///< warning: loop `a`, an outer loop, is clockwise, or a hole that is not
 };
 
-/// One fault. The comment of each kind says what `a` and `b` mean.
+/// One fault. The kind defines the meaning of `a` and `b`.
 struct CageFault {
     CageFaultKind kind;
     std::size_t a = 0;
@@ -83,11 +81,11 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::face_without_area, Status::face_without_area, "face without area"},
     {CageFaultKind::face_not_planar, Status::face_not_planar, "face not planar"},
     {CageFaultKind::face_crosses_itself, Status::face_crosses_itself, "face crosses or touches itself"},
-    {CageFaultKind::face_fan_folds, Status::face_fan_folds, "mean of a face does not see an edge"},
+    {CageFaultKind::face_fan_folds, Status::face_fan_folds, "fan of a face folds"},
     {CageFaultKind::open_edge, Status::cage_not_closed, "open edge"},
     {CageFaultKind::edge_not_manifold, Status::cage_not_manifold, "edge of more than two faces"},
-    {CageFaultKind::face_flipped, Status::cage_faces_flipped, "neighbouring faces turn differently"},
-    {CageFaultKind::vertex_not_manifold, Status::cage_not_manifold, "faces about a vertex are no fan"},
+    {CageFaultKind::face_flipped, Status::cage_faces_flipped, "neighbouring faces are oppositely oriented"},
+    {CageFaultKind::vertex_not_manifold, Status::cage_not_manifold, "faces around a vertex are not one fan"},
     {CageFaultKind::faces_cross, Status::cage_faces_cross, "faces cross"},
     {CageFaultKind::radius_not_positive, Status::radius_not_positive, "radius not positive"},
     {CageFaultKind::interior_cell_outside, Status::interior_cell_outside, "interior cell outside"},
@@ -111,8 +109,8 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},
     {CageFaultKind::collinear_vertex, Status::ok, "collinear vertex (warning)"},
     {CageFaultKind::vertex_unused, Status::ok, "unused vertex (warning)"},
-    {CageFaultKind::shell_orientation_reversed, Status::ok, "shell turns inside out (warning)"},
-    {CageFaultKind::loop_orientation_reversed, Status::ok, "loop turns the other way (warning)"},
+    {CageFaultKind::shell_orientation_reversed, Status::ok, "shell oriented inwards (warning)"},
+    {CageFaultKind::loop_orientation_reversed, Status::ok, "loop orientation reversed (warning)"},
 };
 constexpr CageFaultText text_of(CageFaultKind kind) noexcept {
     for (const auto& row : cage_fault_texts) {
@@ -123,7 +121,7 @@ constexpr CageFaultText text_of(CageFaultKind kind) noexcept {
 
 } // namespace detail
 
-/// Returns the Status that a fault leads to; ok for a warning.
+/// Returns the Status of a fault; ok for a warning.
 constexpr Status status_of(CageFaultKind kind) noexcept {
     return detail::text_of(kind).status;
 }
@@ -131,16 +129,15 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     return detail::text_of(kind).text;
 }
 
-/// The faults of a cage. `status` belongs to the first fault that is not a warning. It is
-/// out_of_memory if the cage or its check ran out of memory.
+/// The faults of a cage. `status` is that of the first fault that is not a warning, or out_of_memory.
 struct CageReport {
-    /// Limits the list: a badly tangled cage can have as many crossings as pairs of edges.
+    /// Limits the list, because a tangled cage can have as many crossings as pairs of edges.
     static constexpr std::size_t most_listed = 1000;
 
     Status status = Status::ok;
     std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` other faults
-    std::size_t fault_count = 0;   ///< number of faults that are not warnings, listed or not
-    /// How far each face_fanned is from its bilinear patch, in the order of these warnings.
+    std::size_t fault_count = 0;   ///< number of all faults that are not warnings
+    /// Distance of each face_fanned from its bilinear patch, in the order of these warnings.
     std::vector<double> fan_distances = {};
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
@@ -156,8 +153,7 @@ struct CageReport {
 
 namespace detail {
 
-/// Runs steps(report) for a cage that was constructed with the status `made`, and returns the
-/// report.
+/// Runs steps(report) if a cage was constructed with the status ok, and returns the report.
 template <class Steps>
 CageReport report_on(Status made, const Steps& steps) {
     CageReport report;

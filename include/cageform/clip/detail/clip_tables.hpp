@@ -3,7 +3,7 @@
 
 #include <cageform/clip/clip.hpp>
 #include <cageform/clip/types/clip_header.hpp>
-#include <cageform/core/status.hpp>
+#include <cageform/core/detail/packed_memory.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -175,10 +175,7 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
                 double(static_cast<T>(time)) == time;
     if (!sound) return Status::blob_malformed;
     for_each_clip_array<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes) {
-        if ((offset != 0) != (bytes != 0) || offset % 64 != 0 ||
-            (offset != 0 && offset < sizeof(ClipHeader)) || offset > header.bytes ||
-            bytes > header.bytes - offset)
-            sound = false;
+        sound = sound && holds_array(header, offset, bytes, bytes != 0);
     });
     if (!sound) return Status::blob_malformed;
     if (header.motion != 0 &&

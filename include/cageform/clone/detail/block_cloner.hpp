@@ -62,12 +62,8 @@ public:
             if constexpr (std::is_same_v<View, BindingView<T, D>>) {
                 add_dense<WeightFormat::scalar>(displacement, fit, begin, end);
             } else {
-                switch (binding_.format) {
-                case WeightFormat::scalar: return add<WeightFormat::scalar>(displacement, fit, begin, end);
-                case WeightFormat::half: return add<WeightFormat::half>(displacement, fit, begin, end);
-                case WeightFormat::int16: return add<WeightFormat::int16>(displacement, fit, begin, end);
-                case WeightFormat::int8: return add<WeightFormat::int8>(displacement, fit, begin, end);
-                }
+                with_format(binding_.format,
+                            [&]<WeightFormat Format>() { add<Format>(displacement, fit, begin, end); });
             }
         });
     }
@@ -81,11 +77,12 @@ private:
     void add(const Displacement& displacement, const Fit& fit, std::size_t begin,
              std::size_t end) const noexcept {
         if (binding_.row_begin == nullptr) return add_dense<Format>(displacement, fit, begin, end);
+        using Rows = RowSums<Format, T, K>;
         for (std::size_t b = begin; b < end; ++b) {
             Lanes<T> sums[K];
             const std::size_t first = binding_.row_begin[b];
             const DisplacementsOfRows<Displacement> of_rows{displacement, binding_.row_handle + first};
-            sum_block<WeightsIn::caches, Format, T, K>(binding_.weights + first * row_bytes<Format>,
+            Rows::template of_block<WeightsIn::caches>(binding_.weights + first * Rows::row_bytes,
                                                        binding_.row_begin[b + 1] - first, of_rows, sums);
             finish(fit, b, sums);
         }
@@ -100,15 +97,16 @@ private:
         // better with one stream than with several that break off at every block.
         constexpr std::size_t cached = std::size_t{16} << 20;
         constexpr std::size_t together = blocks_together<K>;
-        const std::size_t handles = binding_.handles, block_bytes = handles * row_bytes<Format>;
+        using Rows = RowSums<Format, T, K>;
+        const std::size_t handles = binding_.handles, block_bytes = handles * Rows::row_bytes;
         std::size_t b = begin;
         if (binding_.block_count() * block_bytes < cached) {
             // The last blocks are processed one by one, with the same order of additions, so ranges
             // may be cut anywhere.
             const auto sum = [&](auto count, std::size_t block) {
                 Lanes<T> sums[count][K];
-                sum_rows<count, 1, WeightsIn::caches, Format, T, K>(binding_.weights + block * block_bytes,
-                                                                    handles, handles, displacement, sums);
+                Rows::template of_blocks<count>(binding_.weights + block * block_bytes, handles, displacement,
+                                                sums);
                 for (std::size_t n = 0; n < count; ++n) finish(fit, block + n, sums[n]);
             };
             for (; b + together <= end; b += together)
@@ -118,14 +116,11 @@ private:
         }
         for (; b < end; ++b) {
             Lanes<T> sums[K];
-            sum_block<WeightsIn::memory, Format, T, K>(binding_.weights + b * block_bytes, handles,
+            Rows::template of_block<WeightsIn::memory>(binding_.weights + b * block_bytes, handles,
                                                        displacement, sums);
             finish(fit, b, sums);
         }
     }
-
-    template <WeightFormat Format>
-    static constexpr std::size_t row_bytes = lane_count<T>* weight_bytes<T>(Format);
 
     void finish(const Fit& fit, std::size_t block, Lanes<T>* sums) const noexcept {
         fit.complete(binding_, block, sums);

@@ -73,18 +73,10 @@ T block_slack(const PackedBindingView<T, D>& binding, std::size_t block) noexcep
 /// Returns the largest slack of all points; not finite if a weight is not.
 template <Scalar T, std::size_t D>
 T largest_slack(const PackedBindingView<T, D>& binding) noexcept {
-    const auto of_block = [&](std::size_t b) {
-        switch (binding.format) {
-        case WeightFormat::half: return block_slack<WeightFormat::half>(binding, b);
-        case WeightFormat::int16: return block_slack<WeightFormat::int16>(binding, b);
-        case WeightFormat::int8: return block_slack<WeightFormat::int8>(binding, b);
-        case WeightFormat::scalar: break;
-        }
-        return block_slack<WeightFormat::scalar>(binding, b);
-    };
     T most = 0;
     for (std::size_t b = 0; b < binding.block_count(); ++b) {
-        const T slack = of_block(b);
+        const T slack = with_format(binding.format,
+                                    [&]<WeightFormat Format>() { return block_slack<Format>(binding, b); });
         if (!is_finite(slack)) return slack;
         if (slack > most) most = slack;
     }

@@ -76,82 +76,6 @@ CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     (std::make_index_sequence<N>{});
 }
 
-template <Scalar T, std::size_t Blocks, std::size_t D>
-using BlockSums = typename Simd<T>::Register[Blocks][D];
-
-/// Adds w d of one row to the sums of blocks that are `block_bytes` apart.
-template <WeightFormat Format, Scalar T, std::size_t Blocks, std::size_t D>
-CAGEFORM_DETAIL_INLINE inline void add_row(const std::byte* row, std::size_t block_bytes, const Vec<T, D>& d,
-                                           BlockSums<T, Blocks, D>& sum) noexcept {
-    using Register = typename Simd<T>::Register;
-    Register factor[D];
-    unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
-    unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
-        Register w = load_weights<Format, T>(row + b * block_bytes);
-        conceal(w); // otherwise GNU would load it again for every product
-        unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
-    });
-}
-
-template <Scalar T, std::size_t Blocks, std::size_t D>
-CAGEFORM_DETAIL_INLINE inline void add_sums(BlockSums<T, Blocks, D>& sum,
-                                            const BlockSums<T, Blocks, D>& other) noexcept {
-    unroll<Blocks * D>(
-        [&](auto n) CAGEFORM_DETAIL_INLINE { sum[n / D][n % D] = sum[n / D][n % D] + other[n / D][n % D]; });
-}
-
-#if defined(__GNUC__) && !defined(__OPTIMIZE__)
-/// Adds w d of some adjacent rows to the sums of a block. GNU compilers optimise this one function
-/// even in builds without optimisation; clang has no such attribute.
-template <WeightFormat Format, Scalar T, std::size_t D, std::size_t... R>
-#if !defined(__clang__)
-__attribute__((optimize("O2")))
-#endif
-void add_rows_plainly(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)],
-                      typename Simd<T>::Register* sum, std::index_sequence<R...>) noexcept {
-    using Register = typename Simd<T>::Register;
-    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
-    Register factor[D][sizeof...(R)];
-    for (std::size_t k = 0; k < D; ++k) ((factor[k][R] = d[R].v[k] - Register{}), ...);
-    for (std::size_t group = 0; group < Simd<T>::count; ++group, rows += row_bytes / Simd<T>::count) {
-        const Register w[] = {load_weights<Format, T>(rows + R * row_bytes)...};
-        for (const auto& f : factor) {
-#if defined(CAGEFORM_DETERMINISTIC)
-            *sum = (*sum + ... + product(w[R], f[R]));
-#else
-            *sum = (*sum + ... + (w[R] * f[R])); // without a call
-#endif
-            ++sum;
-        }
-    }
-}
-
-/// Returns Σ w_r d_r of a block in builds without optimisation. There each lambda and each function
-/// of a row is a call: `sum_rows` below would take sixty times as long as with optimisation, this
-/// function takes ten times with clang and a few times with GNU.
-template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>
-void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displacement& displacement,
-                      Lanes<T>* sums) noexcept {
-    using Register = typename Simd<T>::Register;
-    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
-    Register sum[Simd<T>::count * D] = {};
-    std::size_t row = 0;
-    for (; row + 4 <= rows; row += 4) {
-        const Vec<T, D> d[] = {displacement(row), displacement(row + 1), displacement(row + 2),
-                               displacement(row + 3)};
-        add_rows_plainly<Format, T, D>(weights + row * row_bytes, d, sum, std::make_index_sequence<4>{});
-    }
-    for (; row < rows; ++row) {
-        const Vec<T, D> d[] = {displacement(row)};
-        add_rows_plainly<Format, T, D>(weights + row * row_bytes, d, sum, std::index_sequence<0>{});
-    }
-    for (std::size_t group = 0; group < Simd<T>::count; ++group) {
-        for (std::size_t k = 0; k < D; ++k)
-            store_bytes(sums[k].v + group * (lane_count<T> / Simd<T>::count), sum[group * D + k]);
-    }
-}
-#endif
-
 /// Where the weights are.
 enum class WeightsIn : std::uint8_t { caches, memory };
 
@@ -164,42 +88,6 @@ inline constexpr std::size_t weights_ahead = 8192;
 #else
 inline constexpr std::size_t weights_ahead = 0;
 #endif
-
-/// Computes Σ w_r d_r of `Blocks` adjacent blocks, `stride` rows apart, each in `Chains`
-/// independent sums. `displacement(row)` returns d for the rows [0, rows).
-template <std::size_t Blocks, std::size_t Chains, WeightsIn Where, WeightFormat Format, Scalar T,
-          std::size_t D, class Displacement>
-void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
-              const Displacement& displacement, Lanes<T> (*sums)[D]) noexcept {
-    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
-#if defined(__GNUC__) && !defined(__OPTIMIZE__)
-    for (std::size_t b = 0; b < Blocks; ++b)
-        sum_rows_plainly<Format, T, D>(weights + b * stride * row_bytes, rows, displacement, sums[b]);
-    return;
-#endif
-    // Processes one register's width of the block at a time; the rows stay in the first-level cache
-    // meanwhile.
-    for (std::size_t group = 0; group < Simd<T>::count; ++group) {
-        const std::byte* const begin = weights + group * (row_bytes / Simd<T>::count);
-        BlockSums<T, Blocks, D> sum[Chains] = {};
-        const auto add = [&](std::size_t row, std::size_t chain) CAGEFORM_DETAIL_INLINE {
-            if constexpr (Where == WeightsIn::memory && weights_ahead != 0)
-                fetch_ahead(begin + row * row_bytes, weights_ahead);
-            add_row<Format, T, Blocks, D>(begin + row * row_bytes, stride * row_bytes, displacement(row),
-                                          sum[chain]);
-        };
-        std::size_t row = 0;
-        for (; row + Chains <= rows; row += Chains)
-            unroll<Chains>([&](auto c) CAGEFORM_DETAIL_INLINE { add(row + c, c); });
-        unroll<Chains - 1>([&](auto c)
-                               CAGEFORM_DETAIL_INLINE { add_sums<T, Blocks, D>(sum[0], sum[c + 1]); });
-        for (; row < rows; ++row) add(row, 0);
-        unroll<Blocks * D>([&](auto n) CAGEFORM_DETAIL_INLINE {
-            std::memcpy(sums[n / D][n % D].v + group * (lane_count<T> / Simd<T>::count),
-                        &sum[0][n / D][n % D], sizeof(typename Simd<T>::Register));
-        });
-    }
-}
 
 /// The number of sums that fit into registers beside the operands.
 template <std::size_t D>
@@ -216,13 +104,139 @@ inline constexpr std::size_t most_chains = 4;
 template <std::size_t D>
 inline constexpr std::size_t blocks_together = FLT_EVAL_METHOD == 0 ? sums_in_registers<D> : 1;
 
-/// Sums one block, read as one stream from its first row on.
-template <WeightsIn Where, WeightFormat Format, Scalar T, std::size_t D, class Displacement>
-void sum_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
-               Lanes<T>* sums) noexcept {
-    constexpr std::size_t chains = sums_in_registers<D> < most_chains ? sums_in_registers<D> : most_chains;
-    sum_rows<1, chains, Where, Format, T, D>(weights, 0, rows, displacement,
-                                             reinterpret_cast<Lanes<T>(*)[D]>(sums));
-}
+#if !defined(__GNUC__) || defined(__OPTIMIZE__)
+/// Computes Σ w_r d_r over the rows of blocks. Weights are of a format, and displacements have `D` numbers.
+/// One register's width of a block is processed at a time: its rows stay in the first-level cache.
+template <WeightFormat Format, Scalar T, std::size_t D>
+class RowSums {
+public:
+    static constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
+
+    /// Sums one block, read as one stream from its first row on, in independent sums. `displacement(row)`
+    /// returns d for the rows [0, rows).
+    template <WeightsIn Where, class Displacement>
+    static void of_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
+                         Lanes<T>* sums) noexcept {
+        constexpr std::size_t chains =
+            sums_in_registers<D> < most_chains ? sums_in_registers<D> : most_chains;
+        for (std::size_t group = 0; group < groups; ++group) {
+            const std::byte* const begin = weights + group * (row_bytes / groups);
+            Register sum[chains][D] = {};
+            const auto add_to = [&](std::size_t chain, std::size_t row) CAGEFORM_DETAIL_INLINE {
+                const std::byte* const w = begin + row * row_bytes;
+                if constexpr (Where == WeightsIn::memory && weights_ahead != 0) fetch_ahead(w, weights_ahead);
+                add_row<1>(w, 0, displacement(row), sum + chain);
+            };
+            std::size_t row = 0;
+            for (; row + chains <= rows; row += chains)
+                unroll<chains>([&](auto c) CAGEFORM_DETAIL_INLINE { add_to(c, row + c); });
+            unroll<(chains - 1) * D>([&](auto n) CAGEFORM_DETAIL_INLINE {
+                sum[0][n % D] = sum[0][n % D] + sum[n / D + 1][n % D];
+            });
+            for (; row < rows; ++row) add_to(0, row);
+            store(sum[0], group, sums);
+        }
+    }
+
+    /// Sums `Blocks` adjacent blocks together, whose displacements are the same.
+    template <std::size_t Blocks, class Displacement>
+    static void of_blocks(const std::byte* weights, std::size_t rows, const Displacement& displacement,
+                          Lanes<T> (*sums)[D]) noexcept {
+        for (std::size_t group = 0; group < groups; ++group) {
+            const std::byte* const begin = weights + group * (row_bytes / groups);
+            Register sum[Blocks][D] = {};
+            for (std::size_t row = 0; row < rows; ++row)
+                add_row<Blocks>(begin + row * row_bytes, rows * row_bytes, displacement(row), sum);
+            unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE { store(sum[b], group, sums[b]); });
+        }
+    }
+
+private:
+    using Register = typename Simd<T>::Register;
+    static constexpr std::size_t groups = Simd<T>::count;
+
+    /// Adds w d of one row to the sums of blocks that are `block_bytes` apart.
+    template <std::size_t Blocks>
+    CAGEFORM_DETAIL_INLINE static void add_row(const std::byte* row, std::size_t block_bytes,
+                                               const Vec<T, D>& d, Register (*sum)[D]) noexcept {
+        Register factor[D];
+        unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
+        unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
+            Register w = load_weights<Format, T>(row + b * block_bytes);
+            conceal(w); // otherwise GNU would load it again for every product
+            unroll<D>([&](auto k)
+                          CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
+        });
+    }
+    CAGEFORM_DETAIL_INLINE static void store(const Register (&sum)[D], std::size_t group,
+                                             Lanes<T>* sums) noexcept {
+        unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE {
+            std::memcpy(sums[k].v + group * (lane_count<T> / groups), &sum[k], sizeof(Register));
+        });
+    }
+};
+#else
+/// The same in builds without optimisation, where each lambda and each function of a row is a call. There
+/// the class above takes sixty times as long as with optimisation, this one ten times with clang and a few
+/// times with GNU.
+template <WeightFormat Format, Scalar T, std::size_t D>
+class RowSums {
+public:
+    static constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
+
+    template <WeightsIn, class Displacement>
+    static void of_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
+                         Lanes<T>* sums) noexcept {
+        Register sum[Simd<T>::count * D] = {};
+        std::size_t row = 0;
+        for (; row + 4 <= rows; row += 4) {
+            const Vec<T, D> d[] = {displacement(row), displacement(row + 1), displacement(row + 2),
+                                   displacement(row + 3)};
+            add_rows(weights + row * row_bytes, d, sum, std::make_index_sequence<4>{});
+        }
+        for (; row < rows; ++row) {
+            const Vec<T, D> d[] = {displacement(row)};
+            add_rows(weights + row * row_bytes, d, sum, std::index_sequence<0>{});
+        }
+        for (std::size_t group = 0; group < Simd<T>::count; ++group) {
+            for (std::size_t k = 0; k < D; ++k)
+                store_bytes(sums[k].v + group * (lane_count<T> / Simd<T>::count), sum[group * D + k]);
+        }
+    }
+    template <std::size_t Blocks, class Displacement>
+    static void of_blocks(const std::byte* weights, std::size_t rows, const Displacement& displacement,
+                          Lanes<T> (*sums)[D]) noexcept {
+        for (std::size_t b = 0; b < Blocks; ++b)
+            of_block<WeightsIn::caches>(weights + b * rows * row_bytes, rows, displacement, sums[b]);
+    }
+
+private:
+    using Register = typename Simd<T>::Register;
+
+    /// Adds w d of some adjacent rows to the sums of a block. GNU compilers optimise this one function
+    /// even in builds without optimisation; clang has no such attribute.
+    template <std::size_t... R>
+#if !defined(__clang__)
+    __attribute__((optimize("O2")))
+#endif
+    static void
+    add_rows(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)], Register* sum,
+             std::index_sequence<R...>) noexcept {
+        Register factor[D][sizeof...(R)];
+        for (std::size_t k = 0; k < D; ++k) ((factor[k][R] = d[R].v[k] - Register{}), ...);
+        for (std::size_t group = 0; group < Simd<T>::count; ++group, rows += row_bytes / Simd<T>::count) {
+            const Register w[] = {load_weights<Format, T>(rows + R * row_bytes)...};
+            for (const auto& f : factor) {
+#if defined(CAGEFORM_DETERMINISTIC)
+                *sum = (*sum + ... + product(w[R], f[R]));
+#else
+                *sum = (*sum + ... + (w[R] * f[R])); // without a call
+#endif
+                ++sum;
+            }
+        }
+    }
+};
+#endif
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

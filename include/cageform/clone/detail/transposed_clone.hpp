@@ -112,14 +112,8 @@ private:
         if constexpr (std::is_same_v<View, BindingView<T, D>>) {
             sums.template add<WeightFormat::scalar>(binding, begin, end, load);
         } else {
-            switch (binding.format) {
-            case WeightFormat::scalar:
-                return sums.template add<WeightFormat::scalar>(binding, begin, end, load);
-            case WeightFormat::half: return sums.template add<WeightFormat::half>(binding, begin, end, load);
-            case WeightFormat::int16:
-                return sums.template add<WeightFormat::int16>(binding, begin, end, load);
-            case WeightFormat::int8: return sums.template add<WeightFormat::int8>(binding, begin, end, load);
-            }
+            with_format(binding.format,
+                        [&]<WeightFormat Format>() { sums.template add<Format>(binding, begin, end, load); });
         }
     }
 

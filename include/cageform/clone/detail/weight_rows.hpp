@@ -29,6 +29,18 @@ CAGEFORM_DETAIL_INLINE inline To convert_lanes(From from) noexcept {
 template <class Whole, class T>
 using Wholes = typename WholeOf<Whole, T>::type;
 
+/// Calls use.operator()<Format>() with the format as a constant, and returns its result.
+template <class Use>
+auto with_format(WeightFormat format, const Use& use) noexcept {
+    switch (format) {
+#define CAGEFORM_DETAIL_FORMAT(name, ...)                                                                    \
+    case WeightFormat::name: return use.template operator()<WeightFormat::name>();
+        CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_FORMAT)
+#undef CAGEFORM_DETAIL_FORMAT
+    }
+    return decltype(use.template operator()<WeightFormat::scalar>())();
+}
+
 /// Loads one register of numbers from the bytes of a format.
 template <WeightFormat Format, Scalar T>
 CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std::byte* bytes) noexcept {

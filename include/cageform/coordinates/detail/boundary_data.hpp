@@ -44,7 +44,7 @@ public:
         if constexpr (D == 3) {
             if (faces_) return faces_->weights(value, std::ref(f));
         }
-        HatData<D>::for_each_weight(value, f);
+        LinearBoundaryData<D>::for_each_weight(value, f);
     }
     /// Calls f(handle) for them.
     template <class F>
@@ -53,7 +53,7 @@ public:
         if constexpr (D == 3) {
             if (faces_) return faces_->handles(value, std::ref(visit));
         }
-        HatData<D>::for_each_weight(value, visit);
+        LinearBoundaryData<D>::for_each_weight(value, visit);
     }
 
     /// The weights at many boundary points. The points must outlive it.
@@ -74,7 +74,7 @@ public:
         /// Calls f(handle, weight) for the handles with a non-zero value at point n.
         template <class F>
         void for_each_weight(std::size_t n, F&& f) const {
-            if (ends_.empty()) return HatData<D>::for_each_weight(values_[n], f);
+            if (ends_.empty()) return LinearBoundaryData<D>::for_each_weight(values_[n], f);
             for (std::size_t e = n == 0 ? 0 : ends_[n - 1]; e < ends_[n]; ++e)
                 f(entries_[e].handle, entries_[e].weight);
         }
@@ -94,7 +94,7 @@ private:
 };
 
 /// Writes the boundary data at a point as weights, into a lane of a block with `handles` rows.
-template <class T, std::size_t K, class Data = HatData<K>>
+template <class T, std::size_t K, class Data = LinearBoundaryData<K>>
 void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
                           std::size_t lane, const Data& data = {}) {
     for (std::size_t i = 0; i < handles; ++i) rows[i][lane] = T(0);

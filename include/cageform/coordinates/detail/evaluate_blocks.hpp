@@ -1,23 +1,13 @@
 // Evaluates coordinates of closed form block by block.
 #pragma once
 
-#include <cageform/cage/types/report.hpp>
-#include <cageform/core/types/blocks.hpp>
-#include <cageform/grid/types/solver_report.hpp>
+#include <cageform/coordinates/coordinate.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <cstddef>
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-/// The arguments of `evaluate` and `evaluate_gradients`.
-template <class T>
-struct Batch {
-    BlockView<const T> points;
-    BlockView<T> rows; ///< out: weights or gradients
-    std::span<PointState> states;
-};
 
 /// Implements `evaluate` for closed forms: calls body(first, last) for ranges of blocks if the cage
 /// is sound.

@@ -79,7 +79,7 @@ private:
     /// Calls f(handle, weight) for the vertices at a point of a triangle, fans folded.
     template <class F>
     void for_each_hat(const Value& value, F&& f) const {
-        HatData<3>::for_each_weight(value, [&](std::uint32_t i, double weight) {
+        LinearBoundaryData<3>::for_each_weight(value, [&](std::uint32_t i, double weight) {
             if (i < vertices_.size()) return f(i, weight);
             fan_points_.for_each_corner(
                 i - vertices_.size(), [&](std::uint32_t corner, double share) { f(corner, share * weight); });

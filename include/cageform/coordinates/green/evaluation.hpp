@@ -2,9 +2,8 @@
 // plane.hpp and space.hpp.
 #pragma once
 
-#include <cageform/cage/cell_complex.hpp>
-#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/checked_cage.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/green/frame.hpp>
@@ -67,20 +66,17 @@ CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& 
 /// Inside, the facets cover the full angle around a point. For points outside and on the boundary the
 /// missing part of the angle is added afterwards, one by one, by the continuation across a facet.
 template <class Cage>
-class GreenEvaluation {
+class GreenEvaluation : public CheckedCage<Cage> {
 public:
+    using CheckedCage<Cage>::CheckedCage;
     using scalar = typename Cage::scalar;
     static constexpr std::size_t dimension = Cage::dimension;
-    static constexpr bool has_extension = true;
-    static constexpr bool closed_form = true;
 
-    const Cage& cage() const noexcept { return cage_; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
     /// Returns the loops whose means are corners of faces, as a HandleView has them; empty without fans.
     std::span<const std::uint32_t> handle_loops() const noexcept { return loops_; }
-    const CageReport& cage_report() const noexcept { return report_; }
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
@@ -94,28 +90,14 @@ public:
     /// std::bad_alloc.
     Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const;
 
-protected:
-    explicit GreenEvaluation(Cage cage)
-        : cage_(std::move(cage)) {
-        prepare();
-    }
-    /// Uses only the boundary of a cell complex.
-    explicit GreenEvaluation(const CellComplex<scalar, dimension>& complex) {
-        report_.status = guard_memory([&] {
-            cage_ = complex.boundary();
-            return complex.status();
-        });
-        if (report_.status != Status::ok) return;
-        prepare();
-        detail::refuse_interior_cells(complex, report_);
-    }
-
 private:
+    using CheckedCage<Cage>::cage_;
+    using CheckedCage<Cage>::report_;
     using T = scalar;
     static constexpr std::size_t D = dimension;
     static constexpr std::size_t lanes = lane_count<T>;
 
-    void prepare();
+    Status prepare();
     /// Refuses a cage with coordinates so large that the vector of an edge or face overflows.
     void refuse_overflow() {
         for (std::size_t h = cage_.size(); h < handles_.size(); ++h) {
@@ -346,8 +328,6 @@ private:
         return size;
     }
 
-    Cage cage_;
-    CageReport report_;
     std::vector<Vec<T, D>> handles_;
     std::vector<HandleKind> kinds_;
     std::vector<HandleFace<D>> faces_; ///< of the vector handles
@@ -357,6 +337,7 @@ private:
     GreenFrame<T, D> frame_;
     double tolerance_ = 0, scale_ = 1; ///< the tolerance is in units of 1/scale
     Vec<double, D> middle_{};
+    Status prepared_ = prepare(); // declared last: its initialiser fills the other members
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

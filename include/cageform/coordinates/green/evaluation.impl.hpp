@@ -39,18 +39,18 @@ auto GreenEvaluation<Cage>::nearest_boundary(const Vec<scalar, dimension>& p, st
 }
 
 template <class Cage>
-void GreenEvaluation<Cage>::prepare() {
-    report_ = check(cage_);
+Status GreenEvaluation<Cage>::prepare() {
     if constexpr (requires { cage_.options().divisions; }) {
         if (report_.status == Status::ok && cage_.options().divisions > 1)
             report_.add(CageFaultKind::face_divisions, cage_.options().divisions);
     }
-    if (report_.status != Status::ok) return;
+    if (report_.status != Status::ok) return report_.status;
     report_.status = guard_memory([&] {
         fill_tables();
         refuse_overflow();
         return report_.status;
     });
+    return report_.status;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,8 +1,8 @@
 // The interface between the functions of a cage and a solver.
 //
-// A solver knows its problem, but neither the driver nor threads nor coordinates. To add one, write
-// a model of CageSolver and use
-//     HarmonicCoordinates<T, D, Cage, OnlySolver<YourSolver>>
+// A solver knows its input, but neither the driver nor threads nor coordinates. To add one, write a model of
+// CageSolver, include solution.hpp, and use
+//     HarmonicCoordinates(cage, options, make_functions<YourSolver<D>, T, D>)
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -15,11 +15,11 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Solves for the functions of a cage's handles. It is a GroupSolver, and every handle is in one group.
 ///
-///   Problem                    the PlacedCage it solves for, or a CageProblem
-///   make(problem, report, made, running)
+///   dimension                  D, of its SolverInput<D>
+///   make(input, report, made, running)
 ///                              makes all that does not depend on boundary data (grid, hierarchy)
 ///                              and writes the number of cells to `report`, or returns another status
-///                              than ok. The problem outlives the solver. It may use running.parallel;
+///                              than ok. The input outlives the solver. It may use running.parallel;
 ///                              progress is reported by `solve` alone
 ///   memory()                   the size of that, and of a block
 ///   Functions, keep(block)     the functions of a solved group
@@ -34,14 +34,14 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                              block or kept Functions. Different groups are sampled concurrently
 ///   finish(samples, rows)      called once all groups are sampled
 ///
-/// Solvers of a PlacedCage take batches and rows of float and of double.
-template <class S>
+/// Batches and rows have the scalar T of the coordinates.
+template <class S, class T = double>
 concept CageSolver = grid::GroupSolver<S> &&
-    requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
+    requires(const S& solver, const SolverInput<S::dimension>& input, std::optional<S>& made,
              SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
-             typename S::Samples& samples, const detail::Batch<typename S::Problem::scalar>& batch,
-             const Running& running, std::span<const std::size_t> points, std::size_t n) {
-    { S::make(problem, report, made, running) } -> std::same_as<Status>;
+             typename S::Samples& samples, const Batch<T>& batch, const Running& running,
+             std::span<const std::size_t> points, std::size_t n) {
+    { S::make(input, report, made, running) } -> std::same_as<Status>;
     { solver.memory() } -> std::same_as<SolverMemory>;
     { solver.keep(block) } -> std::same_as<typename S::Functions>;
     { solver.samples(batch, points) } -> std::same_as<typename S::Samples>;
@@ -57,10 +57,9 @@ concept CageSolver = grid::GroupSolver<S> &&
 ///   free_distance(p, axis, up, limit)
 ///                              the distance from a point inside to the boundary, along an axis, up or
 ///                              down, in such spacings; at most `limit`
-template <class S>
-concept DifferentiableSolver = CageSolver<S> &&
-    requires(const S& solver, const Vec<typename S::Problem::scalar, S::Problem::dimension>& p,
-             std::size_t axis, bool up, double limit) {
+template <class S, class T = double>
+concept DifferentiableSolver = CageSolver<S, T> &&
+    requires(const S& solver, const Vec<double, S::dimension>& p, std::size_t axis, bool up, double limit) {
     { solver.spacing(p) } -> std::same_as<double>;
     { solver.state_of(p) } -> std::same_as<PointState>;
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
@@ -72,11 +71,10 @@ concept DifferentiableSolver = CageSolver<S> &&
 ///   gradient_samples(batch, points)
 ///                              as `samples`, for derivatives per unit of length. `sample` and `finish`
 ///                              write row axis · #handles + handle. Values of points outside do not change
-template <class S>
-concept BlendedSolver = DifferentiableSolver<S> &&
-    requires(const S& solver, const detail::Batch<typename S::Problem::scalar>& batch,
-             typename S::GradientSamples& samples, const typename S::Functions& functions,
-             std::span<const std::size_t> points, std::size_t n) {
+template <class S, class T = double>
+concept BlendedSolver = DifferentiableSolver<S, T> &&
+    requires(const S& solver, const Batch<T>& batch, typename S::GradientSamples& samples,
+             const typename S::Functions& functions, std::span<const std::size_t> points, std::size_t n) {
     { solver.has_gradient_samples() } -> std::same_as<bool>;
     { solver.gradient_samples(batch, points) } -> std::same_as<typename S::GradientSamples>;
     solver.sample(samples, n, functions, batch.rows);

@@ -12,9 +12,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// same share of their cells' error, so it cancels. Only the boundary makes the distance smaller.
 template <DifferentiableSolver S, Scalar T>
 class DifferenceSamples {
-    using Place = Vec<typename S::Problem::scalar, S::Problem::dimension>; // in the solver's scalar
+    using Place = Vec<double, S::dimension>;
     using Simd = detail::Simd<T>;
-    static constexpr std::size_t D = S::Problem::dimension, lanes = lane_count<T>;
+    static constexpr std::size_t D = S::dimension, lanes = lane_count<T>;
     /// The point, then below and above along each axis.
     static constexpr std::size_t samples = 2 * D + 1;
     using Point = Vec<T, D>;
@@ -82,7 +82,7 @@ public:
     }
 
 private:
-    static Place placed(const Point& p) noexcept { return vec_cast<typename S::Problem::scalar>(p); }
+    static Place placed(const Point& p) noexcept { return vec_cast<double>(p); }
     static bool is_bound(PointState state) noexcept {
         return state == PointState::inside || state == PointState::on_boundary;
     }

@@ -37,41 +37,40 @@ public:
     ///
     ///   fails  resolution_not_supported; out_of_memory, with the memory needed and a sufficient
     ///          resolution in `report`; grid_too_coarse, with the handle and a sufficient resolution
-    static Status make(const PlacedCage<D>& problem, SolverReport& report,
-                       std::optional<EmbeddedCage>& made) {
-        const std::size_t resolution = problem.options.resolution;
+    static Status make(const SolverInput<D>& input, SolverReport& report, std::optional<EmbeddedCage>& made) {
+        const std::size_t resolution = input.options.resolution;
         if (resolution < least_resolution || resolution > most_resolution<D>)
             return Status::resolution_not_supported;
-        const auto bounds = bounds_of(problem.cage.vertices());
+        const auto bounds = bounds_of(input.cage.vertices());
         const auto lattice = lattice_on(bounds, resolution);
-        if (!(lattice.spacing > 4 * problem.rounding) ||
+        if (!(lattice.spacing > 4 * input.rounding) ||
             lattice.spacing < 1e-290) // its square must be a normal number
             return Status::resolution_not_supported;
-        const GridMemory memory(problem.cage, bounds);
-        const std::size_t limit = problem.options.memory_limit;
+        const GridMemory memory(input.cage, bounds);
+        const std::size_t limit = input.options.memory_limit;
         if (memory.bytes(resolution) > double(limit)) return refuse_memory(memory, resolution, limit, report);
-        Boundary boundary(problem.cage, lattice);
+        Boundary boundary(input.cage, lattice);
         const auto crossings = boundary.crossings();
-        report.unseen_handle = first_unseen(problem, boundary, crossings);
+        report.unseen_handle = first_unseen(input, boundary, crossings);
         if (report.unseen_handle == SolverReport::none) {
-            made.emplace(problem, std::move(boundary), crossings);
+            made.emplace(input, std::move(boundary), crossings);
             return Status::ok;
         }
         for (std::size_t finer = 2 * resolution;
              finer <= most_resolution<D> && memory.bytes(finer) <= double(limit); finer *= 2) {
-            const Boundary there(problem.cage, lattice_on(bounds, finer));
-            if (first_unseen(problem, there, there.crossings()) != SolverReport::none) continue;
+            const Boundary there(input.cage, lattice_on(bounds, finer));
+            if (first_unseen(input, there, there.crossings()) != SolverReport::none) continue;
             report.sufficient_resolution = finer;
             break;
         }
         return Status::grid_too_coarse;
     }
 
-    EmbeddedCage(const PlacedCage<D>& problem, Boundary boundary, const grid::Crossings<D>& crossings)
-        : cage_(&problem.cage)
-        , handles_(problem.handles)
-        , data_(&problem.data)
-        , tolerance_(problem.tolerance)
+    EmbeddedCage(const SolverInput<D>& input, Boundary boundary, const grid::Crossings<D>& crossings)
+        : cage_(&input.cage)
+        , handles_(input.handles)
+        , data_(&input.data)
+        , tolerance_(input.tolerance)
         , boundary_(std::move(boundary))
         , problem_(grid::embed(boundary_, crossings))
         , at_cuts_(*data_, problem_.values) {
@@ -183,14 +182,14 @@ private:
     }
 
     /// Returns the first handle whose boundary data reaches no node.
-    static std::size_t first_unseen(const PlacedCage<D>& problem, const Boundary& boundary,
+    static std::size_t first_unseen(const SolverInput<D>& input, const Boundary& boundary,
                                     const grid::Crossings<D>& crossings) {
         const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {
-            problem.data.for_each_handle(value, f);
+            input.data.for_each_handle(value, f);
         };
-        auto seen = grid::seen_handles<D>(crossings, problem.handles, handles);
+        auto seen = grid::resolved_handles<D>(crossings, input.handles, handles);
         if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
-        for (const CageFault& fault : problem.report.faults) { // warnings
+        for (const CageFault& fault : input.report.faults) { // warnings
             if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
         }
         const auto first = std::find(seen.begin(), seen.end(), false);

@@ -31,7 +31,7 @@ public:
     /// Adds a share of the boundary data at a point of the boundary to the vertices of its facet.
     template <std::size_t D>
     void add(const BoundaryValue<D>& value, double share) {
-        HatData<D>::for_each_weight(
+        LinearBoundaryData<D>::for_each_weight(
             value, [&](std::uint32_t vertex, double weight) { add(vertex, share * weight); });
     }
     std::span<const Share> sums() const noexcept { return {sums_.data(), sums_.size()}; }

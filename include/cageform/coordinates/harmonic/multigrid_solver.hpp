@@ -13,23 +13,23 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver of a PlacedCage; groups have sixteen functions. Singularities at a polygon's corners
+/// A CageSolver; groups have sixteen functions. Singularities at a polygon's corners
 /// are treated separately (grid/corners/corner_functions.hpp).
 template <std::size_t D>
 class MultigridSolver {
     static constexpr std::size_t width = grid::Multigrid<D>::width;
 
 public:
-    using Problem = PlacedCage<D>;
+    static constexpr std::size_t dimension = D;
 
-    static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made,
-                       const Running& /*running*/) {
-        if (!(problem.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
+    static Status make(const SolverInput<D>& input, SolverReport& report,
+                       std::optional<MultigridSolver>& made, const Running& /*running*/) {
+        if (!(input.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
         std::optional<detail::EmbeddedCage<D>> grid;
-        const Status status = detail::EmbeddedCage<D>::make(problem, report, grid);
+        const Status status = detail::EmbeddedCage<D>::make(input, report, grid);
         if (status != Status::ok) return status;
         // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
-        made.emplace(std::move(*grid), problem.options.multigrid);
+        made.emplace(std::move(*grid), input.options.multigrid);
         report.cells = made->multigrid_.unknowns();
         return Status::ok;
     }
@@ -105,7 +105,7 @@ public:
         detail::CornerSamples at_corners;
     };
     template <Scalar T>
-    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         for (const std::size_t i : points) {
             const auto stencil = grid_.stencil(batch, i);

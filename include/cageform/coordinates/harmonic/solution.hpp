@@ -12,19 +12,19 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// A solver S made for a problem, with its functions once they have been solved and kept.
-template <CageSolver S, Scalar T>
-class Solution final : public CageFunctions<T, S::Problem::dimension> {
-    static constexpr std::size_t D = S::Problem::dimension;
+/// A solver S made for its input, with its functions once they have been solved and kept.
+template <class S, Scalar T>
+    requires CageSolver<S, T>
+class Solution final : public CageFunctions<T, S::dimension> {
+    static constexpr std::size_t D = S::dimension;
 
 public:
-    using Problem = typename S::Problem;
+    explicit Solution(std::shared_ptr<const SolverInput<D>> input)
+        : input_(std::move(input)) {}
 
-    explicit Solution(std::shared_ptr<const Problem> problem)
-        : problem_(std::move(problem)) {}
-
-    Status make(const Running& running) {
-        const Status status = S::make(*problem_, report_, solver_, running);
+    template <class... More>
+    Status make(const Running& running, const More&... more) {
+        const Status status = S::make(*input_, report_, solver_, running, more...);
         if (status != Status::ok) return status;
         const auto [hierarchy, block] = memory();
         report_.bytes = hierarchy + block;
@@ -37,7 +37,7 @@ public:
     Status solve(SolverReport& into, const Running& running) override {
         if (!functions_.empty()) return Status::ok;
         const double kept = 0.5 * double(memory().block) * double(solver().groups());
-        if (double(into.bytes) + kept > double(problem_->options.memory_limit)) {
+        if (double(into.bytes) + kept > double(input_->options.memory_limit)) {
             into.bytes += std::size_t(kept);
             return Status::out_of_memory;
         }
@@ -60,10 +60,10 @@ public:
     /// their values stay in cache.
     Status sample_gradients([[maybe_unused]] const Batch<T>& batch, [[maybe_unused]] SolverReport& report,
                             [[maybe_unused]] const Running& running) const override {
-        if constexpr (!DifferentiableSolver<S>) {
+        if constexpr (!DifferentiableSolver<S, T>) {
             return Status::solver_not_supported;
         } else {
-            if constexpr (BlendedSolver<S>) {
+            if constexpr (BlendedSolver<S, T>) {
                 if (solver().has_gradient_samples()) {
                     return sample(batch, report, running, [&](std::span<const std::size_t> points) {
                         return solver().gradient_samples(batch, points);
@@ -181,41 +181,26 @@ private:
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): used only after `make`
     const S& solver() const noexcept { return *solver_; }
 
-    std::shared_ptr<const Problem> problem_;
+    std::shared_ptr<const SolverInput<D>> input_;
     std::optional<S> solver_;
     std::vector<typename S::Functions> functions_; ///< by group; empty until `solve`
     SolverReport report_;
 };
 
-/// Makes the functions of a problem by the solver S, or returns another status than ok.
-template <CageSolver S, Scalar T>
-Status make_functions(std::shared_ptr<const typename S::Problem> problem, SolverReport& report,
-                      std::shared_ptr<CageFunctions<T, S::Problem::dimension>>& made,
-                      const Running& running) {
-    auto solution = std::make_shared<Solution<S, T>>(std::move(problem));
-    const Status status = solution->make(running);
+} // namespace detail
+
+/// Makes the functions of a cage by the solver S, or returns another status than ok. A HarmonicSolver.
+///
+///   more  passed on to S::make
+template <class S, class T, std::size_t D, class... More>
+Status make_functions(std::shared_ptr<const SolverInput<D>> input, SolverReport& report,
+                      std::shared_ptr<CageFunctions<T, D>>& made, const Running& running,
+                      const More&... more) {
+    auto solution = std::make_shared<detail::Solution<S, T>>(std::move(input));
+    const Status status = solution->make(running, more...);
     report = solution->report();
     if (status == Status::ok) made = std::move(solution);
     return status;
 }
-
-} // namespace detail
-
-/// The choice of one solver, for HarmonicCoordinates.
-template <CageSolver S>
-struct OnlySolver {
-    template <class C>
-    static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
-                       std::shared_ptr<FunctionsOf<C>>& made, const Running& running) {
-        using T = typename C::scalar;
-        if constexpr (std::is_same_v<typename S::Problem, CageProblem<C>>) {
-            return detail::make_functions<S, T>(problem, report, made, running);
-        } else {
-            return on_placed_cage(*problem, [&](auto cage) {
-                return detail::make_functions<S, T>(std::move(cage), report, made, running);
-            });
-        }
-    }
-};
 
 } // namespace cageform::inline CAGEFORM_ABI

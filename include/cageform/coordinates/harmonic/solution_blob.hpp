@@ -32,12 +32,12 @@ struct SolutionHeader {
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
     std::uint32_t endian = 0x01020304u;
-    std::uint64_t bytes = 0;    ///< in all, a multiple of 64
-    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
-    std::uint32_t dimension = 0, reserved = 0;
-    std::uint64_t cage_hash = 0; ///< of vertices and faces, in double
-    std::uint64_t grid_hash = 0; ///< of the grid's cells and the boundary data on it
-    double accuracy = 0;         ///< HarmonicOptions::accuracy
+    std::uint64_t bytes = 0;                       ///< in all, a multiple of 64
+    std::uint64_t checksum = 0;                    ///< `hash_memory` of all that follows this field
+    std::uint32_t dimension = 0, scalar_bytes = 0; ///< the latter always 0
+    std::uint64_t cage_hash = 0;                   ///< of vertices and faces, in double
+    std::uint64_t grid_hash = 0;                   ///< of the grid's cells and the boundary data on it
+    double accuracy = 0;                           ///< HarmonicOptions::accuracy
     std::uint64_t group_count = 0, nodes = 0, groups = 0;
     std::uint64_t grid_errors = 0, grid_error_count = 0;
     // The report of the solve.
@@ -140,12 +140,12 @@ private:
 
 /// Hashes the vertices and the faces, or edges, of a cage.
 template <std::size_t D>
-std::uint64_t hash_of_cage(const PlacedCage<D>& placed) noexcept {
-    std::uint64_t hash = hash_memory(placed.cage.vertices(), placed.handles);
+std::uint64_t hash_of_cage(const SolverInput<D>& input) noexcept {
+    std::uint64_t hash = hash_memory(input.cage.vertices(), input.handles);
     if constexpr (D == 2) {
-        for (const auto& loop : placed.cage.boundary().loops()) hash = hash_memory({}, hash + loop.size());
+        for (const auto& loop : input.cage.boundary().loops()) hash = hash_memory({}, hash + loop.size());
     } else {
-        hash = hash_memory(placed.cage.boundary().faces(), hash);
+        hash = hash_memory(input.cage.boundary().faces(), hash);
     }
     return hash;
 }
@@ -155,11 +155,10 @@ std::uint64_t hash_of_cage(const PlacedCage<D>& placed) noexcept {
 ///   header  with all that is not about the arrays
 inline std::vector<std::byte> pack_solution(SolutionHeader header, std::span<const KeptFunctions> functions,
                                             const SolverReport& report) {
-    const auto whole = [](std::uint64_t bytes) { return (bytes + 63) / 64 * 64; };
     const auto& errors = report.tree.grid_errors;
     header.group_count = functions.size();
     header.groups = sizeof(header);
-    header.grid_errors = header.groups + whole(functions.size() * sizeof(SolutionGroup));
+    header.grid_errors = header.groups + whole_lines(functions.size() * sizeof(SolutionGroup));
     header.grid_error_count = errors.size();
     header.cells = report.cells;
     header.solves = report.solves;
@@ -171,14 +170,14 @@ inline std::vector<std::byte> pack_solution(SolutionHeader header, std::span<con
     header.finest_size = report.tree.finest_size;
     for (std::size_t k = 0; k < 3; ++k) header.finest_position[k] = report.tree.finest_position[k];
     header.finest_reason = std::uint64_t(report.tree.finest_reason);
-    std::uint64_t end = header.grid_errors + whole(errors.size() * sizeof(float));
+    std::uint64_t end = header.grid_errors + whole_lines(errors.size() * sizeof(float));
     std::vector<SolutionGroup> groups;
     for (const KeptFunctions& group : functions) {
-        const std::uint64_t rows = end + whole(group.words().size_bytes());
+        const std::uint64_t rows = end + whole_lines(group.words().size_bytes());
         groups.push_back({end, rows, group.rows().size()});
         end = rows + group.rows().size_bytes();
     }
-    header.bytes = whole(end);
+    header.bytes = whole_lines(end);
     std::vector<std::byte> bytes(std::size_t(header.bytes));
     const auto put = [&](std::uint64_t offset, const void* from, std::size_t size) {
         if (size > 0) std::memcpy(bytes.data() + offset, from, size);
@@ -220,12 +219,10 @@ inline bool is_sound_group(std::span<const SolutionWord> words, std::span<const 
 ///            blob_malformed, blob_of_another_cage, blob_of_another_grid, or ok
 inline Status open_solution(std::span<const std::byte> data, const SolutionHeader& known,
                             std::vector<KeptFunctions>& functions, SolverReport& report) {
-    const Status begins = check_prefix(data, prefix_of(SolutionHeader{}), sizeof(SolutionHeader),
-                                       BlobCheck::all, Status::not_a_solution);
-    if (begins != Status::ok) return begins;
     SolutionHeader header;
-    std::memcpy(&header, data.data(), sizeof(header));
-    if (header.dimension != known.dimension) return Status::blob_kind_differs;
+    const Status begins =
+        read_header(data, BlobCheck::all, Status::not_a_solution, 0, known.dimension, header);
+    if (begins != Status::ok) return begins;
     if (header.cage_hash != known.cage_hash) return Status::blob_of_another_cage;
     if (header.grid_hash != known.grid_hash || header.accuracy != known.accuracy ||
         header.group_count != known.group_count || header.nodes != known.nodes)

@@ -103,28 +103,27 @@ class TreeSolver {
     static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
 
 public:
-    using Problem = PlacedCage<D>;
+    static constexpr std::size_t dimension = D;
     using Block = typename Multigrid::Block;
 
-    static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made,
+    static Status make(const SolverInput<D>& input, SolverReport& report, std::optional<TreeSolver>& made,
                        const Running& running) {
-        const double accuracy = problem.options.accuracy;
+        const double accuracy = input.options.accuracy;
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
             return Status::accuracy_not_supported;
-        if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
+        if (Cage::depth_of(input.cage, input.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
-        const bool subtracts_kinks = D == 3 && is_blended(problem);
+        const bool subtracts_kinks = D == 3 && is_blended(input);
         const double bytes_of_leaf = subtracts_kinks ? 500 : 340; // tree, hierarchy and a block, measured
-        const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks,
+        const typename Cage::Plan plan(input.cage, input.tolerance, subtracts_kinks,
                                        running.subtask(0, 0.05));
         double leaves = plan.leaves(accuracy);
-        const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
-                                       0.125 * double(std::uint32_t(-1)));
+        const double most =
+            (std::min)(double(input.options.memory_limit) / bytes_of_leaf, 0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
         constexpr double few = 2e5; // quick to make, and the plan overestimates such small trees
         if (leaves < (std::max)(1.5 * most, few))
-            cage = std::make_unique<Cage>(problem.cage, problem.tolerance, subtracts_kinks,
-                                          plan.scale(accuracy));
+            cage = std::make_unique<Cage>(input.cage, input.tolerance, subtracts_kinks, plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
@@ -136,9 +135,9 @@ public:
             report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
             return Status::out_of_memory;
         }
-        made.emplace(std::move(cage), problem, running.subtask(0.3, 1));
+        made.emplace(std::move(cage), input, running.subtask(0.3, 1));
         const auto [hierarchy, block] = made->memory();
-        if (hierarchy + block > problem.options.memory_limit) {
+        if (hierarchy + block > input.options.memory_limit) {
             report.bytes = hierarchy + block;
             report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most);
             return Status::out_of_memory;
@@ -147,14 +146,14 @@ public:
         made->cage_->report_finest(report);
         return Status::ok;
     }
-    TreeSolver(std::unique_ptr<Cage> cage, const Problem& problem, const Running& running)
+    TreeSolver(std::unique_ptr<Cage> cage, const SolverInput<D>& input, const Running& running)
         : cage_(std::move(cage))
-        , data_(&problem.data)
-        , cage_hash_(detail::hash_of_cage(problem))
-        , tolerance_(of_accuracy * problem.options.accuracy)
-        , max_cycles_(problem.options.multigrid.max_cycles)
-        , order_(cage_->cage().vertices().first(problem.handles), width)
-        , field_(field_of(*cage_, problem))
+        , data_(&input.data)
+        , cage_hash_(detail::hash_of_cage(input))
+        , tolerance_(of_accuracy * input.options.accuracy)
+        , max_cycles_(input.options.multigrid.max_cycles)
+        , order_(cage_->cage().vertices().first(input.handles), width)
+        , field_(field_of(*cage_, input))
         , multigrid_(cage_->tree(), cage_->nodes(), links(running.subtask(0, 0.7)), running.subtask(0.7, 0.9))
         , errors_(grid_errors(running.subtask(0.9, 1))) {}
 
@@ -245,7 +244,7 @@ public:
 
     /// Returns the numbers of the points along the Morton curve.
     template <Scalar T>
-    std::vector<std::size_t> order(const detail::Batch<T>& batch) const {
+    std::vector<std::size_t> order(const Batch<T>& batch) const {
         using Nodes = grid::TreeNodes<D>;
         const std::size_t count = batch.points.blocks() * lane_count<T>;
         std::vector<std::pair<typename Nodes::Key, std::size_t>> keys(count);
@@ -263,7 +262,7 @@ public:
         return order;
     }
     template <Scalar T>
-    Samples samples(const detail::Batch<T>& batch, std::span<const std::size_t> points) const {
+    Samples samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         Samples samples;
         if (!field_) {
             for (const std::size_t i : points) samples.add(i, cage_->stencil(batch, i), ordered_data());
@@ -292,8 +291,7 @@ public:
     bool has_gradient_samples() const noexcept { return field_.has_value(); }
     /// Makes the stencils of derivatives of points inside and on the boundary. Other points have none.
     template <Scalar T>
-    GradientSamples gradient_samples(const detail::Batch<T>& batch,
-                                     std::span<const std::size_t> points) const {
+    GradientSamples gradient_samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         GradientSamples samples(order_.size());
         auto blends = this->blends();
         std::vector<Vec<double, D>> places;
@@ -350,17 +348,17 @@ private:
 
     /// Whether samples blend the models of leaves. In 2D: if the cage has no bones. In 3D: if the boundary
     /// data is linear on faces and the cage has no cells inside.
-    static bool is_blended(const Problem& problem) noexcept {
-        if (D == 2) return problem.cage.cells().bones.empty();
-        return problem.data.is_linear() &&
-               problem.cage.vertices().size() == problem.cage.boundary().vertices().size() &&
-               problem.cage.cells().empty();
+    static bool is_blended(const SolverInput<D>& input) noexcept {
+        if (D == 2) return input.cage.cells().bones.empty();
+        return input.data.is_linear() &&
+               input.cage.vertices().size() == input.cage.boundary().vertices().size() &&
+               input.cage.cells().empty();
     }
-    static std::optional<Field> field_of(const Cage& cage, const Problem& problem) {
+    static std::optional<Field> field_of(const Cage& cage, const SolverInput<D>& input) {
         std::optional<Field> made;
-        if (!is_blended(problem)) return made;
+        if (!is_blended(input)) return made;
         if constexpr (D == 3) {
-            made.emplace(cage.tree().boundary(), problem.cage.boundary());
+            made.emplace(cage.tree().boundary(), input.cage.boundary());
         } else {
             made.emplace(cage.tree().boundary());
         }
@@ -398,7 +396,7 @@ private:
         return {cage_->tree(), cage_->nodes(), *field_};
     }
     template <Scalar T>
-    Vec<double, D> in_units(const detail::Batch<T>& batch, std::size_t i) const noexcept {
+    Vec<double, D> in_units(const Batch<T>& batch, std::size_t i) const noexcept {
         return cage_->tree().boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
     }
 

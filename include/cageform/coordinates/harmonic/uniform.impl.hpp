@@ -1,16 +1,16 @@
-// Defines the function behind UniformHarmonicCoordinates. uniform_harmonic.hpp includes it, unless the
-// program links cageform::compiled.
+// Defines UniformGrid. uniform_harmonic.hpp includes it, unless the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/coordinates/harmonic/solution.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace cageform::inline CAGEFORM_ABI {
 
 template <class T, std::size_t D>
-Status make_uniform(std::shared_ptr<const PlacedCage<D>> cage, SolverReport& report,
-                    std::shared_ptr<CageFunctions<T, D>>& made, const Running& running) {
-    return make_functions<MultigridSolver<D>, T>(std::move(cage), report, made, running);
+Status UniformGrid::operator()(std::shared_ptr<const SolverInput<D>> input, SolverReport& report,
+                               std::shared_ptr<CageFunctions<T, D>>& made, const Running& running) const {
+    return make_functions<MultigridSolver<D>, T>(std::move(input), report, made, running);
 }
 
-} // namespace cageform::inline CAGEFORM_ABI::detail
+} // namespace cageform::inline CAGEFORM_ABI

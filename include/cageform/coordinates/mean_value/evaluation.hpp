@@ -2,9 +2,9 @@
 // plane.hpp, space.hpp and polygons.hpp.
 #pragma once
 
-#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/checked_cage.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
@@ -26,16 +26,13 @@ CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const M
 /// such points are evaluated one by one in a wider scalar, in units of their distance from the
 /// boundary, so that nothing overflows.
 template <class Cage>
-class MeanValueEvaluation {
+class MeanValueEvaluation : public CheckedCage<Cage> {
 public:
+    using CheckedCage<Cage>::CheckedCage;
     using scalar = typename Cage::scalar;
     static constexpr std::size_t dimension = Cage::dimension;
-    static constexpr bool has_extension = true;
-    static constexpr bool closed_form = true;
 
-    const Cage& cage() const noexcept { return cage_; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return cage_.vertices(); }
-    const CageReport& cage_report() const noexcept { return report_; }
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
@@ -49,27 +46,11 @@ public:
         return nearest_boundary_weights(cage_, p, row, data_);
     }
 
-protected:
-    explicit MeanValueEvaluation(Cage cage)
-        : cage_(std::move(cage)) {
-        prepare();
-    }
-    /// Uses only the boundary of a cell complex.
-    explicit MeanValueEvaluation(const CellComplex<scalar, dimension>& complex) {
-        report_.status = guard_memory([&] {
-            cage_ = complex.boundary();
-            return complex.status();
-        });
-        if (report_.status != Status::ok) return;
-        prepare();
-        detail::refuse_interior_cells(complex, report_);
-    }
-
-    Cage cage_;
-    CageReport report_;
-
 private:
-    void prepare();
+    using CheckedCage<Cage>::cage_;
+    using CheckedCage<Cage>::report_;
+
+    Status prepare();
     void fill_tables() {
         const auto bounds = bounds_of(surface().vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
@@ -154,7 +135,8 @@ private:
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k)
             p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
-        const WeightSum<N> result = weigh_registers<N>(frame<N>(), limits<N>(), p, memory);
+        const WeightSum<N> result =
+            weigh_registers<N>(for_number<N>(frame_, gradient_frame_), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < points(); ++i) {
             for_each_component(memory.weights[i] * inverse, i, points(), S(scale_),
@@ -165,7 +147,7 @@ private:
         // 4.1).
         X special = result.special;
         if (any(value_of(result.sum) < X(S(1))))
-            special += test<N>().failed(p, memory.weights, value_of(result.sum));
+            special += for_number<N>(test_, gradient_test_).failed(p, memory.weights, value_of(result.sum));
 
         Lanes<S> sums, specials;
         value_of(result.sum).store(sums);
@@ -180,22 +162,6 @@ private:
                 batch.states[i] = sums[lane] > S(0) ? PointState::inside : PointState::outside;
             }
         }
-    }
-
-    template <class N>
-    const auto& frame() const noexcept {
-        if constexpr (has_gradient<N>)
-            return gradient_frame_;
-        else
-            return frame_;
-    }
-
-    template <class N>
-    const auto& test() const noexcept {
-        if constexpr (has_gradient<N>)
-            return gradient_test_;
-        else
-            return test_;
     }
 
     /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
@@ -216,16 +182,8 @@ private:
         const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
                                   : weigh_about(vec_cast<Wide>(p), unit, memory);
         if (value_of(sum) == 0) return PointState::unreached;
-        bool finite = true;
-        const N inverse = Wide(1) / sum;
-        for (std::size_t i = 0; i < points(); ++i) {
-            for_each_component(memory.weights[i] * inverse, i, points(), 1 / unit,
-                               [&](std::size_t row, Wide x) {
-                                   rows[row][lane] = static_cast<T>(x);
-                                   finite = finite && is_finite(rows[row][lane]);
-                               });
-        }
-        if (!finite) return PointState::unreached;
+        if (!store_weights<N>(memory.weights, Wide(1) / sum, 1 / unit, rows, lane))
+            return PointState::unreached;
         // Near thin cages and far away rounding can change the sign of the sum, so it does not decide.
         return on_boundary ? PointState::on_boundary : locate(cage_, p, T(0));
     }
@@ -278,6 +236,7 @@ private:
     MomentTest<double, D> gradient_test_;
     double tolerance_ = 0, scale_ = 1;
     Vec<T, D> origin_{};
+    Status prepared_ = prepare(); // declared last: its initialiser fills the other members
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

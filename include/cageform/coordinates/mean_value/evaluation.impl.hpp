@@ -20,13 +20,13 @@ MeanValueEvaluation<Cage>::evaluate_gradients(BlockView<const scalar> points, Bl
 }
 
 template <class Cage>
-void MeanValueEvaluation<Cage>::prepare() {
-    report_ = check(cage_);
-    if (report_.status != Status::ok) return;
+Status MeanValueEvaluation<Cage>::prepare() {
+    if (report_.status != Status::ok) return report_.status;
     report_.status = guard_memory([&] {
         fill_tables();
         return Status::ok;
     });
+    return report_.status;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -67,7 +67,7 @@ struct MeanValueForm {
     using Frame = MeanValueFrame<S, Cage::dimension>;
     template <class N>
     using Rows = WeightRows<N>;
-    using Data = HatData<Cage::dimension>;
+    using Data = LinearBoundaryData<Cage::dimension>;
 
     static Data data(const Cage& /*cage*/) noexcept { return {}; }
 };

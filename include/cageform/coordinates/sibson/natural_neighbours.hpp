@@ -96,7 +96,7 @@ public:
         sites_ = Delaunay<D>(std::move(positions));
         if (sites_.empty()) return;
         at_.reserve(sites_.size());
-        for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.point(v)));
+        for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.to_extents(sites_.point(v)));
         HullFacets<D> hull(sites_, at_, tolerance_);
         facets_ = std::move(hull.facets);
         if (facets_.empty()) return;
@@ -141,7 +141,7 @@ public:
         const auto cavity = scratch.search.cavity();
         const auto is_near = [&](std::uint32_t s) { return near_hull_[s] != 0; };
         if (near_hull_[at] != 0 || std::any_of(cavity.begin(), cavity.end(), is_near)) {
-            const PointState state = find_near_hull(lattice_.seen(position), scratch);
+            const PointState state = find_near_hull(lattice_.to_extents(position), scratch);
             if (state != PointState::inside) return state;
         }
         if (find_inside(position, at, scratch)) return PointState::inside;
@@ -152,11 +152,11 @@ public:
     /// Returns the point of the hull's surface nearest to a finite point, and finds its neighbours.
     Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
         typename HullTree<D>::Nearest nearest{0, {}, (std::numeric_limits<double>::max)()};
-        hull_.find(lattice_.seen(p), nearest);
+        hull_.find(lattice_.to_extents(p), nearest);
         scratch.found.clear();
         scratch.missed = {};
         find_on_facet(nearest.facet, nearest.position, scratch);
-        return lattice_.unseen(nearest.position + scratch.missed);
+        return lattice_.from_extents(nearest.position + scratch.missed);
     }
 
     /// Moves `p`, a point of the hull, towards the centroid of the first simplex, by the given
@@ -166,7 +166,7 @@ public:
         while (sites_.simplices()[s].is_ghost()) ++s;
         Vec<double, D> middle{};
         for (const std::uint32_t v : sites_.simplices()[s].vertex) middle = middle + (1.0 / (D + 1)) * at_[v];
-        return p + fraction * (lattice_.unseen(middle) - p);
+        return p + fraction * (lattice_.from_extents(middle) - p);
     }
 
 private:

@@ -4,6 +4,8 @@
 #include <cageform/core/detail/number.hpp>
 #include <cageform/core/vec.hpp>
 
+#include <span>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The value of an expression in `D` variables and its derivatives with respect to them. `U` is a
@@ -113,6 +115,16 @@ const ValueOf<N>& value_of(const N& n) noexcept {
     return NumberTraits<N>::component(n, 0);
 }
 
+/// Returns the second argument if N carries a gradient, else the first.
+template <class N, class A, class B>
+constexpr const auto& for_number([[maybe_unused]] const A& of_values,
+                                 [[maybe_unused]] const B& of_gradients) noexcept {
+    if constexpr (has_gradient<N>)
+        return of_gradients;
+    else
+        return of_values;
+}
+
 /// Makes a number from a value and its known gradient, which is dropped if N carries none.
 template <class N, std::size_t D>
 N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, D>& gradient) noexcept {
@@ -133,6 +145,22 @@ void for_each_component(const N& weight, std::size_t i, [[maybe_unused]] std::si
     } else {
         set(i, weight);
     }
+}
+
+/// Writes the weights of all handles, or their derivatives, to one lane of `rows`, each times `inverse`, and
+/// derivatives times `scale`. Returns whether all are finite.
+template <class N, class S, class Row>
+bool store_weights(std::span<const N> weights, const N& inverse, S scale, Row* rows,
+                   std::size_t lane) noexcept {
+    bool finite = true;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        for_each_component(weights[i] * inverse, i, weights.size(), scale, [&](std::size_t row, S x) {
+            auto& to = rows[row][lane];
+            to = static_cast<std::remove_reference_t<decltype(to)>>(x);
+            finite = finite && is_finite(to);
+        });
+    }
+    return finite;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

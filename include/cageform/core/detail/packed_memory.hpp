@@ -5,6 +5,7 @@
 #include <cageform/core/types/blocks.hpp>
 #include <cageform/core/types/packed_data.hpp>
 
+#include <concepts>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -14,12 +15,6 @@ constexpr std::uint64_t byte_swapped(std::uint64_t x) noexcept {
     std::uint64_t swapped = 0;
     for (int byte = 0; byte < 8; ++byte, x >>= 8) swapped = (swapped << 8) | (x & 0xFFu);
     return swapped;
-}
-
-/// Returns the prefix that a header begins with.
-template <class Header>
-PackedPrefix prefix_of(const Header& header) noexcept {
-    return {header.magic, header.version, header.endian, header.bytes, header.checksum};
 }
 
 /// Checks that memory begins with complete, undamaged packed data of a kind.
@@ -41,6 +36,36 @@ inline Status check_prefix(std::span<const std::byte> data, const PackedPrefix& 
     const auto checked = data.subspan(sizeof(prefix), std::size_t(prefix.bytes) - sizeof(prefix));
     return check == BlobCheck::all && hash_memory(checked) != prefix.checksum ? Status::blob_corrupt
                                                                               : Status::ok;
+}
+
+/// Reads the header of packed data, as `check_prefix` does; then checks its scalar and dimension.
+template <class Header>
+Status read_header(std::span<const std::byte> data, BlobCheck check, Status none, std::uint32_t scalar_bytes,
+                   std::uint32_t dimension, Header& header) noexcept {
+    const Status status = check_prefix(data, {header.magic, header.version}, sizeof(header), check, none);
+    if (status != Status::ok) return status;
+    std::memcpy(&header, data.data(), sizeof(header));
+    return header.scalar_bytes == scalar_bytes && header.dimension == dimension ? Status::ok
+                                                                                : Status::blob_kind_differs;
+}
+
+/// Rounds up to a multiple of 64.
+template <std::unsigned_integral N>
+constexpr N whole_lines(N bytes) noexcept {
+    return (bytes + 63) / 64 * 64;
+}
+/// Appends an array to packed data that ends at `end`: sets its offset, 0 if it is absent.
+inline void place_array(std::uint64_t& end, std::uint64_t& offset, std::uint64_t bytes,
+                        bool is_there) noexcept {
+    offset = is_there ? end : 0;
+    if (is_there) end += whole_lines(bytes);
+}
+/// Returns whether an array is there if it is `wanted`, and then lies between a header and the end.
+template <class Header>
+bool holds_array(const Header& header, std::uint64_t offset, std::uint64_t bytes, bool wanted) noexcept {
+    if (offset == 0) return !wanted;
+    return wanted && offset % 64 == 0 && offset >= sizeof(header) && offset <= header.bytes &&
+           bytes <= header.bytes - offset;
 }
 
 /// Owns packed data.

@@ -36,6 +36,13 @@ struct Bounds {
         }
         return b;
     }
+    /// Extends the bounds so that they cover `b`.
+    void include(const Bounds& b) noexcept {
+        for (std::size_t k = 0; k < D; ++k) {
+            if (b.lower[k] < lower[k]) lower[k] = b.lower[k];
+            if (upper[k] < b.upper[k]) upper[k] = b.upper[k];
+        }
+    }
     bool covers(const Bounds& b) const noexcept {
         for (std::size_t k = 0; k < D; ++k) {
             if (b.lower[k] < lower[k] || upper[k] < b.upper[k]) return false;

@@ -1,4 +1,4 @@
-// The local coordinates in which make_cage computes, and its checks of options, in the plane and in space.
+// Local coordinates of make_cage and checks of its options, 2D and 3D.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -8,14 +8,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Maps to coordinates in which the diagonal of the figure's bounds lies between 1/2 and 1 and the
-/// mirror at x = 0.
+/// Maps to coordinates where the figure's diagonal lies between 1/2 and 1 and the mirror plane is x = 0.
 template <std::size_t D>
 struct CageFrame {
     using Point = Vec<double, D>;
     Point origin{};
-    double scale = 1;     ///< a power of two, so that scaling is exact
-    std::size_t axis = 0; ///< the mirror's axis, swapped with the first one
+    double scale = 1;     ///< power of two, so scaling is exact
+    std::size_t axis = 0; ///< axis of the mirror, swapped with the first
 
     CageFrame() = default;
     CageFrame(const Bounds<double, D>& box, const std::optional<MirrorPlane>& mirror) noexcept
@@ -35,37 +34,36 @@ struct CageFrame {
         std::swap(q[0], q[axis]);
         return origin + (1 / scale) * q;
     }
-    /// Whether the map reverses orientation: counter-clockwise becomes clockwise.
+    /// True if the map turns counter-clockwise into clockwise.
     bool reverses_orientation() const noexcept { return axis != 0; }
 };
 
-/// The largest coordinate of a figure; areas or volumes of larger figures overflow.
+/// Largest valid coordinate; areas or volumes of larger figures overflow.
 template <Scalar T, std::size_t D>
 constexpr T largest_figure_coordinate() noexcept {
     return T((std::min)(double((std::numeric_limits<T>::max)()) / 64, D == 2 ? 1e150 : 1e100));
 }
 
-/// The least diagonal of a figure's bounds; areas or volumes of smaller figures underflow.
+/// Smallest valid diagonal; areas or volumes of smaller figures underflow.
 template <std::size_t D>
 constexpr double least_figure_diagonal() noexcept {
     return D == 2 ? 0 : 1e-100;
 }
 
-/// Whether coordinates of type T can resolve the margin. Far from 0 their spacing may be too coarse.
+/// True if coordinates of type T resolve the margin. Far from the origin their spacing may be too coarse.
 template <Scalar T, std::size_t D>
-bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
+bool resolves_margin(double margin, const Bounds<double, D>& box) noexcept {
     double farthest = 0;
     for (std::size_t k = 0; k < D; ++k)
         farthest = (std::max)({farthest, std::fabs(box.lower[k]), std::fabs(box.upper[k])});
     return margin > 4 * double(std::numeric_limits<T>::epsilon()) * farthest;
 }
 
-/// Whether the cage in the report keeps the promises of make_cage.
-inline bool holds_figure(const MakeCageReport& report) noexcept {
+/// True if the cage meets the guarantees of make_cage.
+inline bool meets_guarantees(const MakeCageReport& report) noexcept {
     return report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin;
 }
 
-/// Checks the options for D dimensions.
 template <std::size_t D>
 Status check_options(const MakeCageOptions& options) noexcept {
     if (options.vertices != 0 && options.vertices <= D) return Status::too_few_cage_vertices;

@@ -1,5 +1,5 @@
-// make_cage, step 1: a lattice with, at each node, the distance from the figure minus the margin.
-// The cage has to enclose all nodes with a negative value.
+// make_cage, step 1: a lattice of distances from the figure minus the margin. The cage must enclose all nodes
+// with a negative value.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -11,9 +11,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The function f = distance from the figure − margin, sampled at the nodes of a regular lattice
-/// and interpolated linearly along each axis. Single precision suffices: lengths are about 1 in
-/// local coordinates.
+/// Samples f = distance from the figure − margin at the nodes of a regular lattice; multilinear in between.
+/// Single precision suffices because local coordinates are about 1.
 template <std::size_t D>
 class DistanceLattice {
 public:
@@ -21,7 +20,7 @@ public:
     using Count = std::array<std::size_t, D>;
 
     DistanceLattice() = default;
-    /// Makes nodes at `low` + `spacing` (i, j, …), all with f = `farthest`.
+    /// Places nodes at `low` + `spacing` (i, j, …), all with f = `farthest`.
     DistanceLattice(const Point& low, double spacing, const Count& count, double farthest)
         : low_(low)
         , h_(spacing)
@@ -36,14 +35,14 @@ public:
     }
 
     double spacing() const noexcept { return h_; }
-    /// f beyond the lattice.
+    /// Value of f outside the lattice.
     double farthest() const noexcept { return far_; }
     const Count& count() const noexcept { return count_; }
     const Count& stride() const noexcept { return stride_; }
     std::size_t size() const noexcept { return f_.size(); }
     float& operator[](std::size_t node) noexcept { return f_[node]; }
     const float& operator[](std::size_t node) const noexcept { return f_[node]; }
-    /// The indices of a node along each axis.
+    /// Returns the index of a node along each axis.
     Count numbers(std::size_t node) const noexcept {
         Count n{};
         auto rest = static_cast<std::uint32_t>(node); // below most_lattice_nodes; divides much faster
@@ -61,8 +60,8 @@ public:
         for (std::size_t k = 0; k < D; ++k) p[k] += h_ * double(n[k]);
         return p;
     }
-    /// The squared distance of two nodes, in units of the spacing.
-    double steps2(std::size_t a, std::size_t b) const noexcept {
+    /// Squared distance between two nodes, in spacings.
+    double squared_steps(std::size_t a, std::size_t b) const noexcept {
         const Count na = numbers(a), nb = numbers(b);
         double sum = 0;
         for (std::size_t k = 0; k < D; ++k)
@@ -70,7 +69,7 @@ public:
         return sum;
     }
 
-    /// Interpolates f (bilinear or trilinear); beyond the lattice f is `farthest`.
+    /// Interpolates f; returns `farthest` outside the lattice.
     double value(const Point& p) const noexcept {
         std::size_t node = 0;
         std::array<double, D> fraction;
@@ -95,9 +94,9 @@ public:
         }
     }
 
-    /// Adds a capsule to the figure: f = min(f, distance from the segment − `radius`), for nodes up
-    /// to `reach` beyond the radius.
-    void stamp(const Point& a, const Point& b, double radius, double reach) noexcept {
+    /// Adds a capsule: f = min(f, distance from the segment − `radius`) at nodes up to `reach` beyond the
+    /// radius.
+    void add_capsule(const Point& a, const Point& b, double radius, double reach) noexcept {
         const double all = radius + reach;
         const auto box = bounds_of(std::span<const Point>(std::array{a, b})).widened(all);
         const auto e = vec_cast<float>(b - a);
@@ -116,8 +115,8 @@ public:
         });
     }
 
-    /// Calls visit(row, first, last) for each lattice row along the first axis that meets the box.
-    /// `row` is the first node of the row; nodes row + first … row + last − 1 lie in the box.
+    /// Calls visit(row, first, last) for each row along the first axis that intersects the box. `row` is the
+    /// first node of the row; nodes row + first … row + last − 1 lie in the box.
     template <class Visit>
     void for_each_row(const Bounds<double, D>& box, const Visit& visit) const {
         Count first{}, last{};
@@ -137,8 +136,8 @@ public:
         }
     }
 
-    /// Marks the nodes with open(node) that are connected to the lattice's rim, along lattice lines. Fills
-    /// whole runs of nodes along the first axis at a time.
+    /// Marks the nodes with open(node) that are connected to the lattice boundary along lattice lines. Fills
+    /// runs along the first axis.
     template <class Open>
     std::vector<std::uint8_t> flood(const Open& open) const {
         std::vector<std::uint8_t> reached(f_.size(), 0);
@@ -178,12 +177,12 @@ public:
         }
         return reached;
     }
-    /// Marks the nodes that a path with f > `level` connects to the rim.
+    /// Marks the nodes connected to the lattice boundary through f > `level`.
     std::vector<std::uint8_t> outside(float level) const {
         return flood([&](std::size_t node) { return f_[node] > level; });
     }
 
-    /// Calls visit(neighbour) for the neighbours along lattice lines.
+    /// Calls visit(neighbour) for the neighbours along lattice lines: up to 4 in 2D, 6 in 3D.
     template <class Visit>
     void for_each_neighbour(std::size_t node, const Visit& visit) const {
         const Count n = numbers(node);
@@ -192,9 +191,9 @@ public:
             if (n[k] + 1 < count_[k]) visit(node + stride_[k]);
         }
     }
-    /// Calls visit(neighbour) for all nodes around, also diagonally: 8 in the plane, 26 in space.
+    /// Calls visit(neighbour) for all adjacent nodes, also diagonal ones: up to 8 in 2D, 26 in 3D.
     template <class Visit>
-    void for_each_around(std::size_t node, const Visit& visit) const {
+    void for_each_adjacent(std::size_t node, const Visit& visit) const {
         Count from = numbers(node), to = from;
         for (std::size_t k = 0; k < D; ++k) {
             to[k] = (std::min)(from[k] + 1, count_[k] - 1);
@@ -214,7 +213,7 @@ public:
         }
     }
 
-    /// Adds the mirror image: f = min(f, its reflection in the middle of the first axis).
+    /// Adds the mirror image: f = min(f, f reflected about the middle of the first axis).
     void mirror() noexcept {
         for (std::size_t node = 0; node < f_.size(); ++node) {
             const std::size_t column = node % count_[0], image = node - column + (count_[0] - 1 - column);
@@ -231,10 +230,10 @@ private:
     std::vector<float> f_;
 };
 
-/// Adds the convex hull to the figure: f = min(f, the distance function of the hull). The hull is
-/// approximated from outside by 128 half-planes (512 half-spaces in space), about a thousandth looser.
+/// Adds the convex hull: f = min(f, distance function of the hull). 128 half-planes (3D: 512 half-spaces)
+/// approximate the hull from outside, looser by about 0.1 %.
 ///
-///   support   support(direction): how far the figure extends along a unit vector, margin included
+///   support  support(direction): extent of the figure along a unit vector, margin included
 template <std::size_t D, class Support>
 void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
     using Point = Vec<double, D>;
@@ -246,7 +245,7 @@ void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
         if constexpr (D == 2) {
             const double angle = 2 * std::numbers::pi * double(k) / directions;
             n = {std::cos(angle), std::sin(angle)};
-        } else { // along a spiral, so that directions are evenly spread over the sphere
+        } else { // a spherical spiral spreads the directions evenly
             const double z = 1 - (2 * double(k) + 1) / directions,
                          angle = std::numbers::pi * (3 - std::sqrt(5.0)) * double(k);
             const double r = std::sqrt(1 - z * z);
@@ -263,11 +262,11 @@ void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
     }
 }
 
-/// The most nodes that a lattice may have in make_cage; each takes about 70 bytes.
+/// Largest number of lattice nodes; each takes about 70 bytes.
 inline constexpr std::size_t most_lattice_nodes = std::size_t{1} << 24;
 
-/// Whether f >= 0 along a segment, up to a quarter of the spacing, which is below the lattice's
-/// resolution. f has slope at most 1, so it is safe to step by f (Hart, Sphere tracing, 1996).
+/// True if f >= 0 along a segment, up to a quarter of the spacing (the resolution of the lattice). Steps by
+/// f, which is safe because its slope is at most 1 (Hart, Sphere tracing, 1996).
 inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
                      const Vec<double, 2>& b) noexcept {
     const auto e = b - a;
@@ -280,10 +279,9 @@ inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
     return lattice.value(b) >= least;
 }
 
-/// Sets f to at most -`depth` at the nodes inside a painted area, row by row, by the crossings with
-/// the outlines.
-inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines, bool even_odd,
-                  double depth) {
+/// Sets f to at most -`depth` at nodes inside a painted area, scanning rows for crossings with the outlines.
+inline void fill_area(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines,
+                      bool even_odd, double depth) {
     const Vec<double, 2> low = lattice.position(0);
     const double h = lattice.spacing();
     const std::size_t width = lattice.count()[0];

@@ -1,5 +1,5 @@
-// make_cage with a limit on looseness: finds the fewest vertices that keep it. The figure's tight contour is
-// made once; only the last steps are repeated for each number of vertices that is tried.
+// make_cage with options.looseness: searches for the fewest vertices. The tight contour is made once; only
+// the last steps are repeated for each number.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -12,8 +12,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Numbers of vertices from `least` to `most`, increasing: `base` times powers of two, and between these
-/// steps of 5 %, or of 1.
+/// Numbers of vertices from `least` to `most`, ascending in steps of 5 % or 1. `base` times powers of two are
+/// included.
 inline std::vector<std::size_t> vertex_counts(std::size_t least, std::size_t base, std::size_t most) {
     std::vector<std::size_t> counts;
     for (std::size_t n = least; n < most;) {
@@ -25,8 +25,8 @@ inline std::vector<std::size_t> vertex_counts(std::size_t least, std::size_t bas
     return counts;
 }
 
-/// The distance from the farthest of some points to the nearest facet of a cage. Neighbours on the list had
-/// better be neighbours in space.
+/// Returns the largest distance from the points to the nearest facet of a cage. Faster if consecutive points
+/// are close to each other.
 template <std::size_t D>
 double deepest_hollow(std::span<const Vec<double, D>> points, std::span<const Corners<D>> facets) noexcept {
     double most = 0;
@@ -43,30 +43,30 @@ double deepest_hollow(std::span<const Vec<double, D>> points, std::span<const Co
     return most;
 }
 
-/// Chooses which number of vertices to try next: doubles or halves the first one until the limit lies
-/// between two of them, bisects, and then tries two and four times the answer, to tell what these bring.
+/// Chooses the number of vertices to try next. Doubles or halves the first one until the limit is bracketed,
+/// bisects, then tries two and four times the answer for the report.
 template <class Cage>
-class FewestVertices {
+class VertexCountSearch {
 public:
     struct Attempt {
-        MakeCageReport::Attempt brought;
+        MakeCageReport::Attempt result;
         Cage cage;
     };
 
-    /// counts   increasing, not empty
-    FewestVertices(std::vector<std::size_t> counts, std::size_t first, double looseness)
+    ///   counts  ascending, not empty
+    VertexCountSearch(std::vector<std::size_t> counts, std::size_t first, double looseness)
         : counts_(std::move(counts))
         , first_(first)
         , looseness_(looseness) {}
 
     std::size_t count(std::size_t index) const noexcept { return counts_[index]; }
 
-    /// The index of the count to try next; none when the search is over.
+    /// Index of the count to try next; none if the search is over.
     std::optional<std::size_t> next() const {
         if (tried_.empty()) return index_of(first_);
         const auto found = answer();
         std::optional<std::size_t> try_next;
-        if (found == tried_.end()) { // all are too loose
+        if (found == tried_.end()) { // all too loose
             const std::size_t highest = tried_.rbegin()->first;
             if (highest + 1 < counts_.size())
                 try_next = (std::max)(index_of(2 * counts_[highest]), highest + 1);
@@ -80,50 +80,44 @@ public:
         }
         for (const std::size_t times : {2U, 4U}) {
             const std::size_t wanted = times * counts_[at], last = counts_.back();
-            if (times == 4 && wanted > 500) break; // they take seconds
+            if (times == 4 && wanted > 500) break; // would take seconds
             const std::size_t more = index_of((std::min)(wanted + counts_[at] / 20, last));
             if (tried_.count(more) == 0) return more;
         }
         return try_next;
     }
-    /// Takes what a count has brought.
     void add(std::size_t index, Attempt attempt) { tried_.emplace(index, std::move(attempt)); }
 
-    /// The cage of the fewest vertices within the limit; where none is, the tightest one.
+    /// Cage of the fewest vertices within the limit; if there is none, the tightest cage.
     Cage best() {
         auto found = answer();
         if (found == tried_.end())
-            found = std::min_element(tried_.begin(), tried_.end(), [](const auto& a, const auto& b) {
-                return a.second.brought.excess < b.second.brought.excess;
+            found = std::min_element(tried_.cbegin(), tried_.cend(), [](const auto& a, const auto& b) {
+                return a.second.result.excess < b.second.result.excess;
             });
-        return std::move(found->second.cage);
+        return std::move(tried_.at(found->first).cage);
     }
     std::vector<MakeCageReport::Attempt> attempts() const {
         std::vector<MakeCageReport::Attempt> all;
-        for (const auto& [index, attempt] : tried_) all.push_back(attempt.brought);
+        for (const auto& [index, attempt] : tried_) all.push_back(attempt.result);
         return all;
     }
 
 private:
-    using Tried = std::map<std::size_t, Attempt>;
-
-    /// The largest count of at most `vertices`, or the first one.
+    /// Index of the largest count up to `vertices`, or 0.
     std::size_t index_of(std::size_t vertices) const noexcept {
         const auto above = std::upper_bound(counts_.begin(), counts_.end(), vertices);
         return above == counts_.begin() ? 0 : std::size_t(above - counts_.begin()) - 1;
     }
-    template <class Self>
-    static auto answer_in(Self& tried, double looseness) {
-        return std::find_if(tried.begin(), tried.end(),
-                            [&](const auto& entry) { return entry.second.brought.excess <= looseness; });
+    auto answer() const {
+        return std::find_if(tried_.begin(), tried_.end(),
+                            [&](const auto& entry) { return entry.second.result.excess <= looseness_; });
     }
-    auto answer() const { return answer_in(tried_, looseness_); }
-    auto answer() { return answer_in(tried_, looseness_); }
 
     std::vector<std::size_t> counts_;
     std::size_t first_;
     double looseness_;
-    Tried tried_; ///< by the indices of counts
+    std::map<std::size_t, Attempt> tried_; ///< keys are indices into counts_
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,5 +1,4 @@
-// make_cage, step 2: joins separate components of the figure by bridges, and closes slits that are too
-// narrow to deform.
+// make_cage, step 2: connects separate components by bridges and closes gaps too narrow to deform.
 #pragma once
 
 #include <cageform/core/detail/disjoint_sets.hpp>
@@ -12,10 +11,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The connected components of the nodes that the outside does not reach; diagonal neighbours are connected.
+/// Connected components of the nodes that are not outside; diagonal neighbours are connected.
 struct LatticeComponents {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::vector<std::uint32_t> of_node; ///< the component of a node; `none` outside
+    std::vector<std::uint32_t> of_node; ///< component of each node; `none` outside
     std::size_t count = 0;
 
     template <std::size_t D>
@@ -33,16 +32,16 @@ struct LatticeComponents {
             while (!front.empty()) {
                 const std::size_t node = front.back();
                 front.pop_back();
-                lattice.for_each_around(node, enter);
+                lattice.for_each_adjacent(node, enter);
             }
             ++count;
         }
     }
 };
 
-/// For each node, a nearly nearest node among those with is_source(node); lattice.size() if there
-/// is none. Sweeps over the lattice, in which each node adopts the best source of its neighbours
-/// (Danielsson, Euclidean distance mapping, 1980).
+/// Returns the (nearly) nearest node with is_source(node) for each node; lattice.size() if there is no
+/// source. Sweeps the lattice; each node takes the best source of its neighbours (Danielsson, Euclidean
+/// distance mapping, 1980).
 template <std::size_t D, class Test>
 std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, const Test& is_source) {
     const std::size_t none = lattice.size();
@@ -53,13 +52,14 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
     const auto update = [&](std::size_t node) {
         std::size_t& found = nearest[node];
         if (found == node) return; // a source
-        double least = found != none ? lattice.steps2(found, node) : std::numeric_limits<double>::infinity();
-        lattice.for_each_around(node, [&](std::size_t other) {
+        double least =
+            found != none ? lattice.squared_steps(found, node) : std::numeric_limits<double>::infinity();
+        lattice.for_each_adjacent(node, [&](std::size_t other) {
             const std::size_t candidate = nearest[other];
-            if (candidate == none || candidate == found) return; // most often it is the same one
-            const double steps2 = lattice.steps2(candidate, node);
-            if (!(steps2 < least)) return;
-            least = steps2;
+            if (candidate == none || candidate == found) return; // most common case
+            const double squared_steps = lattice.squared_steps(candidate, node);
+            if (!(squared_steps < least)) return;
+            least = squared_steps;
             found = candidate;
         });
     };
@@ -70,15 +70,14 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
     return nearest;
 }
 
-/// Two nodes of different components, and their squared distance in units of the spacing.
+/// Two nodes of different components and their squared distance in spacings.
 struct Bridge {
-    double steps2;
+    double squared_steps;
     std::size_t from, to;
 };
 
-/// The bridges of a minimum spanning tree over the components. Divides the lattice into the regions
-/// nearest to each component; two components with adjacent regions get the shortest bridge found as
-/// an edge. Then Kruskal's algorithm picks the edges of the tree.
+/// Bridges of a minimum spanning tree over the components, by Kruskal's algorithm. The edges connect
+/// components whose nearest-component regions are adjacent, by the shortest bridge found.
 template <std::size_t D>
 std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeComponents& components) {
     const auto nearest = nearest_sources(
@@ -90,17 +89,17 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
             std::size_t from = nearest[node], to = nearest[other];
             if (components.of_node[from] == components.of_node[to]) return;
             if (components.of_node[from] > components.of_node[to]) std::swap(from, to);
-            const Bridge bridge{lattice.steps2(from, to), from, to};
+            const Bridge bridge{lattice.squared_steps(from, to), from, to};
             const auto [entry, is_new] =
                 between.try_emplace({components.of_node[from], components.of_node[to]}, bridge);
-            if (!is_new && bridge.steps2 < entry->second.steps2) entry->second = bridge;
+            if (!is_new && bridge.squared_steps < entry->second.squared_steps) entry->second = bridge;
         });
     }
     std::vector<Bridge> bridges;
     bridges.reserve(between.size());
     for (const auto& [pair, bridge] : between) bridges.push_back(bridge);
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
-        return std::tuple(a.steps2, a.from, a.to) < std::tuple(b.steps2, b.from, b.to);
+        return std::tuple(a.squared_steps, a.from, a.to) < std::tuple(b.squared_steps, b.from, b.to);
     });
     DisjointSets joined(components.count);
     std::erase_if(bridges, [&](const Bridge& bridge) {
@@ -109,10 +108,10 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
     return bridges;
 }
 
-/// Adds bridges (capsules) to the figure until it has one component, in at most eight rounds; with
-/// `mirrored`, also their images. Returns the number of bridges, not counting images.
+/// Adds bridges (capsules) until the figure has one component, in at most eight rounds; with `mirrored`, also
+/// their images. Returns the number of bridges without images.
 ///
-///   components   those of the lattice as it is
+///   components  of the lattice before the call
 template <std::size_t D>
 std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents components, double margin,
                             bool mirrored) {
@@ -123,7 +122,7 @@ std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents compo
             const auto u = (margin / length(b - a)) * (b - a);
             a = a - u;
             b = b + u;
-            lattice.stamp(a, b, 1.3 * margin, 2 * margin);
+            lattice.add_capsule(a, b, 1.3 * margin, 2 * margin);
             ++count;
         }
         if (mirrored) lattice.mirror();
@@ -132,9 +131,9 @@ std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents compo
     return count;
 }
 
-/// Closes the figure morphologically by discs or balls (Serra, Image analysis and mathematical
-/// morphology, 1982): points that no disc of this radius reaches from outside become inside. With
-/// `holes`, a disc may also start in a hole.
+/// Morphological closing by discs or balls (Serra, Image analysis and mathematical morphology, 1982): points
+/// that no disc of this radius reaches from outside become inside. With `holes`, discs may also start in
+/// holes.
 template <std::size_t D>
 void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
     std::vector<std::uint8_t> outside = lattice.outside(static_cast<float>(radius));
@@ -142,7 +141,7 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
         for (std::size_t node = 0; node < lattice.size(); ++node)
             outside[node] = double(lattice[node]) > radius;
     }
-    // The squared distance from the positions that a disc's centre can reach.
+    // Squared distance from the positions that a disc's centre can reach.
     const double reach = radius + lattice.spacing();
     std::vector<float> free2(lattice.size(), static_cast<float>(reach * reach));
     const auto h = static_cast<float>(lattice.spacing());

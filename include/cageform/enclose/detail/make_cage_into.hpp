@@ -1,4 +1,4 @@
-// Declares the functions behind `make_cage`.
+// Declares the implementations of make_cage, pair_faces and find_parts.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -9,13 +9,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Makes a cage in the plane; defined in enclose/plane/cage_maker.hpp.
+/// 2D; defined in enclose/plane/cage_maker.hpp.
 template <class T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                       const MakeCageOptions& options, const Running& running,
                       Result<Polygon<T>, MakeCageReport>& made);
 
-/// A figure in space as its faces; an index out of range becomes no_vertex.
+/// A 3D figure as vertices and faces; an index out of range becomes no_vertex.
 template <Scalar T>
 struct FigureOfFaces {
     std::vector<Vec<T, 3>> vertices;
@@ -29,16 +29,20 @@ struct FigureOfFaces {
     }
 };
 
-/// Makes a cage in space; faces may lack vertices. Defined in enclose/space/cage_maker.hpp.
+/// 3D; defined in enclose/space/cage_maker.hpp.
 template <class T>
 Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                       const MakeCageOptions& options, const Running& running,
                       Result<TriangleMesh<T>, MakeCageReport>& made);
 
-/// Pairs the faces of a cage in space; defined in enclose/space/pair_faces.hpp.
+/// Defined in enclose/space/pair_faces.hpp.
 template <class T>
 Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> vertices,
                        std::span<const MeshFace> faces, const MakeCageOptions& options,
                        Result<PolyhedralMesh<T>, MakeCageReport>& made);
+
+/// Finds the parts of a valid cage; defined in enclose/space/part_finder.hpp.
+template <class T>
+CageParts parts_of_cage(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Runs the steps of make_cage.hpp for a figure in the plane, and measures the exact clearance of the cage.
+// make_cage in 2D: runs the steps and measures the exact clearance of the cage.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -13,7 +13,17 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Runs steps 1 to 5 for one figure.
+template <Scalar T>
+Bounds<double, 2> bounds_of_segments(std::span<const DrawnSegment<T>> figure) noexcept {
+    auto box = bounds_of(std::span<const Vec<double, 2>>());
+    for (const auto& s : figure) {
+        const std::array ends{vec_cast<double>(s.a), vec_cast<double>(s.b)};
+        box.include(bounds_of(std::span<const Vec<double, 2>>(ends)).widened(double(s.radius)));
+    }
+    return box;
+}
+
+/// Steps 1 to 5 for one figure.
 class PlaneCageMaker {
 public:
     using Point = Vec<double, 2>;
@@ -24,9 +34,9 @@ public:
         , areas_(areas)
         , options_(options) {}
 
-    /// Makes the loops, in local coordinates and outer ones counter-clockwise. They keep the distance
-    /// `level` from the figure, up to the lattice's resolution. Reports components, bridges and, the first
-    /// time, the tightest area.
+    /// Makes the loops in local coordinates, outer ones counter-clockwise. They keep the distance `level`
+    /// from the figure, up to the lattice resolution. Reports components, bridges and, on the first call, the
+    /// tightest area.
     Status make(double level, const Running& running, MakeCageReport& report, std::vector<Loop>& cage) {
         if (options_.shape == CageShape::box) {
             const auto box = bounds().widened(level);
@@ -57,7 +67,7 @@ public:
 private:
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
 
-    /// Reduces the contours to `vertices` in all, and completes the loops. Returns false if cancelled.
+    /// Reduces the contours to `vertices` in total and completes mirrored loops. Returns false if cancelled.
     bool reduce_all(std::size_t vertices, double level, const Running& running, std::vector<Loop>& cage) {
         const auto shares = share_vertices(vertices);
         for (std::size_t k = 0; k < contours_.size(); ++k) {
@@ -68,12 +78,12 @@ private:
         for (const auto& loop : contours_) add_whole(loop, cage);
         return true;
     }
-    /// Makes the fewest vertices that options.looseness allows.
+    /// Searches for the fewest vertices within options.looseness.
     Status make_fewest(double level, const Running& running, MakeCageReport& report,
                        std::vector<Loop>& cage) {
         constexpr std::size_t first = 12;
-        FewestVertices<std::vector<Loop>> search(vertex_counts(3, first, options_.vertices), first,
-                                                 options_.looseness);
+        VertexCountSearch<std::vector<Loop>> search(vertex_counts(3, first, options_.vertices), first,
+                                                    options_.looseness);
         const auto contours = contours_;
         std::vector<Point> places;
         for (const auto& loop : contours) places.insert(places.end(), loop.points.begin(), loop.points.end());
@@ -98,15 +108,9 @@ private:
         return Status::ok;
     }
 
-    /// The bounds of everything drawn; in a mirrored cage, of the figure and its mirror image.
+    /// Bounds of the figure, and of its mirror image if the cage is mirrored.
     Bounds<double, 2> bounds() const noexcept {
-        Bounds<double, 2> all = bounds_of(std::span<const Point>());
-        for (const auto& s : figure_) {
-            for (std::size_t k = 0; k < 2; ++k) {
-                all.lower[k] = (std::min)({all.lower[k], s.a[k] - s.radius, s.b[k] - s.radius});
-                all.upper[k] = (std::max)({all.upper[k], s.a[k] + s.radius, s.b[k] + s.radius});
-            }
-        }
+        auto all = bounds_of_segments(figure_);
         if (is_mirrored()) {
             all.upper[0] = (std::max)(all.upper[0], -all.lower[0]);
             all.lower[0] = -all.upper[0];
@@ -114,12 +118,12 @@ private:
         return all;
     }
 
-    /// Samples f near the figure, up to 4 margins or 12 nodes away. The longer side has 256 nodes or more,
-    /// a margin at least three. Around the figure lie 8 margins of free space for vertices.
+    /// Samples f up to 4 margins or 12 nodes from the figure. The longer side has at least 256 nodes, a
+    /// margin at least three. Leaves 8 margins of free space around the figure.
     Status fill_lattice(double level) {
         const auto box = bounds();
         const auto size = box.upper - box.lower;
-        // Single precision, so that node positions are exact and a column lies on the mirror axis.
+        // Single precision makes node positions exact and puts a column on the mirror axis.
         const double h = double(
             static_cast<float>((std::min)(((std::max)(size[0], size[1]) + 2 * level) / 256, level / 3)));
         Point low{};
@@ -127,7 +131,6 @@ private:
         double nodes = 1;
         for (std::size_t k = 0; k < 2; ++k) {
             const double from = box.lower[k] - 8 * level, to = box.upper[k] + 8 * level;
-            // A mirrored lattice is symmetric: a column of nodes lies on the axis.
             const bool centred = k == 0 && is_mirrored();
             const double side = centred ? 2 * std::ceil(to / h) : std::ceil((to - from) / h);
             low[k] = centred ? -h * std::ceil(to / h) : from;
@@ -137,17 +140,17 @@ private:
         }
         const double band = (std::max)(4 * level, 12 * h);
         lattice_ = DistanceLattice<2>(low, h, count, band - level);
-        for (const auto& s : figure_) lattice_.stamp(s.a, s.b, s.radius + level, band - level);
+        for (const auto& s : figure_) lattice_.add_capsule(s.a, s.b, s.radius + level, band - level);
         if (options_.holes) {
             for (const auto& area : areas_)
-                paint(lattice_, figure_.subspan(area.begin, area.end - area.begin), area.even_odd, level);
+                fill_area(lattice_, figure_.subspan(area.begin, area.end - area.begin), area.even_odd, level);
         }
         if (options_.shape == CageShape::hull)
             fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + level; });
         if (is_mirrored()) lattice_.mirror();
         return Status::ok;
     }
-    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
+    /// Extent of the figure (and of its mirror image, if the cage is mirrored) along a direction.
     double reach(const Point& direction) const noexcept {
         double most = std::numeric_limits<double>::lowest();
         for (const auto& s : figure_) {
@@ -159,7 +162,7 @@ private:
         return most;
     }
 
-    /// Fills all that the outside does not reach (pockets, enclosed parts), except holes if wanted.
+    /// Fills everything that is not outside (pockets, enclosed regions), except holes if requested.
     void find_contours(double level) {
         auto outside = lattice_.outside(0);
         if (options_.holes) add_holes(outside, 16 * level * level);
@@ -193,9 +196,9 @@ private:
         }
     }
 
-    /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if it crosses the axis.
-    /// It crosses twice, at vertices: a symmetric region without holes covers one interval of the axis,
-    /// where nodes lie.
+    /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if the loop crosses the
+    /// axis. A crossing loop does so at two vertices, because a symmetric region without holes covers one
+    /// interval of the axis, on which nodes lie.
     static CageLoop right_half(const Loop& loop) {
         const std::size_t n = loop.size();
         for (std::size_t i = 0; i < n; ++i) {
@@ -210,11 +213,11 @@ private:
         return loop[0][0] > 0 ? CageLoop{loop, false} : CageLoop{};
     }
 
-    /// How many loops of the cage this one stands for: 2 if its mirror image is a separate loop.
+    /// Returns 2 if the mirror image of the loop is a separate loop, else 1.
     int copies_of(const CageLoop& loop) const noexcept { return is_mirrored() && !loop.half ? 2 : 1; }
 
-    /// Shares out the vertices among the loops in proportion to the square roots of their areas, at least
-    /// four each (three for a single loop). For a half, the result counts the points of its chain.
+    /// Distributes the vertices over the loops in proportion to the square roots of their areas, at least
+    /// four each (three for a single loop). The result for a half is the size of its chain.
     std::vector<std::size_t> share_vertices(std::size_t vertices) const {
         double sum = 0;
         const auto weight = [](const CageLoop& loop) {
@@ -229,7 +232,7 @@ private:
         const double wanted = double(vertices);
         const double least = contours_.size() == 1 ? 3 : 4;
         double given = 0, share = 0;
-        for (const std::size_t k : order) { // rounding errors carry over to the next larger loops
+        for (const std::size_t k : order) { // rounding errors carry over to larger loops
             const auto& loop = contours_[k];
             share += wanted * copies_of(loop) * weight(loop) / sum;
             const double whole = (std::max)(std::round((share - given) / copies_of(loop)), least);
@@ -250,12 +253,13 @@ private:
             if (other != k) obstacles.add(contours_[other]);
         }
         obstacles.add_inside(contours_[k]);
-        if (copies_of(contours_[k]) > 1) obstacles.add({0, -4}, {0, 4}); // the axis: the image lies beyond
+        if (copies_of(contours_[k]) > 1)
+            obstacles.add({0, -4}, {0, 4}); // the axis: the image is on the other side
         return obstacles;
     }
 
-    /// Reduces contour k to `vertices` = n points. It tries a reduction to n, 7n/8, 6n/8 and 5n/8 vertices,
-    /// inserts the missing ones during relaxation, and keeps the result of least energy.
+    /// Reduces contour k to n = `vertices` points. Tries reductions to n, 7n/8, 6n/8 and 5n/8, inserts the
+    /// missing vertices during relaxation, and keeps the result of least energy.
     CageLoop reduced(std::size_t k, std::size_t vertices, double level) const {
         const auto& contour = contours_[k];
         const LoopEnergy energy(contour, vertices, std::fmax(options_.regular, 0.0));
@@ -280,7 +284,7 @@ private:
         return best;
     }
 
-    /// Adds a loop: completes a half by its image; adds the image of another loop if that is separate.
+    /// Adds a loop, completed by its image; adds a separate image as another loop.
     void add_whole(const CageLoop& loop, std::vector<Loop>& cage) const {
         Loop whole = loop.points, image;
         for (auto p = loop.points.rbegin(); p != loop.points.rend(); ++p)
@@ -294,10 +298,10 @@ private:
     std::span<const PaintedArea> areas_;
     const MakeCageOptions& options_;
     DistanceLattice<2> lattice_;
-    std::vector<CageLoop> contours_; ///< replaced one by one by the reduced loops
+    std::vector<CageLoop> contours_; ///< replaced one by one by reduced loops
 };
 
-/// The least distance between the edges of a cage and the figure; negative if some segment is not inside.
+/// Minimum distance between the cage edges and the figure; negative if a segment is not inside.
 template <Scalar T>
 double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<double>> figure) {
     Buffer<Facet<2>> edges;
@@ -317,7 +321,7 @@ double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<doub
     return all_inside ? least : -std::fabs(least);
 }
 
-/// The smallest angle between neighbouring edges, in degrees.
+/// Smallest angle between adjacent edges, in degrees.
 template <Scalar T>
 double least_angle(const Polygon<T>& cage) {
     double least = std::numbers::pi;
@@ -333,7 +337,7 @@ double least_angle(const Polygon<T>& cage) {
     return least * 180 / std::numbers::pi;
 }
 
-/// Checks the figure, the areas and the options; `report.culprit` gets the index of the first bad item.
+/// Sets `report.culprit` to the index of the first invalid segment or area.
 template <Scalar T>
 Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                     const MakeCageOptions& options, MakeCageReport& report) {
@@ -356,27 +360,19 @@ Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const Pai
     return check_options<2>(options);
 }
 
-/// The frame of a figure, and the figure there.
+/// A figure in local coordinates.
 struct FramedFigure {
     CageFrame<2> frame;
     Bounds<double, 2> box; ///< in the figure's own coordinates
     std::vector<DrawnSegment<double>> segments;
-    double diagonal = 0; ///< of its bounds, in local units
+    double diagonal = 0; ///< of the bounds, in local units
 };
 
 template <Scalar T>
 Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional<MirrorPlane>& mirror,
                     FramedFigure& framed) {
     auto& box = framed.box;
-    box = bounds_of(std::span<const Vec<double, 2>>());
-    for (const auto& s : figure) {
-        for (std::size_t k = 0; k < 2; ++k) {
-            box.lower[k] = (std::min)(
-                {box.lower[k], double(s.a[k]) - double(s.radius), double(s.b[k]) - double(s.radius)});
-            box.upper[k] = (std::max)(
-                {box.upper[k], double(s.a[k]) + double(s.radius), double(s.b[k]) + double(s.radius)});
-        }
-    }
+    box = bounds_of_segments(figure);
     if (!(box.diagonal() > least_figure_diagonal<2>())) return Status::figure_has_no_size;
     auto& frame = framed.frame;
     frame = CageFrame<2>(box, mirror);
@@ -387,7 +383,7 @@ Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional
     return Status::ok;
 }
 
-/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
+/// Repeats the steps with a larger distance while the exact clearance is too small.
 template <class T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                       const MakeCageOptions& options, const Running& running,
@@ -402,7 +398,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 200 : 24;
     const double margin = (options.margin > 0 ? options.margin : 0.025) * framed.diagonal;
     report.margin = margin / framed.frame.scale;
-    if (!can_tell<T>(report.margin, framed.box)) return Status::cage_not_found;
+    if (!resolves_margin<T>(report.margin, framed.box)) return Status::cage_not_found;
     PlaneCageMaker maker(framed.segments, areas, wanted);
     std::vector<DrawnSegment<double>> exact; // in the figure's own coordinates
     for (const auto& s : figure)
@@ -411,7 +407,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         std::vector<Loop> loops;
-        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
+        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // a second try is rare
         const Running subtask = running.subtask(done[round], done[round + 1]);
         status = maker.make(level, subtask, report, loops);
         if (status != Status::ok) return status;
@@ -426,7 +422,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
         made.value = Polygon<T>(vertices, sizes);
         report.cage = check(made.value);
         report.clearance = exact_clearance(made.value, std::span<const DrawnSegment<double>>(exact));
-        if (holds_figure(report)) break;
+        if (meets_guarantees(report)) break;
         level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
     }
     if (!running.keep_going(1)) return Status::cancelled;
@@ -436,7 +432,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
     for (auto& attempt : report.attempts) attempt.hollow /= framed.frame.scale;
-    return holds_figure(report) ? Status::ok : Status::cage_not_found;
+    return meets_guarantees(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail

@@ -1,5 +1,5 @@
-// make_cage in the plane, step 3: traces the border of the outside, with a vertex wherever it
-// crosses a lattice line.
+// make_cage in 2D, step 3: traces the border of the outside, with a vertex at each crossing of a lattice
+// line.
 #pragma once
 
 #include <cageform/enclose/detail/distance_lattice.hpp>
@@ -14,10 +14,10 @@ inline double signed_area(const Loop& loop) noexcept {
     return twice / 2;
 }
 
-/// The border of the outside by marching squares (Lorensen & Cline 1987, in the plane), as loops
-/// with the inside to their left: outer loops run counter-clockwise. The border follows `outside`
-/// and not the sign of f, so pockets that were filled get no loops. Where two outside corners of a
-/// square are opposite, the border keeps them apart: loops never touch.
+/// Border of the outside by marching squares (Lorensen & Cline 1987, in 2D), as loops with the inside to
+/// their left; outer loops are counter-clockwise. The border follows `outside`, not the sign of f, so filled
+/// pockets get no loops. If two outside corners of a square are opposite, the border separates them: loops
+/// never touch.
 class Contour {
 public:
     Contour(const DistanceLattice<2>& lattice, const std::vector<std::uint8_t>& outside)
@@ -48,9 +48,8 @@ public:
 private:
     static constexpr std::size_t none = ~std::size_t{0};
 
-    /// Lattice edges are numbered 2 node + axis. Each run of outside corners, counter-clockwise
-    /// around the square, is cut off by one piece of the border: from the edge where the run begins
-    /// to the edge where it ends.
+    /// Lattice edges are numbered 2 node + axis. Each counter-clockwise run of outside corners is cut off by
+    /// one segment, from the edge where the run begins to the edge where it ends.
     void link_square(std::size_t node) {
         const std::size_t width = lattice_.count()[0];
         const std::array<std::size_t, 4> corner{node, node + 1, node + width + 1, node + width};
@@ -64,8 +63,8 @@ private:
         }
     }
 
-    /// Where the border crosses a lattice edge, by linear interpolation of f; kept off the nodes,
-    /// so that no piece of the border has length 0.
+    /// Crossing of the border and a lattice edge by linear interpolation of f. Kept off the nodes, so that
+    /// all segments have a positive length.
     Vec<double, 2> crossing(std::size_t edge) const {
         const std::size_t from = edge / 2, to = from + (edge % 2 == 0 ? 1 : lattice_.count()[0]);
         const double f = double(lattice_[from]), g = double(lattice_[to]);

@@ -1,5 +1,5 @@
-// make_cage in the plane, step 4: reduces a contour to few vertices by steps that only enlarge the loop
-// (Sander, Gu, Gortler, Hoppe & Snyder, Silhouette clipping, SIGGRAPH 2000, sec. 3: progressive hulls).
+// make_cage in 2D, step 4: reduces a contour by collapses that only enlarge the loop (progressive hulls:
+// Sander et al., Silhouette clipping, SIGGRAPH 2000, sec. 3).
 #pragma once
 
 #include <cageform/enclose/plane/cage_loop.hpp>
@@ -8,13 +8,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Collapses edges: replaces two neighbours by one vertex, always where the loop gains the least area.
+/// Collapses edges: replaces two adjacent vertices by one, least added area first.
 class LoopReduction {
 public:
     using Point = Vec<double, 2>;
 
-    /// `contour` has three vertices or more. `farthest` limits the distance of a new vertex from
-    /// both that it replaces.
+    /// `contour` has at least three vertices. `farthest` limits the distance of a new vertex from both
+    /// vertices it replaces.
     LoopReduction(const CageLoop& contour, const Obstacles& obstacles, double farthest)
         : obstacles_(obstacles)
         , half_(contour.half)
@@ -33,25 +33,25 @@ public:
         for (std::size_t i = 0; i < contour.size(); ++i) propose(i);
     }
 
-    /// Reduces the loop to this many vertices, or as few as possible.
+    /// Reduces the loop to `vertices`, or as few as possible.
     void reduce_to(std::size_t vertices) {
         while (count_ > std::max<std::size_t>(vertices, 3)) {
             if (queue_.empty()) {
-                if (waiting_.empty() || !changed_) return;
-                changed_ = false; // the loop has changed, so refused steps are tried again
-                for (const Step& step : waiting_) {
+                if (rejected_.empty() || !changed_) return;
+                changed_ = false; // the loop has changed: rejected collapses may be valid now
+                for (const Collapse& step : rejected_) {
                     if (step.version == version_[step.b]) queue_.push(step);
                 }
-                waiting_.clear();
+                rejected_.clear();
                 continue;
             }
-            const Step step = queue_.top();
+            const Collapse step = queue_.top();
             queue_.pop();
             if (step.version != version_[step.b]) continue;
-            if (is_free(step)) {
-                take(step);
+            if (is_valid(step)) {
+                apply(step);
             } else {
-                waiting_.push_back(step);
+                rejected_.push_back(step);
             }
         }
     }
@@ -65,24 +65,24 @@ public:
     }
 
 private:
-    static constexpr std::size_t gone = ~std::size_t{0};
+    static constexpr std::size_t removed = ~std::size_t{0};
 
-    /// Replaces vertex `b` and the next one by one vertex at `x`.
-    struct Step {
+    /// Replaces vertex `b` and its successor by one vertex at `x`.
+    struct Collapse {
         double cost;
         std::size_t b;
-        std::uint32_t version; ///< of the edge from b: an older step is out of date
+        std::uint32_t version; ///< of the edge from b; outdated if it differs from the current one
         Point x;
 
-        bool operator<(const Step& other) const noexcept { // the queue has its largest on top
+        bool operator<(const Collapse& other) const noexcept { // the queue pops the largest
             return cost != other.cost ? cost > other.cost : b > other.b;
         }
     };
 
-    bool is_live(std::size_t i) const noexcept { return next_[i] != gone; }
+    bool is_live(std::size_t i) const noexcept { return next_[i] != removed; }
     bool is_start(std::size_t i) const noexcept { return half_ && i == 0; }
     bool is_end(std::size_t i) const noexcept { return half_ && i + 1 == point_.size(); }
-    /// The neighbours of a vertex; at an end of a chain, one of them is the mirror image of the other.
+    /// Neighbours of a vertex; at an end of a chain, one is the mirror image of the other.
     Point before(std::size_t i) const noexcept {
         return is_start(i) ? CageLoop::mirrored(point_[next_[i]]) : point_[previous_[i]];
     }
@@ -90,15 +90,15 @@ private:
         return is_end(i) ? CageLoop::mirrored(point_[previous_[i]]) : point_[next_[i]];
     }
 
-    /// Puts the possible collapses of the edge from `b` to the next vertex c into the queue: keep b
-    /// if c is reflex, keep c if b is reflex, or extend the two adjacent edges until they meet.
+    /// Queues the possible collapses of the edge from `b` to its successor c: keep b if c is reflex, keep c
+    /// if b is reflex, or extend both adjacent edges to their intersection.
     void propose(std::size_t b) {
         ++version_[b];
         if (is_end(b)) return;
         const std::size_t c = next_[b];
         const Point p = point_[b], q = point_[c], a = before(b), d = after(c);
-        if (!is_end(c) && cross(q - p, d - q) <= 0) offer(b, p, a, d);
-        if (!is_start(b) && cross(p - a, q - p) <= 0) offer(b, q, a, d);
+        if (!is_end(c) && cross(q - p, d - q) <= 0) push_candidate(b, p, a, d);
+        if (!is_start(b) && cross(p - a, q - p) <= 0) push_candidate(b, q, a, d);
         const bool both_ends = is_start(b) && is_end(c);
         if (both_ends) return;
         const Point into = is_start(b) ? Point{0, 1} : p - a, out_of = is_end(c) ? Point{0, 1} : q - d;
@@ -107,45 +107,44 @@ private:
         const Point x = p + (cross(q - p, out_of) / det) * into;
         const bool beyond_b = is_start(b) || dot(x - p, into) > 0,
                    beyond_c = is_end(c) || dot(x - q, out_of) > 0;
-        if (beyond_b && beyond_c && cross(q - p, x - p) < 0) offer(b, half_end(b, c, x), a, d);
+        if (beyond_b && beyond_c && cross(q - p, x - p) < 0) push_candidate(b, half_end(b, c, x), a, d);
     }
-    /// The position x, moved exactly onto the axis if an end of a chain moves.
+    /// Projects x onto the mirror axis if an end of a chain moves.
     Point half_end(std::size_t b, std::size_t c, const Point& x) const noexcept {
         return is_start(b) || is_end(c) ? Point{0, x[1]} : x;
     }
-    void offer(std::size_t b, const Point& x, const Point& a, const Point& d) {
+    void push_candidate(std::size_t b, const Point& x, const Point& a, const Point& d) {
         const std::size_t c = next_[b];
         const Point p = point_[b], q = point_[c];
-        if ((length(x - p) > farthest_ && length(x - q) > farthest_) || !obstacles_.allows(x)) return;
+        if ((length(x - p) > farthest_ && length(x - q) > farthest_) || !obstacles_.in_bounds(x)) return;
         if (half_ && !is_start(b) && !is_end(c) && x[0] < 0.5 * obstacles_.margin) return;
         const Point u = (is_start(b) ? CageLoop::mirrored(d) : a) - x;
         const Point v = (is_end(c) ? CageLoop::mirrored(a) : d) - x;
         const double angle = angle_between(u, v);
         constexpr double sharp = 0.9, least = 0.05; // radians
         if (angle < least) return;
-        // Exactly one of the three terms counts: the triangle pqx for a new vertex, apq if b goes,
-        // qdp if c goes.
+        // Exactly one term is not 0: triangle pqx for a new vertex, apq if b is removed, qdp if c is removed.
         const double area = std::fabs(cross(q - p, x - p)) +
                             std::fabs(cross(p - a, x - a)) * (x == q ? 1 : 0) +
                             std::fabs(cross(q - d, x - d)) * (x == p ? 1 : 0);
         queue_.push({area / 2 * (1 + 12 * (std::max)(sharp - angle, 0.0) / sharp), b, version_[b], x});
     }
 
-    /// Whether the new edges stay clear of all others, and the area gained contains no mark.
-    bool is_free(const Step& step) const {
+    /// True if the new edges are clear of all others and the added area contains no mark.
+    bool is_valid(const Collapse& step) const {
         const std::size_t b = step.b, c = next_[b];
         const std::size_t a = previous_[b], d = next_[c];
         const Point p = point_[b], q = point_[c], x = step.x;
         const bool first = is_start(b), last = is_end(c);
         if (!first && !edge_is_free(point_[a], x, b, a)) return false;
         if (!last && !edge_is_free(x, point_[d], b, d)) return false;
-        return !obstacles_.any_within(p, q, x) && (first || !obstacles_.any_within(point_[a], p, x)) &&
-               (last || !obstacles_.any_within(x, q, point_[d]));
+        return !obstacles_.any_mark_in(p, q, x) && (first || !obstacles_.any_mark_in(point_[a], p, x)) &&
+               (last || !obstacles_.any_mark_in(x, q, point_[d]));
     }
-    /// Whether a new edge between a moved vertex and `end`, which stays, is clear of the loop.
-    /// Edges that the step removes, and edges at `end`, are skipped.
+    /// True if a new edge between a moved vertex and its fixed neighbour `end` is clear of the loop. Skips
+    /// removed edges and edges at `end`.
     bool edge_is_free(const Point& from, const Point& to, std::size_t b, std::size_t end) const {
-        if (obstacles_.comes_near(from, to, 0)) return false;
+        if (obstacles_.is_near_other(from, to, 0)) return false;
         return std::none_of(live_.begin(), live_.end(), [&](std::size_t i) {
             if (!is_live(i) || is_end(i)) return false;
             if (i == previous_[b] || i == b || i == next_[b]) return false;
@@ -154,14 +153,14 @@ private:
         });
     }
 
-    void take(const Step& step) {
+    void apply(const Collapse& step) {
         const std::size_t b = step.b, c = next_[b];
         const std::size_t stays = is_end(c) ? c : b, goes = is_end(c) ? b : c;
         point_[stays] = step.x;
         const std::size_t before = previous_[goes], after = next_[goes];
         next_[before] = after;
         previous_[after] = before;
-        next_[goes] = gone;
+        next_[goes] = removed;
         ++version_[goes];
         --count_;
         changed_ = true;
@@ -176,10 +175,10 @@ private:
     Loop point_;
     std::vector<std::size_t> previous_, next_;
     std::vector<std::uint32_t> version_;
-    std::vector<std::size_t> live_; ///< indices of the vertices left, and of some already removed
+    std::vector<std::size_t> live_; ///< remaining vertices, and some already removed
     std::size_t count_;
-    std::priority_queue<Step> queue_;
-    std::vector<Step> waiting_;
+    std::priority_queue<Collapse> queue_;
+    std::vector<Collapse> rejected_;
     bool changed_ = false;
 };
 

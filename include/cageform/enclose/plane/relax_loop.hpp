@@ -1,5 +1,5 @@
-// make_cage in the plane, step 5: moves, inserts and removes vertices while the loop's energy falls.
-// Step 4 can only enlarge the loop; this step tightens it again and evens out angles and lengths.
+// make_cage in 2D, step 5: moves, inserts and removes vertices while the energy falls. Tightens the loop,
+// which step 4 only enlarged, and evens out angles and lengths.
 #pragma once
 
 #include <cageform/enclose/plane/cage_loop.hpp>
@@ -16,19 +16,19 @@ public:
         : energy_(energy)
         , obstacles_(obstacles) {}
 
-    /// Moves each vertex in turn to the position of least energy among 16 directions and three step
-    /// lengths. The steps become shorter from sweep to sweep.
+    /// Moves each vertex in turn to the best position in 16 directions at three step lengths. Steps shrink
+    /// from sweep to sweep.
     void relax(CageLoop& loop, int sweeps) const {
         double step = 4 * obstacles_.margin;
         for (int sweep = 0; sweep < sweeps; ++sweep) {
-            for (std::size_t i = 0; i < loop.size(); ++i) improve(loop, i, step, 0.1 * sweep);
+            for (std::size_t i = 0; i < loop.size(); ++i) move_vertex(loop, i, step, 0.1 * sweep);
             if (sweep % 3 == 2) step *= 0.7;
         }
     }
 
-    /// Splits the longest edge until the loop has this many vertices; its shape stays the same. If
-    /// a vertex lies across the inside nearby, the edge is split opposite to it, so that limbs get
-    /// their vertices in pairs; otherwise in the middle.
+    /// Splits the longest edge until the loop has `vertices` vertices; its shape does not change. If a vertex
+    /// lies across the inside nearby, the edge is split opposite to it, so that limbs get vertices in pairs;
+    /// otherwise in the middle.
     void insert(CageLoop& loop, std::size_t vertices) const {
         while (loop.size() < vertices) {
             std::size_t longest = 0;
@@ -44,21 +44,21 @@ public:
         }
     }
 
-    /// Removes the vertex whose loss costs least, inserts one elsewhere, and relaxes; up to three
-    /// times. This escapes local minima in which moving single vertices gets stuck.
+    /// Removes the vertex whose loss costs least, inserts one elsewhere and relaxes; up to three times. This
+    /// escapes local minima of single-vertex moves.
     void reinsert(CageLoop& loop) const {
         for (int round = 0; round < 3; ++round) {
             double least = energy_.of(loop) - 1e-4;
             CageLoop best;
             for (std::size_t i = 0; i < loop.size(); ++i) {
-                if (loop.is_end(i) || loop.size() <= 3 || !may_go(loop, i)) continue;
+                if (loop.is_end(i) || loop.size() <= 3 || !can_remove(loop, i)) continue;
                 CageLoop trial = loop;
                 trial.points.erase(trial.points.begin() + std::ptrdiff_t(i));
-                // In radians. A vertex this sharp may belong to a spike, which vanishes only if its
-                // other vertices move.
+                // In radians. A sharp vertex may belong to a spike, which disappears only if its neighbours
+                // move.
                 constexpr double sharp = 1.2;
                 if (angle_between(loop.before(i) - loop.points[i], loop.after(i) - loop.points[i]) < sharp)
-                    relax_about(trial, i);
+                    relax_near(trial, i);
                 insert(trial, loop.size());
                 const double energy = energy_.of(trial);
                 if (energy >= least) continue;
@@ -77,20 +77,20 @@ private:
         Point x;
     };
 
-    /// Moves the two vertices on each side of where vertex `i` was.
-    void relax_about(CageLoop& loop, std::size_t i) const {
+    /// Moves two vertices on each side of a removed vertex `i`.
+    void relax_near(CageLoop& loop, std::size_t i) const {
         const auto n = std::ptrdiff_t(loop.size());
         double step = 2 * obstacles_.margin;
         for (int sweep = 0; sweep < 8; ++sweep, step *= 0.8) {
             for (const std::ptrdiff_t k : {-1, 0, -2, 1}) {
                 const std::ptrdiff_t at = std::ptrdiff_t(i) + k;
                 if (!loop.half || (at >= 0 && at < n))
-                    improve(loop, std::size_t((at + n) % n), step, 0.1 * sweep);
+                    move_vertex(loop, std::size_t((at + n) % n), step, 0.1 * sweep);
             }
         }
     }
 
-    void improve(CageLoop& loop, std::size_t i, double step, double rotation) const {
+    void move_vertex(CageLoop& loop, std::size_t i, double step, double rotation) const {
         const Point x = loop.points[i];
         const double now = energy_.about(loop, i);
         std::array<Move, 48> moves;
@@ -113,25 +113,25 @@ private:
             return std::tuple(a.energy, a.x[0], a.x[1]) < std::tuple(b.energy, b.x[0], b.x[1]);
         });
         for (std::size_t m = 0; m < count; ++m) {
-            if (!may_move(loop, i, moves[m].x)) continue;
+            if (!can_move(loop, i, moves[m].x)) continue;
             loop.points[i] = moves[m].x;
             return;
         }
     }
 
-    bool may_move(const CageLoop& loop, std::size_t i, const Point& x) const {
-        if (!obstacles_.allows(x)) return false;
+    bool can_move(const CageLoop& loop, std::size_t i, const Point& x) const {
+        if (!obstacles_.in_bounds(x)) return false;
         const std::size_t p = loop.previous(i), n = loop.next(i);
         const bool first = loop.half && i == 0, last = loop.half && i + 1 == loop.size();
         if (loop.half && !first && !last && x[0] < 0.5 * obstacles_.margin) return false;
         const Point& from = loop.points[p];
         const Point& to = loop.points[n];
-        if (!first && obstacles_.any_within(loop.points[i], x, from)) return false;
-        if (!last && obstacles_.any_within(loop.points[i], x, to)) return false;
+        if (!first && obstacles_.any_mark_in(loop.points[i], x, from)) return false;
+        if (!last && obstacles_.any_mark_in(loop.points[i], x, to)) return false;
         return (first || edge_is_free(loop, i, x, p)) && (last || edge_is_free(loop, i, x, n));
     }
 
-    /// Whether the edge from vertex `i`, moved to `x`, to its neighbour `end` stays clear of all obstacles.
+    /// True if the edge from vertex `i`, moved to `x`, to its neighbour `end` is clear of all obstacles.
     bool edge_is_free(const CageLoop& loop, std::size_t i, const Point& x, std::size_t end) const {
         const Point& to = loop.points[end];
         const double gap = 0.25 * obstacles_.margin;
@@ -139,7 +139,7 @@ private:
             const std::size_t k = loop.next(j);
             if (j == i || k == i) continue;
             const Point &a = loop.points[j], &b = loop.points[k];
-            if (j == end || k == end) { // neighbours may not fold back onto each other
+            if (j == end || k == end) { // adjacent edges must not fold onto each other
                 const auto u = x - to, v = (j == end ? b : a) - to;
                 if (dot(u, v) > 0 && angle_between(u, v) < 0.05) return false;
             } else if (Obstacles::segments_near(x, to, a, b, gap)) {
@@ -148,13 +148,13 @@ private:
         }
         const auto u = to - x, v = (end == loop.next(i) ? loop.before(i) : loop.after(i)) - x;
         if (dot(u, v) > 0 && angle_between(u, v) < 0.05) return false;
-        return !obstacles_.comes_near(x, to, gap) && is_clear(*obstacles_.lattice, x, to);
+        return !obstacles_.is_near_other(x, to, gap) && is_clear(*obstacles_.lattice, x, to);
     }
 
-    /// Whether vertex `i` may be removed, so that an edge joins its neighbours.
-    bool may_go(const CageLoop& loop, std::size_t i) const {
+    /// True if vertex `i` can be removed, so that an edge connects its neighbours.
+    bool can_remove(const CageLoop& loop, std::size_t i) const {
         const Point &a = loop.points[loop.previous(i)], &b = loop.points[loop.next(i)];
-        if (obstacles_.any_within(a, loop.points[i], b)) return false;
+        if (obstacles_.any_mark_in(a, loop.points[i], b)) return false;
         CageLoop without = loop;
         without.points.erase(without.points.begin() + std::ptrdiff_t(i));
         const std::size_t from = i > 0 ? i - 1 : without.size() - 1;
@@ -177,8 +177,8 @@ private:
         }
         return position;
     }
-    /// Whether no edge lies between vertex `i` and `foot`, except those at `i` and the one that
-    /// contains `foot`.
+    /// True if no edge separates vertex `i` from `foot`; ignores edges at `i` and the edge that contains
+    /// `foot`.
     static bool sees(const CageLoop& loop, std::size_t i, const Point& foot, std::size_t edge) noexcept {
         for (std::size_t j = 0; j < loop.edge_count(); ++j) {
             const std::size_t k = loop.next(j);

@@ -1,4 +1,4 @@
-// Runs the steps of make_cage_3d.hpp for a figure in space, and measures the exact clearance of the cage.
+// make_cage in 3D: runs the steps and measures the exact clearance of the cage.
 #pragma once
 
 #include <cageform/cage/detail/shells.hpp>
@@ -21,17 +21,11 @@ namespace detail {
 
 inline Bounds<double, 3> bounds_of_corners(std::span<const Corners<3>> figure) noexcept {
     Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
-    for (const auto& corner : figure) {
-        const auto b = box_of(corner);
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
-            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
-        }
-    }
+    for (const auto& corner : figure) box.include(box_of(corner));
     return box;
 }
 
-/// Runs steps 1 to 5 for one figure.
+/// Steps 1 to 5 for one figure.
 class SpaceCageMaker {
 public:
     using Point = Vec<double, 3>;
@@ -48,15 +42,15 @@ public:
         longest_ = (std::max)({size[0], size[1], size[2]});
     }
 
-    /// Makes a shell in local coordinates that keeps the distance `level` from the figure, up to
-    /// the lattice's resolution. Reports components, bridges and, the first time, the tightest volume.
+    /// Makes a shell in local coordinates. It keeps the distance `level` from the figure, up to the lattice
+    /// resolution. Reports components, bridges and, on the first call, the tightest volume.
     Status make(double level, const Running& running, MakeCageReport& report, Shell& shell) {
         if (options_.shape == CageShape::box) {
             shell = box_shell(level);
             report.tightest_area = shell.six_volumes() / 6;
             return Status::ok;
         }
-        const double lifted = 1.12 * level; // interpolated f lets flat faces come nearer
+        const double lifted = 1.12 * level; // interpolated f is too large near flat faces
         if (const Status status = make_lattice(lifted); status != Status::ok) return status;
         SpaceDistance(lattice_, figure_).fill(lifted, 5 * lifted, running);
         if (options_.shape == CageShape::hull)
@@ -78,7 +72,7 @@ public:
         const ShellObstacles obstacles{&lattice_, lifted};
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
-        const Reducing step{obstacles, six, area * (shell.half ? 2 : 1)};
+        const ReductionInput step{obstacles, six, area * (shell.half ? 2 : 1)};
         if (options_.looseness > 0 && options_.rings)
             return make_fewest_with_rings(step, running, report, shell);
         if (options_.looseness > 0) return make_fewest(step, running, report, shell);
@@ -86,32 +80,34 @@ public:
     }
 
 private:
-    /// A contour that is to be reduced.
-    struct Reducing {
+    /// A contour to reduce.
+    struct ReductionInput {
         const ShellObstacles& obstacles;
-        double six_volumes, area; ///< of the contour, the area with that of its image
+        double six_volumes, area; ///< of the contour; the area includes the mirror image
     };
 
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
 
-    /// Step 5 for a shell that was reduced to `vertices`. Returns false if cancelled.
-    bool relax(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+    /// Step 5, after a reduction to `vertices`. Returns false if cancelled.
+    bool relax(Shell& shell, std::size_t vertices, const ReductionInput& step, const Running& running) const {
         const ShellEnergy energy(step.six_volumes, vertices, step.area, std::fmax(options_.regular, 0.0));
         return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
     }
 
-    /// Steps 4 and 5 for a contour. Returns false if cancelled.
-    bool reduce(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+    /// Steps 4 and 5. Returns false if cancelled.
+    bool reduce(Shell& shell, std::size_t vertices, const ReductionInput& step,
+                const Running& running) const {
         const double cut = options_.rings ? 0.6 : 0.3;
         return (!options_.rings || cut_rings(step, vertices, running.subtask(0.3, cut), shell)) &&
                ShellReduction(shell, step.obstacles).reduce_to(vertices, running.subtask(cut, 0.8)) &&
                relax(shell, vertices, step, running.subtask(0.8, 1));
     }
 
-    /// Cuts a contour, after the first rounds of collapses, along a ring about each limb. Limbs are found on
-    /// shells of four times the vertices wanted, twice and once, where they are most. Returns false if
-    /// cancelled.
-    bool cut_rings(const Reducing& step, std::size_t vertices, const Running& running, Shell& shell) const {
+    /// Cuts a contour along a ring around each limb, after the first rounds of collapses. Searches for limbs
+    /// on shells of four times, twice and once the requested vertices, and uses the largest set. Returns
+    /// false if cancelled.
+    bool cut_rings(const ReductionInput& step, std::size_t vertices, const Running& running,
+                   Shell& shell) const {
         ShellReduction reduction(shell, step.obstacles);
         if (!reduction.begin(vertices, running.subtask(0, 0.4))) return false;
         Shell fine = shell.compacted();
@@ -123,13 +119,13 @@ private:
             done += 0.2;
         }
         rings.cut(vertices);
-        if (!fine.rings.empty()) shell = std::move(fine); // otherwise it is reduced already
+        if (!fine.rings.empty()) shell = std::move(fine); // otherwise it is already reduced
         return true;
     }
 
-    /// Makes the fewest vertices that options.looseness allows. One reduction passes through all numbers of
-    /// vertices; those that are tried are relaxed.
-    Status make_fewest(const Reducing& step, const Running& running, MakeCageReport& report,
+    /// Searches for the fewest vertices within options.looseness. One reduction visits all counts; only the
+    /// counts tried are relaxed.
+    Status make_fewest(const ReductionInput& step, const Running& running, MakeCageReport& report,
                        Shell& shell) const {
         const auto wanted = vertex_counts(4, first_tried, options_.vertices);
         std::vector<Shell> reduced;
@@ -137,18 +133,18 @@ private:
         const auto contour = shell.points;
         ShellReduction reduction(shell, step.obstacles);
         double done = 0.3;
-        for (std::size_t k = wanted.size(); k-- > 0;) { // to the first count it is the farthest
+        for (std::size_t k = wanted.size(); k-- > 0;) { // the first count takes most of the time
             const double from = std::exchange(done, 0.6 - 0.05 * double(k) / double(wanted.size()));
             if (!reduction.reduce_to(wanted[k], running.subtask(from, done))) return Status::cancelled;
             const std::size_t count = shell.whole_size();
             if (!counts.empty() && count == counts.back())
-                continue; // the contour has no more, or it is stuck
+                continue; // no more vertices in the contour, or no valid collapse
             counts.push_back(count);
             reduced.push_back(shell.compacted());
         }
         std::reverse(counts.begin(), counts.end());
         std::reverse(reduced.begin(), reduced.end());
-        FewestVertices<Shell> search(counts, first_tried, options_.looseness);
+        VertexCountSearch<Shell> search(counts, first_tried, options_.looseness);
         for (double left = 0.4; const auto index = search.next(); left *= 0.8) {
             const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
             Shell trial = std::move(reduced[*index]);
@@ -172,9 +168,9 @@ private:
         return {shell.whole_size(), volume / report.tightest_area - 1, deepest_hollow<3>(contour, facets)};
     }
 
-    /// Makes the fewest vertices without rings, and then a cage with rings that has as many, or more where
-    /// the rings make it too loose. These attempts replace those of the same number.
-    Status make_fewest_with_rings(const Reducing& step, const Running& running, MakeCageReport& report,
+    /// Searches for the fewest vertices without rings, then makes a cage with rings and as many vertices, or
+    /// more while it is too loose. Its attempts replace those with the same number.
+    Status make_fewest_with_rings(const ReductionInput& step, const Running& running, MakeCageReport& report,
                                   Shell& shell) const {
         const Shell contour = shell;
         const Status status = make_fewest(step, running.subtask(0, 0.6), report, shell);
@@ -209,7 +205,8 @@ private:
             shell.points.push_back(p);
             shell.on_rim.push_back(false);
         }
-        // Each side as a corner and its two neighbours; the fourth corner is their sum minus the first.
+        // Each side by a corner and its two neighbours; the fourth corner is the sum of the neighbours minus
+        // the corner.
         for (const Shell::Face& quad :
              {Shell::Face{0, 2, 1}, {4, 5, 6}, {0, 1, 4}, {2, 6, 3}, {0, 4, 2}, {1, 3, 5}}) {
             shell.faces.push_back(quad);
@@ -219,7 +216,7 @@ private:
         return shell;
     }
 
-    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
+    /// Extent of the figure (and of its mirror image, if the cage is mirrored) along a direction.
     double reach(const Point& direction) const noexcept {
         double most = std::numeric_limits<double>::lowest();
         for (const auto& corner : figure_) {
@@ -231,16 +228,15 @@ private:
         return most;
     }
 
-    /// The lattice has 2.2 spacings per margin, or fewer if the longest side would need more than
-    /// 220 spacings.
+    /// A margin has 2.2 spacings, or fewer if the longest side would need more than 220.
     Status make_lattice(double level) {
         const double wanted = (std::max)(level / 2.2, (longest_ + 2 * level) / 220);
-        const double h = double(static_cast<float>(wanted)); // makes node positions exact
+        const double h = double(static_cast<float>(wanted)); // exact node positions
         if (h > 0.8 * level) return Status::margin_too_small;
         lattice_ = lattice_about(h, 5 * level + 4 * h, 5 * level);
         return Status::ok;
     }
-    /// Makes a lattice around the figure. In a mirrored cage, the plane lies midway between nodes.
+    /// Makes a lattice around the figure. The mirror plane, if any, is midway between nodes.
     DistanceLattice<3> lattice_about(double h, double padding, double farthest) const {
         Point low{};
         DistanceLattice<3>::Count count{};
@@ -254,7 +250,7 @@ private:
         return {low, h, count, farthest};
     }
 
-    /// The border of the outside as a manifold mesh. Pockets that the outside does not reach become inside.
+    /// Border of the outside as a manifold mesh. Enclosed pockets become inside.
     Shell contour() {
         auto outside = lattice_.outside(0);
         for (std::size_t node = 0; node < lattice_.size(); ++node) {
@@ -276,8 +272,8 @@ private:
         return SurfaceNets(lattice_, outside, is_mirrored()).shell();
     }
 
-    /// Closes the figure by larger and larger balls until no tunnel is left. Each round uses a
-    /// lattice of its own with enough room around the figure.
+    /// Closes the figure by balls of increasing radius until no tunnel is left. Each round uses its own
+    /// lattice with enough space around the figure.
     void fill_tunnels(double level, const Running& running, Shell& shell) {
         for (double radius = 2 * level; radius < longest_ && euler_number(shell) < 2 * shell_count(shell);
              radius *= 2) {
@@ -289,7 +285,8 @@ private:
             const auto nearest = nearest_sources(coarse, [&](std::size_t node) { return open[node] != 0; });
             for (std::size_t node = 0; node < coarse.size(); ++node) {
                 if (nearest[node] == coarse.size()) continue;
-                coarse[node] = static_cast<float>(radius - h * std::sqrt(coarse.steps2(node, nearest[node])));
+                coarse[node] =
+                    static_cast<float>(radius - h * std::sqrt(coarse.squared_steps(node, nearest[node])));
             }
             for (std::size_t node = 0; node < lattice_.size(); ++node)
                 lattice_[node] =
@@ -306,45 +303,36 @@ private:
     DistanceLattice<3> lattice_;
 };
 
-/// The cage in the figure's coordinates; a half is completed by its image.
+/// Returns the cage in the figure's coordinates; a half is completed by its image.
 template <Scalar T>
 TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
+    const WholeShell whole(shell);
     std::vector<Vec<T, 3>> vertices;
-    std::vector<std::array<std::uint32_t, 3>> faces;
-    for (const bool image : {false, true}) {
-        if (image && !shell.half) break;
-        static constexpr std::uint32_t none = ~std::uint32_t{0};
-        std::vector<std::uint32_t> number(shell.points.size(), none);
-        std::uint32_t next_on_rim = 0;
-        for (std::size_t v = 0; v < shell.points.size(); ++v) {
-            if (shell.star[v].empty()) continue;
-            auto p = shell.points[v];
-            if (image) p[0] = -p[0];
-            const auto position = vec_cast<T>(frame.from_local(p));
-            if (shell.half && shell.on_rim[v]) { // rim vertices come first; the image shares them
-                if (!image) vertices.insert(vertices.begin() + next_on_rim, position);
-                number[v] = next_on_rim++;
-            }
+    std::vector<std::uint32_t> number(whole.points.size());
+    const auto add = [&](std::uint32_t v) {
+        number[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(vec_cast<T>(frame.from_local(whole.points[v])));
+    };
+    enum Pass { rim, own, image };
+    for (const Pass pass : {rim, own, image}) {
+        for (std::uint32_t v = 0; v < shell.points.size(); ++v) {
+            const bool is_on_rim = shell.half && shell.on_rim[v];
+            if (shell.star[v].empty() || is_on_rim != (pass == rim)) continue;
+            if (pass != image)
+                add(v);
+            else if (shell.half)
+                add(whole.image[v]);
         }
-        for (std::size_t v = 0; v < shell.points.size(); ++v) {
-            if (shell.star[v].empty() || number[v] != none) continue;
-            auto p = shell.points[v];
-            if (image) p[0] = -p[0];
-            number[v] = static_cast<std::uint32_t>(vertices.size());
-            vertices.push_back(vec_cast<T>(frame.from_local(p)));
-        }
-        for (std::size_t f = 0; f < shell.faces.size(); ++f) {
-            if (!shell.is_face(f)) continue;
-            std::array<std::uint32_t, 3> face{};
-            for (std::size_t k = 0; k < 3; ++k) face[k] = number[shell.faces[f][k]];
-            if (image != frame.reverses_orientation()) std::swap(face[1], face[2]);
-            faces.push_back(face);
-        }
+    }
+    std::vector<MeshFace> faces;
+    for (const auto& [a, b, c] : whole.faces) {
+        faces.push_back({number[a], number[b], number[c]});
+        if (frame.reverses_orientation()) std::swap(faces.back()[1], faces.back()[2]);
     }
     return {vertices, faces};
 }
 
-/// Reads the corners of the figure's faces; reports the first invalid one.
+/// Reads the corners of the faces; reports the first invalid face or vertex.
 template <Scalar T>
 Status read_figure(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                    std::vector<Corners<3>>& figure, MakeCageReport& report) {
@@ -370,7 +358,7 @@ Status read_figure(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace
     return Status::ok;
 }
 
-/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
+/// Repeats the steps with a larger distance while the exact clearance is too small.
 template <class T>
 Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                       const MakeCageOptions& options, const Running& running,
@@ -390,14 +378,14 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     MakeCageOptions wanted = options;
     if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 1000 : 112;
     report.margin = (options.margin > 0 ? options.margin : 0.02) * box.diagonal();
-    if (!can_tell<T>(report.margin, box)) return Status::cage_not_found;
+    if (!resolves_margin<T>(report.margin, box)) return Status::cage_not_found;
     SpaceCageMaker maker(local, wanted);
     const auto starts = component_corners(faces, std::size(vertices));
     double level = report.margin * frame.scale;
     Shell shell;
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
-        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
+        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // a second try is rare
         const Running subtask = running.subtask(done[round], done[round + 1]);
         shell = {};
         if (const Status status = maker.make(level, subtask, report, shell); status != Status::ok)
@@ -410,24 +398,23 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
             return locate(made.value, vertices[v], T(0)) == PointState::inside;
         });
         if (!all_inside) report.clearance = -report.clearance;
-        if (holds_figure(report)) break;
+        if (meets_guarantees(report)) break;
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
     if (!running.keep_going(1)) return Status::cancelled;
-    const auto shells = detail::shells_of(made.value);
+    const auto shells = shells_of(made.value);
     report.vertices = made.value.size();
     report.triangles = made.value.faces().size();
     report.least_angle = least_angle(made.value);
-    if (options.rings) {
+    if (options.rings)
         report.parts = parts_of_faces(made.value.faces(), made.value.size(), RingRegions(shell).numbers());
-    }
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;
     for (auto& attempt : report.attempts) attempt.hollow /= frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
     report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
-    return holds_figure(report) ? Status::ok : Status::cage_not_found;
+    return meets_guarantees(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail

@@ -1,4 +1,4 @@
-// make_cage in space: tests whether triangles keep off the figure.
+// make_cage in 3D: tests whether triangles are clear of the figure.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -6,14 +6,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Tests whether f >= 0 on triangles, up to a twentieth of the spacing at the places sampled. f has slope at
-/// most 1, so a triangle is free if it lies in the sphere of radius f around its middle. It also counts as
-/// free if it lies in a sphere of radius r, where r^2 = (0.8 spacings)^2 + 2 margin f: the border of f < 0 is
-/// at most as curved as a ball whose radius is the margin, so between samples r apart that lie f off, it does
-/// not rise by more than r^2 / (2 margin) - f, an eighth of the spacing. Larger triangles are halved.
+/// Tests whether f >= 0 on triangles, up to a twentieth of the spacing at the sampled points. The slope of f
+/// is at most 1, so a triangle is clear if it lies in the sphere of radius f around its centroid. A larger
+/// sphere also suffices: radius r with r^2 = (0.8 spacings)^2 + 2 margin f. The border of f < 0 has at most
+/// the curvature of a ball whose radius is the margin. Between samples a distance r apart it rises by at most
+/// r^2 / (2 margin) - f, an eighth of the spacing. Triangles outside both spheres are bisected.
 class ClearTest {
 public:
-    /// A place in a triangle: the weights of its corners.
     using Weights = Vec<double, 3>;
 
     ClearTest(const DistanceLattice<3>& lattice, double margin)
@@ -34,45 +33,44 @@ public:
                is_clear_between(corner, where);
     }
 
-    /// Whether some triangles, whose corners are clear, are clear. Many similar ones are tested one after
-    /// another, and most are refused at the places where those before were refused, so these are sampled
-    /// first.
+    /// Tests triangles whose corners are clear. Successive calls test similar triangles, which mostly fail at
+    /// the same points, so the points of previous failures are sampled first.
     ///
-    ///   triangle   triangle(k): the corners of triangle k, where k < count
+    ///   triangle  triangle(k): the corners of triangle k, k < count
     template <class Triangle>
     bool are_clear(std::size_t count, const Triangle& triangle) {
-        for (const auto& [k, w] : refused_) {
+        for (const auto& [k, w] : failures_) {
             const Corners<3> corner = triangle(k);
             if (!is_clear(w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[2])) return false;
         }
-        large_.clear();
+        undecided_.clear();
         for (std::size_t k = 0; k < count; ++k) {
             const Sample middle = sample(places_of(triangle(k)));
-            if (middle.f < least) return refuse(k, {1.0 / 3, 1.0 / 3, 1.0 / 3});
-            if (!middle.is_free) large_.push_back(k);
+            if (middle.f < least) return fail(k, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+            if (!middle.proves_clear) undecided_.push_back(k);
         }
         Weights where;
-        for (const std::size_t k : large_) {
-            if (!is_clear_between(triangle(k), where)) return refuse(k, where);
+        for (const std::size_t k : undecided_) {
+            if (!is_clear_between(triangle(k), where)) return fail(k, where);
         }
         return true;
     }
-    /// Forgets where triangles were refused: the next ones are others.
-    void forget() noexcept { refused_.clear(); }
+    /// Forgets previous failures; call it before testing unrelated triangles.
+    void reset() noexcept { failures_.clear(); }
 
 private:
-    struct Refusal {
+    struct Failure {
         std::size_t triangle;
         Weights at;
     };
-    using Place = Vec<float, 3>; ///< in spacings from the lattice's lowest node
+    using LatticePoint = Vec<float, 3>; ///< in spacings from node 0
     static constexpr float least = -0.05F;
 
-    Place to_spacings(const Vec<double, 3>& p) const noexcept {
+    LatticePoint to_spacings(const Vec<double, 3>& p) const noexcept {
         return vec_cast<float>(per_spacing_ * (p - low_));
     }
-    /// f at a place, in spacings.
-    float value(const Place& x) const noexcept {
+    /// f in spacings.
+    float value(const LatticePoint& x) const noexcept {
         std::size_t node = 0;
         std::array<float, 3> t{};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -91,28 +89,28 @@ private:
         return scale_ * (low + t[2] * (along_y(stride_[2]) - low));
     }
 
-    using Triangle = std::array<Place, 3>;
+    using Triangle = std::array<LatticePoint, 3>;
     Triangle places_of(const Corners<3>& corner) const noexcept {
         return {to_spacings(corner[0]), to_spacings(corner[1]), to_spacings(corner[2])};
     }
-    /// A sample in the middle of a triangle.
     struct Sample {
-        Place middle;
+        LatticePoint middle;
         float f;
-        bool is_free; ///< whether it shows that the triangle is clear
+        bool proves_clear; ///< true if this sample proves that the triangle is clear
     };
     Sample sample(const Triangle& corner) const noexcept {
-        const Place middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
+        const LatticePoint middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
         const float f = value(middle), off = (std::max)(f, 0.0F);
         float reach2 = 0;
-        for (const Place& p : corner) reach2 = (std::max)(reach2, dot(p - middle, p - middle));
+        for (const LatticePoint& p : corner) reach2 = (std::max)(reach2, dot(p - middle, p - middle));
         return {middle, f, reach2 <= (std::max)(off * off, 0.64F + twice_margin_ * off)};
     }
 
-    /// Whether a triangle is clear, apart from its corners; if not, sets where it was refused.
+    /// Tests a triangle whose corners are clear; if it fails, sets `where` to the barycentric weights of the
+    /// point.
     CAGEFORM_DETAIL_FLATTEN bool is_clear_between(const Corners<3>& whole, Weights& where) const noexcept {
-        // One half waits for each halving above the current triangle. Some 30 halvings take a side of
-        // thousands of spacings down to one; a triangle that needs more than 64 does not count as clear.
+        // One half is pending per bisection. About 30 bisections reduce a side of thousands of spacings to
+        // one; triangles that need more than 64 are rejected.
         std::array<Triangle, 64> waiting;
         std::size_t count = 0;
         Triangle corner = places_of(whole);
@@ -122,36 +120,35 @@ private:
                 where = weights_of(whole, low_ + (1 / per_spacing_) * vec_cast<double>(at.middle));
                 return false;
             }
-            if (at.is_free) {
+            if (at.proves_clear) {
                 if (count == 0) return true;
                 corner = waiting[--count];
                 continue;
             }
             if (count == waiting.size()) return false;
-            std::array<float, 3> side2{}; // opposite to each corner
+            std::array<float, 3> side2{}; // side opposite to each corner
             for (std::size_t k = 0; k < 3; ++k) {
-                const Place side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
+                const LatticePoint side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
                 side2[k] = dot(side, side);
             }
             const std::size_t k = side2[0] < side2[1]   ? (side2[1] < side2[2] ? 2 : 1)
                                   : side2[0] < side2[2] ? 2
                                                         : 0;
-            const Place a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
-            const Place half = 0.5F * (b + c);
+            const LatticePoint a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
+            const LatticePoint half = 0.5F * (b + c);
             waiting[count++] = {a, half, c};
             corner = {a, b, half};
         }
     }
-    /// Notes where a triangle was refused.
-    bool refuse(std::size_t triangle, const Weights& at) {
-        auto found = std::find_if(refused_.begin(), refused_.end(),
-                                  [&](const Refusal& r) { return r.triangle == triangle; });
-        if (found == refused_.end()) found = refused_.insert(found, Refusal{});
+    bool fail(std::size_t triangle, const Weights& at) {
+        auto found = std::find_if(failures_.begin(), failures_.end(),
+                                  [&](const Failure& r) { return r.triangle == triangle; });
+        if (found == failures_.end()) found = failures_.insert(found, Failure{});
         *found = {triangle, at};
-        std::iter_swap(found, refused_.begin());
+        std::iter_swap(found, failures_.begin());
         return false;
     }
-    /// The weights of a place in a triangle; those of the middle if the triangle has no area.
+    /// Barycentric weights of a point; those of the centroid if the triangle has no area.
     static Weights weights_of(const Corners<3>& corner, const Vec<double, 3>& p) noexcept {
         const auto u = corner[1] - corner[0], v = corner[2] - corner[0], to = p - corner[0];
         const auto n = cross(u, v);
@@ -165,12 +162,12 @@ private:
     std::array<std::size_t, 3> stride_;
     Vec<double, 3> low_;
     double per_spacing_;
-    float scale_;        ///< the same in single precision
-    float twice_margin_; ///< in spacings, as the distances below
+    float scale_;        ///< 1 / spacing
+    float twice_margin_; ///< in spacings, like the distances below
     float farthest_;
-    std::array<float, 3> last_{};    ///< the number of the last node along each axis
-    std::vector<Refusal> refused_;   ///< the latest one comes first
-    std::vector<std::size_t> large_; ///< the triangles of `are_clear` that need more samples
+    std::array<float, 3> last_{};        ///< index of the last node along each axis
+    std::vector<Failure> failures_;      ///< latest first
+    std::vector<std::size_t> undecided_; ///< triangles of `are_clear` that need more samples
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

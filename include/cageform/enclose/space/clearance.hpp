@@ -1,4 +1,4 @@
-// make_cage in space: the exact distance of a cage from its figure, found by other code than the cage.
+// make_cage in 3D: the exact distance between cage and figure, independent of the code that makes the cage.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The distance between two triangles; 0 if they meet.
+/// Distance between two triangles; 0 if they intersect.
 inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3 && least > 0; ++k) {
@@ -17,11 +17,11 @@ inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept 
     return least;
 }
 
-/// Measures the distances between the faces of a figure and those of a cage.
+/// Measures distances between the faces of a figure and a cage.
 template <Scalar T>
 class ClearanceSearch {
 public:
-    /// reach   distances that are looked for are at most this
+    ///   reach  upper bound of the distances searched
     ClearanceSearch(const TriangleMesh<T>& cage, double reach) {
         double edges = 0;
         for (const auto& face : cage.faces()) {
@@ -32,11 +32,11 @@ public:
         for (std::uint32_t f = 0; f < facets_.size(); ++f) hash_.add(f, facets_[f]);
     }
 
-    /// The distance between a triangle and the cage, or `least`, at most the reach, if that is less.
+    /// Returns min(least, distance between a triangle and the cage); `least` is at most the reach.
     double within(double least, const Corners<3>& corner) const {
         const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
         (void)hash_.any(box_of(corner).widened(least), [&](std::uint32_t f) {
-            // The normal from the point of the facet that is nearest to the middle separates most pairs.
+            // The vector from the facet's nearest point to the centroid is a separating axis of most pairs.
             const auto nearest = point_on_facet(nearest_on_facet(middle, facets_[f]), facets_[f]);
             const auto normal = middle - nearest;
             double above = std::numeric_limits<double>::infinity(), below = -above;
@@ -56,12 +56,12 @@ private:
     FaceHash hash_{1, 0};
 };
 
-/// The least distance between the faces of a cage and those of a figure; at most `reach` is returned.
+/// Minimum distance between the faces of a cage and of a figure, or `reach` if that is smaller.
 template <Scalar T>
 double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach,
                        const Running& running = {}) {
     const ClearanceSearch<T> search(cage, reach);
-    // A few faces from all over the figure give a first bound, since the search is faster within a low one.
+    // A few faces spread over the figure give a first bound; a low bound speeds up the search.
     double first = reach;
     for (std::size_t f = 0; f < figure.size(); f += 1 + figure.size() / 64)
         first = search.within(first, figure[f]);

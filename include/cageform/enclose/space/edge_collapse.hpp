@@ -1,6 +1,6 @@
-// make_cage in space: the collapse of an edge of the mesh, and the places that the merged vertex may take,
-// with their costs by quadric error metrics (Garland & Heckbert, Surface simplification using quadric error
-// metrics, SIGGRAPH 1997).
+// make_cage in 3D: the collapse of an edge, and candidate positions of the merged vertex with costs by
+// quadric error metrics (Garland & Heckbert, Surface simplification using quadric error metrics, SIGGRAPH
+// 1997).
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -10,14 +10,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A weighted sum of squared distances from planes, as a function of the point x: x'Ax + 2 b'x + c.
+/// Weighted sum of squared distances from planes at a point x: x'Ax + 2 b'x + c.
 struct Quadric {
     using Point = Vec<double, 3>;
     std::array<double, 6> a{}; ///< xx, xy, xz, yy, yz, zz
     Point b{};
     double c = 0;
 
-    /// Adds the plane through `p`. The normal may have any length; its square multiplies the weight.
+    /// Adds the plane through `p`. The squared length of the normal multiplies the weight.
     void add_plane(const Point& normal, const Point& p, double weight) noexcept {
         const double offset = -dot(normal, p);
         std::size_t n = 0;
@@ -38,12 +38,11 @@ struct Quadric {
                               2 * (a[1] * x[0] * x[1] + a[2] * x[0] * x[2] + a[4] * x[1] * x[2]);
         return (std::max)(square + 2 * dot(b, x) + c, 0.0);
     }
-    /// The product A x.
     Point times(const Point& x) const noexcept {
         return {a[0] * x[0] + a[1] * x[1] + a[2] * x[2], a[1] * x[0] + a[3] * x[1] + a[4] * x[2],
                 a[2] * x[0] + a[4] * x[1] + a[5] * x[2]};
     }
-    /// Finds the minimum. Returns false if it is a line or a plane, up to rounding.
+    /// Finds the minimum. Returns false if it is not unique (a line or a plane), up to rounding.
     bool least(Point& x) const noexcept {
         const Point r0{a[0], a[1], a[2]}, r1{a[1], a[3], a[4]}, r2{a[2], a[4], a[5]};
         const double det = dot(r0, cross(r1, r2)), trace = a[0] + a[3] + a[5];
@@ -53,14 +52,14 @@ struct Quadric {
     }
 };
 
-/// Considers the collapse of one edge at a time, tests it and makes it.
+/// Evaluates, tests and applies the collapse of one edge at a time.
 class EdgeCollapse {
 public:
     using Point = Vec<double, 3>;
-    /// A set of places for the merged vertex, a bit each.
-    using Places = std::uint32_t;
+    /// Set of candidate positions, one bit each.
+    using CandidateSet = std::uint32_t;
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    static constexpr double beyond = std::numeric_limits<double>::infinity();
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
 
     EdgeCollapse(Shell& shell, const ShellObstacles& obstacles)
         : shell_(shell)
@@ -85,27 +84,27 @@ public:
         }
     }
 
-    /// Makes `fits` test from now on whether faces cross. Called again, it uses cells of the size that faces
-    /// have now.
-    void watch_crossings() { crossings_.emplace(shell_, gap_); }
+    /// Makes `fits` test for crossing faces from now on. Further calls adapt the hash to the current face
+    /// size.
+    void test_crossings() { crossings_.emplace(shell_, gap_); }
 
-    /// A lower bound of the cost of a collapse, in units of area times squared distance.
-    double least_cost(std::uint32_t u, std::uint32_t v) const noexcept {
+    /// Lower bound of the cost of a collapse, in area times squared distance.
+    double cost_bound(std::uint32_t u, std::uint32_t v) const noexcept {
         Quadric q = quadric_[u];
         q += quadric_[v];
         Point x{};
-        return (q.least(x) ? q.at(x) : 0) + stretch(u, v);
+        return (q.least(x) ? q.at(x) : 0) + length_penalty(u, v);
     }
 
-    /// Turns to the edge u v: collects the faces that remain after its collapse, and the places: the minimum
-    /// of the quadric, the midpoint and both ends, each at several distances outwards along the normal.
-    /// Returns false if the faces have no normal.
-    CAGEFORM_DETAIL_FLATTEN bool look_at(std::uint32_t u, std::uint32_t v) {
+    /// Selects the edge u v: collects the faces that remain after its collapse and the candidates. These are
+    /// the minimum of the quadric, the midpoint and both ends, each at several offsets outwards along the
+    /// normal. Returns false if the faces have no normal.
+    CAGEFORM_DETAIL_FLATTEN bool select(std::uint32_t u, std::uint32_t v) {
         u_ = u;
         v_ = v;
-        about_.clear();
-        clear_.forget();
-        is_weighed_ = false;
+        incident_.clear();
+        clear_.reset();
+        has_costs_ = false;
         normal_ = {};
         for (const auto& [from, other] : {std::pair(u, v), std::pair(v, u)}) {
             const Point& x = shell_.points[from];
@@ -117,7 +116,7 @@ public:
                 const Point n = cross(a - x, b - x);
                 normal_ = normal_ + n;
                 if (i == other || j == other) continue;
-                about_.push_back({f, a, b, dot(b - a, b - a), n, 0.01 * dot(n, n)});
+                incident_.push_back({f, a, b, dot(b - a, b - a), n, 0.01 * dot(n, n)});
             }
         }
         const double size = length(normal_);
@@ -127,43 +126,43 @@ public:
         q_ += quadric_[v];
         const Point &a = shell_.points[u], &b = shell_.points[v];
         const Point e = b - a, middle = 0.5 * (a + b);
-        starts_ = {a, middle, a, b};
+        bases_ = {a, middle, a, b};
         Point least{};
         has_least_ = q_.least(least) && dot(least - middle, least - middle) <= 9 * dot(e, e);
-        if (has_least_) starts_[0] = least;
+        if (has_least_) bases_[0] = least;
         return true;
     }
 
-    /// Chooses the cheapest place that is not refused, and sets its cost. Returns `none` if no place is left.
-    std::uint32_t choose(Places refused, double& cost) {
-        if (!is_weighed_) weigh();
+    /// Returns the cheapest candidate that is not rejected, and sets its cost. Returns `none` if no candidate
+    /// is left.
+    std::uint32_t cheapest(CandidateSet rejected, double& cost) {
+        if (!has_costs_) set_cost_bounds();
         for (;;) {
             std::uint32_t best = none;
-            cost = beyond;
+            cost = infinite;
             for (std::uint32_t n = 0; n < cost_.size(); ++n) {
-                if ((refused >> n & 1U) != 0 || !(cost_[n] < cost)) continue;
+                if ((rejected >> n & 1U) != 0 || !(cost_[n] < cost)) continue;
                 cost = cost_[n];
                 best = n;
             }
             if (best == none || (is_exact_ >> best & 1U) != 0) return best;
-            is_exact_ |= Places{1} << best;
-            cost_[best] *= shape_factor(place(best));
+            is_exact_ |= CandidateSet{1} << best;
+            cost_[best] *= shape_factor(candidate(best));
         }
     }
 
-    /// Whether the collapse to a place keeps the mesh's topology, and the new faces are clear of the figure
-    /// and cross no others.
+    /// True if the new faces are clear of the figure and cross no other faces.
     bool fits(std::uint32_t n) {
-        const Point p = place(n);
-        if (!clear_.are_clear(about_.size(), [&](std::size_t k) {
-                return Corners<3>{p, about_[k].a, about_[k].b};
+        const Point p = candidate(n);
+        if (!clear_.are_clear(incident_.size(), [&](std::size_t k) {
+                return Corners<3>{p, incident_[k].a, incident_[k].b};
             }))
             return false;
         return !crossings_ || !crosses(p, *crossings_);
     }
-    /// The link condition: the edge has two faces (one on the rim), and its ends have no other common
-    /// neighbours than the third vertices of these faces. The collapse then keeps the topology. In a half, it
-    /// must not join two rim vertices by an edge inside: the image would have the same edge.
+    /// The link condition: the edge has two faces (one on the rim), and its ends share no neighbours except
+    /// the third vertices of these faces. In a half, the collapse must not connect two rim vertices by an
+    /// interior edge, because the image would have the same edge.
     bool keeps_topology() {
         if (!keeps_rings()) return false;
         std::size_t at_edge = 0;
@@ -192,11 +191,11 @@ public:
         return common == at_edge;
     }
 
-    /// Makes the collapse: the first end moves to a place, the second one vanishes.
-    void take(std::uint32_t n) {
-        const Point p = place(n);
+    /// Applies the collapse: the first end moves to a candidate, the second is removed.
+    void apply(std::uint32_t n) {
+        const Point p = candidate(n);
         if (crossings_) {
-            for (const About& at : about_) crossings_->remove(at.face);
+            for (const IncidentFace& at : incident_) crossings_->remove(at.face);
         }
         const bool is_on_rim = is_onto_rim();
         if (!shell_.ring.empty()) {
@@ -220,39 +219,37 @@ public:
         if (!crossings_) return;
         for (const auto f : shell_.star[u_]) crossings_->add(f);
     }
-    /// Whether both ends lie on the rim of a half.
     bool is_along_rim() const noexcept { return shell_.on_rim[u_] && shell_.on_rim[v_]; }
 
 private:
-    /// A face about the edge that the collapse would change: its first corner moves.
-    struct About {
+    /// A face at the selected edge that the collapse changes: its first corner moves.
+    struct IncidentFace {
         std::uint32_t face;
-        Point a, b;       ///< the other corners
-        double across2;   ///< the squared distance of these
+        Point a, b;       ///< other corners
+        double across2;   ///< squared distance between a and b
         Point normal;     ///< before the collapse
-        double hundredth; ///< of its squared length
+        double hundredth; ///< 0.01 · its squared length
     };
-    static constexpr std::size_t starts = 4;
-    static constexpr std::array<double, 6> steps_out{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
+    static constexpr std::size_t base_count = 4;
+    static constexpr std::array<double, 6> offsets{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
 
-    /// A penalty that keeps edges short where the quadric is flat.
-    double stretch(std::uint32_t u, std::uint32_t v) const noexcept {
+    /// Penalty that keeps edges short where the quadric is flat.
+    double length_penalty(std::uint32_t u, std::uint32_t v) const noexcept {
         const auto e = shell_.points[v] - shell_.points[u];
         return 1e-3 * dot(e, e) * dot(e, e);
     }
-    Point place(std::uint32_t n) const noexcept {
-        const Point p =
-            starts_[n / steps_out.size()] + (spacing_ * steps_out[n % steps_out.size()]) * normal_;
+    Point candidate(std::uint32_t n) const noexcept {
+        const Point p = bases_[n / offsets.size()] + (spacing_ * offsets[n % offsets.size()]) * normal_;
         return shell_.allowed(p, is_onto_rim(), ring(), spacing_);
     }
     bool is_onto_rim() const noexcept { return shell_.on_rim[u_] || shell_.on_rim[v_]; }
-    /// The ring that the merged vertex belongs to.
+    /// Ring of the merged vertex.
     std::uint32_t ring() const noexcept {
         const auto r = shell_.ring_of(u_);
         return r != none ? r : shell_.ring_of(v_);
     }
-    /// Whether each ring stays a closed path, of at least four vertices with those of its image, and no other
-    /// edge joins two of them.
+    /// True if each ring remains a closed path with at least four vertices (including its image), and no
+    /// other edge joins two of them.
     bool keeps_rings() const noexcept {
         const auto r = shell_.ring_of(u_), s = shell_.ring_of(v_);
         if (r == none && s == none) return true;
@@ -270,44 +267,44 @@ private:
         return true;
     }
 
-    /// Sets lower bounds of the costs of all places.
-    void weigh() noexcept {
+    /// Sets lower bounds of the costs of all candidates.
+    void set_cost_bounds() noexcept {
         const Point slopes = q_.times(normal_);
-        const double curved = dot(normal_, slopes), extra = stretch(u_, v_);
-        for (std::uint32_t s = 0, n = 0; s < starts; ++s) {
-            const double start = q_.at(starts_[s]), slope = dot(slopes, starts_[s]) + dot(q_.b, normal_);
-            for (const double step : steps_out) {
+        const double curved = dot(normal_, slopes), extra = length_penalty(u_, v_);
+        for (std::uint32_t s = 0, n = 0; s < base_count; ++s) {
+            const double start = q_.at(bases_[s]), slope = dot(slopes, bases_[s]) + dot(q_.b, normal_);
+            for (const double step : offsets) {
                 const double t = spacing_ * step;
                 const double error = shell_.half || ring() != none
-                                         ? q_.at(place(n))
+                                         ? q_.at(candidate(n))
                                          : (std::max)(start + t * (2 * slope + t * curved), 0.0);
-                cost_[n++] = s == 0 && !has_least_ ? beyond : error + extra;
+                cost_[n++] = s == 0 && !has_least_ ? infinite : error + extra;
             }
         }
         is_exact_ = 0;
-        is_weighed_ = true;
+        has_costs_ = true;
     }
-    /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles. It is infinite where
-    /// a face would turn over, and at places too near to the figure.
+    /// Cost factor for poor faces: 1 for good ones, larger for needles; infinite if a face would flip or the
+    /// position is too close to the figure.
     CAGEFORM_DETAIL_FLATTEN double shape_factor(const Point& p) const noexcept {
-        double worst2 = 1; // the least square of twice the area over the squared longest side
-        for (const About& at : about_) {
+        double worst2 = 1; // minimum of (twice the area / squared longest side)^2
+        for (const IncidentFace& at : incident_) {
             const Point to_a = at.a - p, to_b = at.b - p, is = cross(to_a, to_b);
             const double size2 = dot(is, is), along = dot(at.normal, is);
-            if (!(along > 0 && along * along > at.hundredth * size2)) return beyond;
+            if (!(along > 0 && along * along > at.hundredth * size2)) return infinite;
             const double longest2 = (std::max)({at.across2, dot(to_a, to_a), dot(to_b, to_b)});
             worst2 = (std::min)(worst2, size2 / (longest2 * longest2));
         }
-        if (!clear_.is_clear(p) || !shell_.is_right(p, is_onto_rim(), spacing_)) return beyond;
+        if (!clear_.is_clear(p) || !shell_.is_right(p, is_onto_rim(), spacing_)) return infinite;
         const double worst = triangle_quality(std::sqrt(worst2), 1);
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
-    /// Whether the new faces, those collected, cross other faces or each other.
+    /// True if the new faces cross other faces or each other.
     bool crosses(const Point& p, ShellCrossings& crossings) {
         const Point old = shell_.points[u_];
         shell_.points[u_] = p;
         fresh_.clear();
-        for (const About& at : about_) {
+        for (const IncidentFace& at : incident_) {
             auto face = shell_.faces[at.face];
             std::replace(face.begin(), face.end(), v_, u_);
             fresh_.push_back(face);
@@ -328,15 +325,15 @@ private:
     std::uint32_t last_mark_ = 0;
     std::vector<Shell::Face> fresh_; ///< scratch of `crosses`
 
-    std::uint32_t u_ = 0, v_ = 0; ///< the edge looked at
-    std::vector<About> about_;
+    std::uint32_t u_ = 0, v_ = 0; ///< selected edge
+    std::vector<IncidentFace> incident_;
     Point normal_{};
     Quadric q_;
-    std::array<Point, starts> starts_{};
-    bool has_least_ = false; ///< whether the first start is the minimum of the quadric
-    bool is_weighed_ = false;
-    std::array<double, starts * steps_out.size()> cost_{}; ///< of each place, or a lower bound
-    Places is_exact_ = 0;
+    std::array<Point, base_count> bases_{};
+    bool has_least_ = false; ///< true if the first base position is the minimum of the quadric
+    bool has_costs_ = false;
+    std::array<double, base_count * offsets.size()> cost_{}; ///< cost of each candidate, or a lower bound
+    CandidateSet is_exact_ = 0;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

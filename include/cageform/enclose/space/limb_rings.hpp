@@ -1,5 +1,5 @@
-// make_cage in space, between steps 3 and 4 with options.rings: cuts the mesh along a plane across each limb.
-// Edge collapses and relaxation then keep the cuts as flat closed paths of edges, the rings.
+// make_cage in 3D, between steps 3 and 4 with options.rings: cuts the mesh along a plane across each limb.
+// Edge collapses and relaxation keep these cuts as planar closed paths of edges, the rings.
 #pragma once
 
 #include <cageform/enclose/space/part_finder.hpp>
@@ -9,11 +9,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A shell as one mesh: that of a half with its image, whose faces come in the same order after its own.
+/// A shell as one mesh: the faces of a half are followed by their images in the same order.
 struct WholeShell {
     std::vector<Vec<double, 3>> points;
     std::vector<MeshFace> faces;
-    std::vector<std::uint32_t> image; ///< of each point of the shell; its own number if there is none
+    std::vector<std::uint32_t> image; ///< image of each point; the point itself if it has no other image
 
     explicit WholeShell(const Shell& shell)
         : points(shell.points)
@@ -31,13 +31,11 @@ struct WholeShell {
         for (std::size_t f = 0, own = faces.size(); shell.half && f < own; ++f)
             faces.push_back({image[faces[f][0]], image[faces[f][2]], image[faces[f][1]]});
     }
-    double area(std::size_t f) const noexcept {
-        return 0.5 * length(area_normal({points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]}));
-    }
+    double area(std::size_t f) const noexcept { return 0.5 * length(area_normal(points, faces[f])); }
 };
 
-/// Cuts a shell along rings about limbs. Each plane is sought close to the joint that find_parts chooses. Its
-/// cut is short, and not far from the joint.
+/// Cuts a shell along rings around limbs. Each plane is searched near the joint that find_parts returns, for
+/// a short cut.
 class LimbRings {
 public:
     using Point = Vec<double, 3>;
@@ -48,7 +46,7 @@ public:
         shell_.ring.assign(shell_.points.size(), Shell::none);
     }
 
-    /// Finds the limbs of a coarser shell about the same figure, and keeps them if they are more than before.
+    /// Finds limbs on a coarser shell of the same figure; keeps them if there are more than before.
     void find_limbs(const Shell& coarse) {
         const WholeShell whole(coarse);
         const CageParts parts = PartFinder(whole.points, whole.faces).find();
@@ -61,8 +59,8 @@ public:
         if (limbs.size() > limbs_.size()) limbs_ = std::move(limbs);
     }
 
-    /// Cuts about the limbs, the largest first. A ring needs four vertices; all rings get at most a quarter
-    /// of the vertices that the cage is to have.
+    /// Cuts around the limbs, largest first. A ring needs four vertices; all rings together get at most a
+    /// quarter of `vertices`.
     void cut(std::size_t vertices) {
         std::stable_sort(limbs_.begin(), limbs_.end(),
                          [](const Limb& a, const Limb& b) { return a.area > b.area; });
@@ -75,8 +73,8 @@ public:
 
 private:
     struct Limb {
-        Point middle{}, axis{}; ///< of the joint: its mean, and its direction towards the limb, of length 1
-        Point tip{};            ///< the vertex farthest from the middle
+        Point middle{}, axis{}; ///< of the joint: mean, and unit direction towards the limb
+        Point tip{};            ///< vertex farthest from the middle
         double area = 0, border = 0;
         bool crosses_mirror;
 
@@ -94,7 +92,7 @@ private:
                     edges[{whole.faces[f][k], whole.faces[f][(k + 1) % 3]}] = f;
                 }
             }
-            std::erase_if(edges, [at = edges]( // those inside the limb
+            std::erase_if(edges, [at = edges]( // edges inside the limb
                                      const auto& edge) {
                 return at.count({edge.first.second, edge.first.first}) > 0;
             });
@@ -118,7 +116,7 @@ private:
     };
 
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
-    /// Where a plane cuts the shell, one path of several.
+    /// One path along which a plane cuts the shell.
     struct Cut {
         Point normal{};
         double offset = 0;
@@ -128,13 +126,14 @@ private:
         std::vector<std::uint32_t> faces;
     };
 
-    /// v divided by its length; 0 if it has none.
+    /// v / |v|; 0 if v is 0.
     static Point unit(const Point& v) noexcept {
         const double size = length(v);
         return size > 0 ? (1 / size) * v : Point{};
     }
 
-    /// Cuts about a limb where that is shortest. Returns false if no plane near its joint cuts it off.
+    /// Cuts around a limb by the plane of the shortest cut. Returns false if no plane near its joint
+    /// separates it.
     bool cut_about(const Limb& limb) {
         if (!(length(limb.axis) > 0)) return false;
         const auto tip = static_cast<std::uint32_t>(
@@ -153,7 +152,7 @@ private:
             const Point through = limb.middle + (along * radius) * limb.axis;
             for (const double tilt : {0.0, -0.2, 0.2, -0.4, 0.4}) {
                 for (const double lean : {0.0, -0.2, 0.2, -0.4, 0.4}) {
-                    if (limb.crosses_mirror && tilt != 0) continue; // it would not be its own image
+                    if (limb.crosses_mirror && tilt != 0) continue; // the cut would not be symmetric
                     const Point normal = unit(limb.axis + tilt * w + lean * u);
                     Cut cut = shortest_cut(limb, normal, dot(normal, through), tip);
                     const double score = cut.length * (1 + 0.5 * std::fabs(along));
@@ -168,7 +167,7 @@ private:
         return true;
     }
 
-    /// The shortest cut of a plane that cuts off a limb; without faces if there is none. The plane moves off
+    /// Shortest path of a plane that separates a limb; without faces if there is none. Shifts the plane off
     /// the vertices.
     Cut shortest_cut(const Limb& limb, const Point& normal, double offset, std::uint32_t tip) const {
         std::vector<double> above(shell_.points.size());
@@ -200,16 +199,17 @@ private:
         return best;
     }
 
-    /// The path of a plane through a face and on; without faces if the plane does not cut the face.
+    /// The path along which a plane cuts the shell, starting in a face; without faces if the plane misses
+    /// that face.
     ///
-    ///   above   of each vertex: how far it is above the plane
+    ///   above  height of each vertex above the plane
     Cut path_through(std::uint32_t start, const std::vector<double>& above, std::vector<bool>& seen) const {
         Cut cut;
-        std::vector<std::uint32_t> waiting{start};
+        std::vector<std::uint32_t> stack{start};
         seen[start] = true;
-        while (!waiting.empty()) {
-            const auto f = waiting.back();
-            waiting.pop_back();
+        while (!stack.empty()) {
+            const auto f = stack.back();
+            stack.pop_back();
             std::array<Point, 2> ends{};
             std::size_t count = 0;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -222,7 +222,7 @@ private:
                 cut.is_open = cut.is_open || next == Shell::none;
                 if (next == Shell::none || seen[next]) continue;
                 seen[next] = true;
-                waiting.push_back(next);
+                stack.push_back(next);
             }
             if (count == 0) return cut;
             cut.faces.push_back(f);
@@ -241,20 +241,20 @@ private:
         });
     }
 
-    /// Whether a cut separates about as much as a limb has, with its tip, from the rest.
+    /// True if a cut separates the limb's tip and about its area from the rest.
     bool cuts_off(const Cut& cut, const Limb& limb, std::uint32_t tip) const {
         enum : char { unknown, limb_side, rest_side };
         std::vector<char> side(shell_.points.size(), unknown), is_counted(shell_.faces.size(), 0);
-        std::vector<std::uint32_t> waiting;
+        std::vector<std::uint32_t> stack;
         for (const auto& [v, w] : cut.edges) {
             side[v] = rest_side;
-            if (side[w] == unknown) waiting.push_back(w);
+            if (side[w] == unknown) stack.push_back(w);
             side[w] = limb_side;
         }
         double area = 0;
-        while (!waiting.empty()) {
-            const auto v = waiting.back();
-            waiting.pop_back();
+        while (!stack.empty()) {
+            const auto v = stack.back();
+            stack.pop_back();
             for (const auto f : shell_.star[v]) {
                 if (is_counted[f] == 0) area += 0.5 * length(area_normal(shell_.corners(shell_.faces[f])));
                 is_counted[f] = 1;
@@ -262,9 +262,9 @@ private:
                     if (side[w] == limb_side ||
                         std::binary_search(cut.edges.begin(), cut.edges.end(), Edge{w, v}))
                         continue;
-                    if (side[w] == rest_side) return false; // a way about the cut
+                    if (side[w] == rest_side) return false; // a path around the cut
                     side[w] = limb_side;
-                    waiting.push_back(w);
+                    stack.push_back(w);
                 }
             }
         }
@@ -272,7 +272,7 @@ private:
         return side[tip] == limb_side && area > 0.5 * limb.area && area < 1.6 * limb.area;
     }
 
-    /// Cuts edges and faces in two, and makes the new vertices a ring.
+    /// Splits edges and faces; the new vertices form a ring.
     void split(const Cut& cut) {
         std::map<Edge, std::uint32_t> middle;
         for (const auto& [v, w] : cut.edges) {
@@ -287,7 +287,7 @@ private:
         shell_.rings.push_back({cut.normal, cut.offset, cut.edges.size(), cut.is_open});
         for (const auto f : cut.faces) {
             const auto face = shell_.faces[f];
-            for (std::size_t k = 0; k < 3; ++k) { // the corner that is alone on its side
+            for (std::size_t k = 0; k < 3; ++k) { // the corner alone on its side
                 const auto a = face[k], b = face[(k + 1) % 3], c = face[(k + 2) % 3];
                 const auto to_b = middle.find({a, b}), to_c = middle.find({a, c});
                 if (to_b == middle.end() || to_c == middle.end()) continue;
@@ -305,7 +305,7 @@ private:
     std::vector<Limb> limbs_;
 };
 
-/// The faces of a whole shell between its rings.
+/// Regions of a whole shell between its rings.
 class RingRegions {
 public:
     explicit RingRegions(const Shell& shell)
@@ -313,10 +313,10 @@ public:
         , whole_(shell)
         , own_(shell.half ? whole_.faces.size() / 2 : whole_.faces.size())
         , ring_(whole_.points.size(), Shell::none)
-        , of_(whole_.faces.size(), Shell::none) {
+        , region_(whole_.faces.size(), Shell::none) {
         for (std::uint32_t f = 0; f < whole_.faces.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k)
-                beside_[{whole_.faces[f][k], whole_.faces[f][(k + 1) % 3]}] = f;
+                face_of_edge_[{whole_.faces[f][k], whole_.faces[f][(k + 1) % 3]}] = f;
         }
         for (std::uint32_t v = 0; v < shell.points.size(); ++v) {
             const auto r = ring_[v] = shell.ring_of(v);
@@ -324,34 +324,34 @@ public:
             ring_[whole_.image[v]] =
                 shell.rings[r].is_open ? r : r + static_cast<std::uint32_t>(shell.rings.size());
         }
-        for (std::uint32_t start = 0; start < of_.size(); ++start) {
-            if (of_[start] == Shell::none) fill(start);
+        for (std::uint32_t start = 0; start < region_.size(); ++start) {
+            if (region_[start] == Shell::none) fill(start);
         }
     }
 
-    /// The number of the part of each face. Part 1 is the largest region on no limb's side of a ring; the
-    /// others are numbered by decreasing area, images n and -n.
+    /// Returns the part number of each face. Part 1 is the largest region that is not on the limb side of a
+    /// ring; the others are numbered by decreasing area, mirrored regions n and -n.
     std::vector<int> numbers() const {
-        std::vector<double> areas(regions_.size()), right(regions_.size());
+        std::vector<double> areas(regions_.size()), moment(regions_.size());
         std::vector<std::size_t> images(regions_.size());
         for (std::size_t n = 0; n < regions_.size(); ++n) {
             areas[n] = regions_[n].area;
-            right[n] = regions_[n].right;
+            moment[n] = regions_[n].moment;
             const auto f = regions_[n].first;
-            images[n] = of_[own_ == of_.size() ? f : f < own_ ? f + own_ : f - own_];
+            images[n] = region_[own_ == region_.size() ? f : f < own_ ? f + own_ : f - own_];
         }
         const auto given =
-            part_numbers(areas, images, right, [&](std::size_t n) { return !regions_[n].is_limb(); });
-        std::vector<int> numbers(of_.size());
-        for (std::size_t f = 0; f < of_.size(); ++f) numbers[f] = given[of_[f]];
+            part_numbers(areas, images, moment, [&](std::size_t n) { return !regions_[n].is_limb(); });
+        std::vector<int> numbers(region_.size());
+        for (std::size_t f = 0; f < region_.size(); ++f) numbers[f] = given[region_[f]];
         return numbers;
     }
 
 private:
     struct Region {
         std::uint32_t first; ///< face
-        double area = 0, right = 0;
-        std::vector<double> turn; ///< of each ring: how far the border winds about the way to the limb
+        double area = 0, moment = 0;
+        std::vector<double> turn; ///< per ring: signed area of the border seen along the ring's normal
 
         bool is_limb() const {
             return std::any_of(turn.begin(), turn.end(), [](double t) { return t > 0; });
@@ -359,15 +359,15 @@ private:
     };
 
     void fill(std::uint32_t start) {
-        const auto n = of_[start] = static_cast<std::uint32_t>(regions_.size());
+        const auto n = region_[start] = static_cast<std::uint32_t>(regions_.size());
         Region& region = regions_.emplace_back(Region{start, 0, 0, {}});
         region.turn.resize(2 * shell_.rings.size());
-        std::vector<std::uint32_t> waiting{start};
-        while (!waiting.empty()) {
-            const auto f = waiting.back();
-            waiting.pop_back();
+        std::vector<std::uint32_t> stack{start};
+        while (!stack.empty()) {
+            const auto f = stack.back();
+            stack.pop_back();
             region.area += whole_.area(f);
-            region.right += f < own_ ? whole_.area(f) : -whole_.area(f);
+            region.moment += f < own_ ? whole_.area(f) : -whole_.area(f);
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto v = whole_.faces[f][k], w = whole_.faces[f][(k + 1) % 3];
                 if (ring_[v] != Shell::none && ring_[v] == ring_[w]) {
@@ -377,20 +377,21 @@ private:
                     region.turn[ring_[v]] += dot(normal, cross(whole_.points[v], whole_.points[w]));
                     continue;
                 }
-                const auto g = beside_.at({w, v});
-                if (of_[g] == Shell::none) waiting.push_back(g);
-                of_[g] = n;
+                const auto g = face_of_edge_.at({w, v});
+                if (region_[g] == Shell::none) stack.push_back(g);
+                region_[g] = n;
             }
         }
     }
 
     const Shell& shell_;
     WholeShell whole_;
-    std::size_t own_; ///< faces that are no images
-    /// The ring of each vertex; the image of a ring that does not cross the mirror is another one.
+    std::size_t own_; ///< number of faces that are no images
+    /// Ring of each vertex; a ring that does not cross the mirror plane and its image are two rings.
     std::vector<std::uint32_t> ring_;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> beside_; ///< the face left of an edge
-    std::vector<std::uint32_t> of_;                                           ///< the region of each face
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
+        face_of_edge_;                  ///< face to the left of an edge
+    std::vector<std::uint32_t> region_; ///< region of each face
     std::vector<Region> regions_;
 };
 

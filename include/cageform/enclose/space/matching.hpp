@@ -1,4 +1,4 @@
-// Maximum weight matching in any graph, by Edmonds' algorithm.
+// Maximum weight matching in general graphs (Edmonds' blossom algorithm).
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -14,26 +14,25 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// An edge of a graph, between two different vertices.
 struct WeightedEdge {
     std::uint32_t a = 0, b = 0;
-    std::int64_t weight = 0; ///< 1 … 2^60; smaller ones are never matched
+    std::int64_t weight = 0; ///< 1 … 2^60; edges with smaller weights are never matched
 };
 
-/// Finds edges of which no two share a vertex, with the greatest sum of weights. It is exact: all numbers
-/// are integers.
+/// Finds a set of edges without common vertices of maximum total weight. Exact, as all arithmetic is in
+/// integers.
 ///
-///   cost   O(n (m + n) log n) as a rule for n vertices and m edges; a search seldom sees the whole graph
+///   cost  typically O(n (m + n) log n) for n vertices and m edges; a search rarely visits the whole graph
 ///
-/// The primal-dual method of Edmonds (Maximum matching and a polyhedron with 0,1-vertices, J. Res. NBS 69B,
-/// 1965), as Galil describes it (Efficient algorithms for finding maximum matching in graphs, ACM Comput.
-/// Surv. 18, 1986). Here one alternating tree grows at a time, from a vertex without a mate. Each vertex has
-/// a dual y >= 0 and each blossom, an odd cycle shrunk to a node, a dual z >= 0. The slack of an edge
-/// is y_a + y_b - 2 weight, not below 0 outside blossoms. Edges that are matched, and those of the tree
-/// and of blossoms, have slack 0. While the tree grows, y falls at even nodes and rises at odd ones, at
-/// one rate. A queue holds the times at which something happens: an edge gets slack 0, z of an odd blossom
-/// reaches 0, or y of an even vertex does, which can then do without a mate. In the end y = 0 at all vertices
-/// without a mate, which proves the maximum.
+/// Primal-dual method of Edmonds (Maximum matching and a polyhedron with 0,1-vertices, J. Res. NBS 69B, 1965)
+/// as described by Galil (Efficient algorithms for finding maximum matching in graphs, ACM Comput. Surv. 18,
+/// 1986), growing one alternating tree at a time from an unmatched vertex. Each vertex has a dual y >= 0.
+/// Each blossom, an odd cycle shrunk to a node, has a dual z >= 0. The slack of an edge is y_a + y_b - 2
+/// weight; it is >= 0 outside blossoms, and 0 for edges that are matched, in the tree or in a blossom. While
+/// the tree grows, y decreases at even nodes and increases at odd ones, at the same rate. A queue holds the
+/// times of events: the slack of an edge reaches 0, z of an odd blossom reaches 0, or y of an even vertex
+/// reaches 0, which may then stay unmatched. At the end y = 0 at all unmatched vertices, which proves
+/// optimality.
 class Matching {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -42,7 +41,7 @@ public:
         : edges_(edges)
         , size_(static_cast<std::uint32_t>(vertices))
         , nodes_(vertices)
-        , link_of_(vertices, none)
+        , mate_link_(vertices, none)
         , first_(vertices + 1, 0) {
         for (const auto& edge : edges) {
             ++first_[edge.a + 1];
@@ -58,36 +57,37 @@ public:
         }
         for (std::uint32_t v = 0; v < size_; ++v) nodes_[v].base = v;
         for (std::uint32_t v = 0; v < size_; ++v) {
-            if (link_of_[v] == none && nodes_[v].dual > 0) search(v);
+            if (mate_link_[v] == none && nodes_[v].dual > 0) search(v);
         }
     }
 
-    /// The edge that is matched at a vertex; `none` if it has no mate.
+    /// Matched edge of a vertex; `none` if it is unmatched.
     std::uint32_t edge_at(std::size_t v) const noexcept {
-        return link_of_[v] == none ? none : link_of_[v] / 2;
+        return mate_link_[v] == none ? none : mate_link_[v] / 2;
     }
 
 private:
-    // A link is an edge with a direction: 2 e leads from a to b, 2 e + 1 back.
+    // A link is a directed edge: 2 e leads from a to b, 2 e + 1 from b to a.
     using Link = std::uint32_t;
-    using Node = std::uint32_t; ///< a vertex, or from size_ on a blossom
+    using Node = std::uint32_t; ///< a vertex, or a blossom if >= size_
     enum class Label : std::uint8_t { free, even, odd };
-    enum class Happening : std::uint8_t { vertex_at_zero, blossom_at_zero, edge_at_zero };
+    enum class EventKind : std::uint8_t { vertex_at_zero, blossom_at_zero, edge_at_zero };
 
     struct NodeData {
-        Node parent = none; ///< the blossom around it
-        Node base = none;   ///< its only vertex whose mate is outside, or that has none
+        Node parent = none; ///< enclosing blossom
+        Node base = none;   ///< its only vertex that is unmatched or matched to the outside
         std::int64_t dual = 0;
-        std::int64_t since = 0; ///< of an outermost node in the tree: when the duals in it were last right
+        std::int64_t since = 0; ///< of an outermost node in the tree: time of the last update of its duals
         Label label = Label::free;
-        Link entry = none; ///< of an odd node: the link from the tree into it
-        /// The odd cycle of a blossom, the one with the base first, and the links from each to the next.
+        Link entry = none; ///< of an odd node: link from the tree into it
+        /// Odd cycle of a blossom, starting with the child of the base, and the links from each child to the
+        /// next.
         std::vector<Node> children{};
         std::vector<Link> links{};
     };
     struct Event {
         std::int64_t time;
-        Happening what;
+        EventKind what;
         std::uint32_t index; ///< of the vertex, blossom or link
         friend auto operator<=>(const Event&, const Event&) = default;
     };
@@ -106,7 +106,7 @@ private:
         for (const Node child : nodes_[node].children) for_each_vertex(child, f);
     }
 
-    /// How much the duals of vertices have grown since they were last written.
+    /// Change of the vertex duals since they were last stored.
     std::int64_t growth(Node outer) const noexcept {
         const NodeData& node = nodes_[outer];
         if (node.label == Label::free) return 0;
@@ -117,7 +117,7 @@ private:
     std::int64_t slack(Link link) const noexcept {
         return dual(from(link)) + dual(to(link)) - 2 * edges_[link / 2].weight;
     }
-    /// Writes the duals of a node and of all in it, and gives it a label.
+    /// Stores the duals of a node and of its descendants, then sets its label.
     void set_label(Node outer, Label label, Link entry = none) {
         const std::int64_t by = growth(outer);
         if (by != 0) for_each_vertex(outer, [&](std::uint32_t v) { nodes_[v].dual += by; });
@@ -131,41 +131,41 @@ private:
         tree_.push_back(outer);
     }
 
-    void schedule(std::int64_t wait, Happening what, std::uint32_t index) {
+    void schedule(std::int64_t wait, EventKind what, std::uint32_t index) {
         queue_.push({now_ + wait, what, index});
     }
-    /// Schedules what will happen at a vertex that has become even.
-    void watch_even(std::uint32_t v) {
-        schedule(dual(v), Happening::vertex_at_zero, v);
+    /// Schedules the events of a vertex that has become even.
+    void schedule_even(std::uint32_t v) {
+        schedule(dual(v), EventKind::vertex_at_zero, v);
         const Node inside = outermost(v);
         for (auto k = first_[v]; k < first_[v + 1]; ++k) {
             const Node other = outermost(to(links_[k]));
             if (other == inside || nodes_[other].label == Label::odd) continue;
             const std::int64_t gap = slack(links_[k]);
-            schedule(nodes_[other].label == Label::even ? gap / 2 : gap, Happening::edge_at_zero, links_[k]);
+            schedule(nodes_[other].label == Label::even ? gap / 2 : gap, EventKind::edge_at_zero, links_[k]);
         }
     }
-    void watch_odd(Node outer) {
-        if (outer >= size_) schedule(nodes_[outer].dual / 2, Happening::blossom_at_zero, outer);
+    void schedule_odd(Node outer) {
+        if (outer >= size_) schedule(nodes_[outer].dual / 2, EventKind::blossom_at_zero, outer);
     }
     /// Schedules when the tree reaches a vertex that is no longer odd.
-    void watch_free(std::uint32_t v) {
+    void schedule_free(std::uint32_t v) {
         for (auto k = first_[v]; k < first_[v + 1]; ++k) {
             if (nodes_[outermost(to(links_[k]))].label == Label::even)
-                schedule(slack(links_[k]), Happening::edge_at_zero, links_[k] ^ 1U);
+                schedule(slack(links_[k]), EventKind::edge_at_zero, links_[k] ^ 1U);
         }
     }
     void make_even(Node outer) {
         add_to_tree(outer, Label::even);
-        for_each_vertex(outer, [&](std::uint32_t v) { watch_even(v); });
+        for_each_vertex(outer, [&](std::uint32_t v) { schedule_even(v); });
     }
 
-    /// Finds a mate for a vertex, or another vertex that can do without one in its place.
+    /// Matches a vertex, or leaves another one unmatched in its place.
     void search(std::uint32_t start) {
         now_ = 0;
         queue_ = {};
         make_even(outermost(start));
-        while (!take_next()) {}
+        while (!process_event()) {}
         for (const Node node : tree_) {
             if (nodes_[node].label != Label::free && nodes_[node].parent == none)
                 set_label(node, Label::free);
@@ -173,17 +173,17 @@ private:
         tree_.clear();
     }
 
-    /// Returns whether the search is at its end.
-    bool take_next() {
+    /// Processes an event. Returns true if the search has ended.
+    bool process_event() {
         const Event event = queue_.top();
         queue_.pop();
         now_ = event.time;
-        if (event.what == Happening::vertex_at_zero) {
+        if (event.what == EventKind::vertex_at_zero) {
             if (dual(event.index) != 0) return false;
-            rematch(event.index, none);
+            augment(event.index, none);
             return true;
         }
-        if (event.what == Happening::blossom_at_zero) {
+        if (event.what == EventKind::blossom_at_zero) {
             const NodeData& node = nodes_[event.index];
             const bool is_there = node.parent == none && node.label == Label::odd;
             if (is_there && blossom_dual(event.index) == 0) expand(event.index);
@@ -196,46 +196,46 @@ private:
             shrink(link, left, right);
             return false;
         }
-        const Link beyond = link_of_[nodes_[right].base];
+        const Link beyond = mate_link_[nodes_[right].base];
         if (beyond == none) {
-            rematch(from(link), link);
+            augment(from(link), link);
             set_base(right, to(link));
-            link_of_[to(link)] = link ^ 1U;
+            mate_link_[to(link)] = link ^ 1U;
             return true;
         }
         add_to_tree(right, Label::odd, link);
-        watch_odd(right);
+        schedule_odd(right);
         make_even(outermost(to(beyond)));
         return false;
     }
 
-    /// The way from an even node to the root of the tree: its nodes, and the links between them.
-    struct Way {
+    /// Path from an even node to the root of the tree: nodes and the links between them.
+    struct TreePath {
         std::vector<Node> nodes;
         std::vector<Link> links;
     };
-    Way way_to_root(Node even) const {
-        Way way{{even}, {}};
-        for (Link up = link_of_[nodes_[even].base]; up != none;) {
+    TreePath path_to_root(Node even) const {
+        TreePath path{{even}, {}};
+        for (Link up = mate_link_[nodes_[even].base]; up != none;) {
             const Node odd = outermost(to(up));
-            way.links.push_back(up);
-            way.nodes.push_back(odd);
-            way.links.push_back(nodes_[odd].entry ^ 1U);
-            way.nodes.push_back(outermost(to(way.links.back())));
-            up = link_of_[nodes_[way.nodes.back()].base];
+            path.links.push_back(up);
+            path.nodes.push_back(odd);
+            path.links.push_back(nodes_[odd].entry ^ 1U);
+            path.nodes.push_back(outermost(to(path.links.back())));
+            up = mate_link_[nodes_[path.nodes.back()].base];
         }
-        return way;
+        return path;
     }
 
-    /// Makes a blossom of the cycle that an edge between two even nodes closes.
+    /// Shrinks the cycle closed by an edge between two even nodes to a blossom.
     void shrink(Link link, Node left, Node right) {
-        Way here = way_to_root(left), there = way_to_root(right);
-        // They share their ends, from the node where they meet.
+        TreePath here = path_to_root(left), there = path_to_root(right);
+        // Remove the common end of both paths, except for the node where they meet.
         while (here.nodes.size() > 1 && there.nodes.size() > 1 &&
                here.nodes[here.nodes.size() - 2] == there.nodes[there.nodes.size() - 2]) {
-            for (Way* way : {&here, &there}) {
-                way->nodes.pop_back();
-                way->links.pop_back();
+            for (TreePath* path : {&here, &there}) {
+                path->nodes.pop_back();
+                path->links.pop_back();
             }
         }
         NodeData made;
@@ -255,7 +255,7 @@ private:
         }
         nodes_[blossom] = std::move(made);
         add_to_tree(blossom, Label::even);
-        for (const Node child : odd) for_each_vertex(child, [&](std::uint32_t v) { watch_even(v); });
+        for (const Node child : odd) for_each_vertex(child, [&](std::uint32_t v) { schedule_even(v); });
     }
 
     Node new_node() {
@@ -268,8 +268,8 @@ private:
         return node;
     }
 
-    /// Takes an odd blossom apart. The part of its cycle with an even number of links from where the tree
-    /// enters to the base stays in the tree.
+    /// Expands an odd blossom. The part of its cycle with an even number of links from the entry to the base
+    /// stays in the tree.
     void expand(Node blossom) {
         const Link entry = nodes_[blossom].entry;
         set_label(blossom, Label::free);
@@ -281,70 +281,70 @@ private:
             set_label(child, Label::free);
         }
         const std::size_t size = cycle.children.size();
-        const std::size_t start = place_of(cycle, to(entry));
+        const std::size_t start = child_index(cycle, to(entry));
         const bool is_down = start % 2 == 0;
         std::vector<Node> even;
-        Link way_in = entry;
+        Link entry_link = entry;
         for (std::size_t at = start, step = 0;; ++step) {
             const Node child = cycle.children[at];
             if (step % 2 == 0)
-                add_to_tree(child, Label::odd, way_in);
+                add_to_tree(child, Label::odd, entry_link);
             else
                 even.push_back(child);
             if (at == 0) break;
-            way_in = is_down ? cycle.links[at - 1] ^ 1U : cycle.links[at];
+            entry_link = is_down ? cycle.links[at - 1] ^ 1U : cycle.links[at];
             at = is_down ? at - 1 : (at + 1) % size;
         }
         for (const Node child : even) add_to_tree(child, Label::even);
         for (const Node child : cycle.children) {
             if (nodes_[child].label == Label::odd)
-                watch_odd(child);
+                schedule_odd(child);
             else if (nodes_[child].label == Label::even)
-                for_each_vertex(child, [&](std::uint32_t v) { watch_even(v); });
+                for_each_vertex(child, [&](std::uint32_t v) { schedule_even(v); });
             else
-                for_each_vertex(child, [&](std::uint32_t v) { watch_free(v); });
+                for_each_vertex(child, [&](std::uint32_t v) { schedule_free(v); });
         }
     }
 
-    /// The number of the child that holds a vertex.
-    std::size_t place_of(const NodeData& cycle, std::uint32_t v) const noexcept {
+    /// Index of the child that contains a vertex.
+    std::size_t child_index(const NodeData& cycle, std::uint32_t v) const noexcept {
         for (Node node = v;; node = nodes_[node].parent) {
             const auto found = std::find(cycle.children.begin(), cycle.children.end(), node);
             if (found != cycle.children.end()) return std::size_t(found - cycle.children.begin());
         }
     }
 
-    /// Matches an even vertex by a link, or by none, and exchanges matched and other edges from there to the
-    /// root, whose base gets a mate unless it is that vertex.
-    void rematch(std::uint32_t v, Link link) {
+    /// Augments: matches an even vertex by a link (or leaves it unmatched) and swaps matched and unmatched
+    /// edges along the path to the root.
+    void augment(std::uint32_t v, Link link) {
         for (;;) {
             const Node even = outermost(v);
-            const Link up = link_of_[nodes_[even].base];
+            const Link up = mate_link_[nodes_[even].base];
             set_base(even, v);
-            link_of_[v] = link;
+            mate_link_[v] = link;
             if (up == none) return;
             const Node odd = outermost(to(up));
             const Link entry = nodes_[odd].entry;
             set_base(odd, to(entry));
-            link_of_[to(entry)] = entry ^ 1U;
+            mate_link_[to(entry)] = entry ^ 1U;
             v = from(entry);
             link = entry;
         }
     }
 
-    /// Matches the vertices in a node in pairs, all but one.
+    /// Makes `v` the base of a node: matches its other vertices in pairs.
     void set_base(Node node, std::uint32_t v) {
         if (node < size_ || nodes_[node].base == v) return;
         NodeData& blossom = nodes_[node];
-        const std::size_t size = blossom.children.size(), place = place_of(blossom, v);
+        const std::size_t size = blossom.children.size(), place = child_index(blossom, v);
         set_base(blossom.children[place], v);
         const std::size_t first = place % 2 == 0 ? 0 : place + 1, last = place % 2 == 0 ? place : size;
         for (std::size_t k = first; k < last; k += 2) {
             const Link link = blossom.links[k];
             set_base(blossom.children[k], from(link));
             set_base(blossom.children[(k + 1) % size], to(link));
-            link_of_[from(link)] = link;
-            link_of_[to(link)] = link ^ 1U;
+            mate_link_[from(link)] = link;
+            mate_link_[to(link)] = link ^ 1U;
         }
         using Step = std::ptrdiff_t;
         std::rotate(blossom.children.begin(), blossom.children.begin() + Step(place), blossom.children.end());
@@ -356,10 +356,10 @@ private:
     std::uint32_t size_;
     std::vector<NodeData> nodes_;
     std::vector<Node> unused_;
-    std::vector<Link> link_of_; ///< of each vertex: the link to its mate
+    std::vector<Link> mate_link_; ///< of each vertex: link to its mate
     std::vector<std::uint32_t> first_;
-    std::vector<Link> links_; ///< those from vertex v: from first_[v] to first_[v + 1]
-    std::vector<Node> tree_;  ///< all nodes that were labelled in this search
+    std::vector<Link> links_; ///< those of vertex v: first_[v] to first_[v + 1]
+    std::vector<Node> tree_;  ///< all nodes labelled in this search
     std::int64_t now_ = 0;
     std::priority_queue<Event, std::vector<Event>, std::greater<>> queue_;
 };

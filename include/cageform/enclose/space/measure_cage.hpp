@@ -1,14 +1,12 @@
-// Measures a cage in space that make_cage has made: its least angle; vertices of the figure to be inside it.
+// Measures of a 3D cage.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/shell.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
-/// over the list.
+/// One vertex of each connected component of a figure; of 4,096 components if there are more.
 template <class F>
 std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
     DisjointSets components(vertices);
@@ -24,14 +22,14 @@ std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices)
         seen[component] = true;
     }
     constexpr std::size_t most = 4096;
-    if (corners.size() <= most) return corners;
-    std::vector<std::size_t> some;
-    some.reserve(most);
-    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
-    return some;
+    if (corners.size() > most) {
+        for (std::size_t k = 0; k < most; ++k) corners[k] = corners[k * corners.size() / most];
+        corners.resize(most);
+    }
+    return corners;
 }
 
-/// The smallest angle of a face, in degrees.
+/// Smallest angle of a face, in degrees.
 template <Scalar T>
 double least_angle(const TriangleMesh<T>& cage) {
     double least = std::numbers::pi;

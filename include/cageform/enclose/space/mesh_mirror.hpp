@@ -1,4 +1,4 @@
-// The mirror image of a mesh in itself.
+// Mirror symmetry of a mesh.
 #pragma once
 
 #include <cageform/core/types/bounds.hpp>
@@ -6,22 +6,22 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A mirror across an axis that maps a mesh to itself: images of vertices and faces.
+/// A reflection perpendicular to an axis that maps a mesh to itself.
 struct MeshMirror {
     std::size_t axis = 0;
     double position = 0;
     MirrorImages vertices, faces;
 };
 
-/// Finds the images in a mirror, if the mirror maps a mesh to itself.
+/// Returns the reflection if it maps the mesh to itself.
 ///
-///   tolerance   how far a vertex may be from the image of another
-///   cost        O(n log n), more where many vertices have one coordinate
+///   tolerance  maximum distance of a vertex from the image of another
+///   cost       O(n log n), more if many vertices share a coordinate
 inline std::optional<MeshMirror> mirror_across(std::size_t axis, double position, double tolerance,
                                                std::span<const Vec<double, 3>> points,
                                                std::span<const std::array<std::uint32_t, 3>> faces) {
     constexpr std::uint32_t none = ~std::uint32_t{0};
-    const std::size_t along = (axis + 1) % 3; // in whose order vertices are looked up
+    const std::size_t along = (axis + 1) % 3; // vertices are sorted along this axis
     std::vector<std::uint32_t> order(points.size());
     for (std::uint32_t v = 0; v < order.size(); ++v) order[v] = v;
     std::sort(order.begin(), order.end(),
@@ -62,8 +62,8 @@ inline std::optional<MeshMirror> mirror_across(std::size_t axis, double position
     return mirror;
 }
 
-/// The first of the axes x, y, z across whose middle the mesh is its own image, to 1e-5 of its diagonal, less
-/// than a written cage is rounded to.
+/// First axis x, y, z about whose middle the mesh is symmetric, within 1e-5 of its diagonal. This tolerates
+/// the rounding of cage files.
 inline std::optional<MeshMirror> mirror_of(std::span<const Vec<double, 3>> points,
                                            std::span<const std::array<std::uint32_t, 3>> faces) {
     const auto box = bounds_of(points);

@@ -1,4 +1,4 @@
-// Pairs the triangles of a cage in space to faces of four corners.
+// Merges pairs of triangles of a 3D cage to quads.
 #pragma once
 
 #include <cageform/enclose/space/cage_maker.hpp>
@@ -9,30 +9,29 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Two triangles with a common edge, as one face of four corners. Its old diagonal is that edge. The new
-/// diagonal cuts it into two new triangles. Both cuts, the fan about the mean of the corners and the bilinear
-/// patch lie in the tetrahedron of the corners.
+/// Two triangles with a common edge as a quad. The old diagonal is the common edge; the new one splits the
+/// quad into two other triangles. Both triangulations, the fan about the mean corner and the bilinear patch
+/// lie in the tetrahedron of the corners.
 struct FacePair {
     using Point = Vec<double, 3>;
 
     std::array<std::uint32_t, 2> faces{};
     std::array<std::uint32_t, 4> loop{}; ///< counter-clockwise; the old diagonal joins corners 0 and 2
     std::array<Point, 4> corner{};
-    double warp = 0;         ///< the distance between the diagonals, over the mean length of the edges
-    double quality = 0;      ///< 1 for a square, 0 for the worst
-    double clearance = 0;    ///< of the tetrahedron, as far as it is below the cage's
-    std::uint32_t image = 0; ///< the number of the pair's image in the mirror
+    double warp = 0;         ///< distance between the diagonals over the mean edge length
+    double quality = 0;      ///< 1: a square; 0: the worst
+    double clearance = 0;    ///< of the tetrahedron, if it is below that of the cage
+    std::uint32_t image = 0; ///< index of the mirrored pair
     bool allowed = true;
 
-    /// Sets the warp and the quality. Returns whether the face will do: seen along its normal it is convex,
-    /// no corner is sharper or flatter than 20 degrees, and the warp is at most 0.4. A square folded by
-    /// 59 degrees along a diagonal has that warp.
+    /// Sets warp and quality. Returns true if the quad is convex seen along its normal, with angles of 20 to
+    /// 160 degrees and a warp of at most 0.4. A square folded by 59 degrees along a diagonal has this warp.
     bool measure() noexcept {
         constexpr double sharpest = std::numbers::pi / 9, right = std::numbers::pi / 2, most_warp = 0.4;
         const Point normal = cross(corner[2] - corner[0], corner[3] - corner[1]);
         const double size = length(normal);
         if (!(size > 0)) return false;
-        double edges = 0, off = 0; // off: how far an angle is from a right one
+        double edges = 0, off = 0; // off: largest deviation from a right angle
         for (std::size_t k = 0; k < 4; ++k) {
             const Point to = corner[(k + 1) % 4] - corner[k], back = corner[(k + 3) % 4] - corner[k];
             const Point turn = cross(to, back);
@@ -42,13 +41,13 @@ struct FacePair {
             edges += length(to);
         }
         warp = 4 * std::fabs(dot(corner[1] - corner[0], normal)) / (size * edges);
-        // The angles count as in Remacle and others, Blossom-Quad, Int. J. Numer. Meth. Eng. 89, 2012.
+        // Angle term as in Remacle et al., Blossom-Quad, Int. J. Numer. Meth. Eng. 89, 2012.
         quality = 0.5 * (1 - off / right) + 0.5 * (1 - warp / most_warp);
         return warp <= most_warp;
     }
 
-    /// A triangle of three corners. Those without corner 0 and without corner 2 are new, the others old.
-    Facet<3> without(std::size_t left_out) const noexcept {
+    /// Triangle of the corners except one. Those without corners 0 and 2 are new, the others old.
+    Facet<3> triangle_without(std::size_t left_out) const noexcept {
         std::array<std::uint32_t, 3> three{};
         for (std::size_t k = 0; k < 3; ++k) three[k] = std::uint32_t((left_out + 1 + k) % 4);
         Facet<3> facet(three, std::span<const Point>(corner));
@@ -56,7 +55,7 @@ struct FacePair {
         return facet;
     }
     bool has(std::uint32_t v) const noexcept { return std::find(loop.begin(), loop.end(), v) != loop.end(); }
-    /// Whether the tetrahedron of the corners holds a point; a flat one holds none.
+    /// True if the tetrahedron of the corners contains a point; false for a flat one.
     bool holds(const Point& p) const noexcept {
         const auto six = [](const Point& a, const Point& b, const Point& c, const Point& d) {
             return dot(b - a, cross(c - a, d - a));
@@ -74,32 +73,31 @@ struct FacePair {
     Bounds<double, 3> bounds() const noexcept { return bounds_of(std::span<const Point>(corner)); }
 };
 
-/// Finds the pairs of a cage that can be faces of four corners, and chooses most of them.
+/// Finds all valid quads of a cage and selects a largest compatible set.
 class FacePairing {
 public:
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
 
-    /// `parts` of each face: faces of two parts are no pair. It may be empty.
+    ///   parts  of each face; faces of different parts form no pair. May be empty
     FacePairing(std::vector<Point> points, std::vector<Face> faces, std::vector<int> parts = {})
         : points_(std::move(points))
         , faces_(std::move(faces))
         , parts_(std::move(parts))
         , image_(faces_.size()) {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-            for (std::size_t k = 0; k < 3; ++k) beside_[{faces_[f][k], faces_[f][(k + 1) % 3]}] = f;
+            for (std::size_t k = 0; k < 3; ++k) face_of_edge_[{faces_[f][k], faces_[f][(k + 1) % 3]}] = f;
             image_[f] = f;
         }
-        for (const auto& [edge, f] : beside_) {
+        for (const auto& [edge, f] : face_of_edge_) {
             if (edge.first < edge.second) add_pair(edge, f);
         }
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) pairs_[n].image = n;
     }
 
-    /// From here on pairs are chosen or left out together with their images, if the mirror takes the cage to
-    /// itself.
+    /// Selects pairs together with their images, if the cage is symmetric.
     ///
-    ///   tolerance   how far a vertex may be from the image of another
+    ///   tolerance  maximum distance of a vertex from the image of another
     void mirror(std::size_t axis, double position, double tolerance) {
         auto mirrored = mirror_across(axis, position, tolerance, points_, faces_);
         if (!mirrored) return;
@@ -111,7 +109,7 @@ public:
             std::sort(faces.begin(), faces.end());
             const auto found = number.find(faces);
             if (found == number.end())
-                pairs_[n].allowed = false; // its image, equal up to rounding, was just refused
+                pairs_[n].allowed = false; // its image was just rejected, due to rounding
             else
                 pairs_[n].image = found->second;
         }
@@ -119,17 +117,16 @@ public:
             const auto &faces = pairs_[n].faces, &images = pairs_[pairs_[n].image].faces;
             const bool share =
                 std::find_first_of(faces.begin(), faces.end(), images.begin(), images.end()) != faces.end();
-            if (share && pairs_[n].image != n)
-                pairs_[n].allowed = false; // only one of the two could be chosen
+            if (share && pairs_[n].image != n) pairs_[n].allowed = false; // only one of the two can be chosen
         }
     }
 
-    /// Forbids pairs whose tetrahedron comes nearer to a figure than `least`.
+    /// Rejects pairs whose tetrahedron is closer to a figure than `least`.
     ///
-    ///   clearance   of the cage
-    void keep_off(std::span<const Corners<3>> figure, double clearance, double least) {
+    ///   clearance  of the cage
+    void reject_near(std::span<const Corners<3>> figure, double clearance, double least) {
         FaceHash hash = make_hash();
-        std::vector<std::size_t> seen(pairs_.size(), figure.size()); // the hash may give a pair twice
+        std::vector<std::size_t> seen(pairs_.size(), figure.size()); // the hash may return a pair twice
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
             pairs_[n].clearance = clearance;
             hash.add(n, box_corners(pairs_[n]));
@@ -146,7 +143,7 @@ public:
                 seen[n] = f;
                 if (!hash.box(n).overlaps(box.widened(pair.clearance))) return false;
                 for (const std::size_t k : {0U, 2U}) {
-                    const auto& corner = pair.without(k).corner;
+                    const auto& corner = pair.triangle_without(k).corner;
                     if (distance_to_facet(middle, corner) - radius < pair.clearance)
                         pair.clearance = (std::min)(pair.clearance, facet_distance(triangle, corner));
                 }
@@ -157,27 +154,26 @@ public:
         }
     }
 
-    /// Forbids pairs whose tetrahedron meets another triangle of the cage.
-    void keep_apart() {
+    /// Rejects pairs whose tetrahedron intersects another triangle of the cage.
+    void reject_crossing() {
         FaceHash hash = make_hash();
         for (std::uint32_t f = 0; f < faces_.size(); ++f)
             hash.add(f, Facet<3>(faces_[f], std::span<const Point>(points_)).corner);
         for (FacePair& pair : pairs_) {
             pair.allowed = pair.allowed && !hash.any(pair.bounds(), [&](std::uint32_t f) {
                 return f != pair.faces[0] && f != pair.faces[1] &&
-                       meets(pair, Facet<3>(faces_[f], std::span<const Point>(points_)));
+                       intersects(pair, Facet<3>(faces_[f], std::span<const Point>(points_)));
             });
         }
     }
 
-    /// Chooses as many pairs as possible and, among these choices, one with the greatest sum of qualities.
-    /// Where the tetrahedra of two of them meet, the one of less quality is forbidden, and all are chosen
-    /// again.
+    /// Returns as many pairs as possible with the greatest sum of qualities. If the tetrahedra of two chosen
+    /// pairs intersect, rejects the one of lower quality and repeats.
     std::vector<std::uint32_t> choose() {
         for (FacePair& pair : pairs_) pair.allowed = pair.allowed && pairs_[pair.image].allowed;
         for (;;) {
             const auto chosen = best_choice();
-            if (!forbid_meeting(chosen)) return chosen;
+            if (!reject_intersecting(chosen)) return chosen;
         }
     }
     const FacePair& operator[](std::size_t n) const noexcept { return pairs_[n]; }
@@ -190,12 +186,12 @@ private:
     }
     void add_pair(const Edge& edge, std::uint32_t f) {
         const auto [a, b] = edge;
-        const auto other = beside_.find({b, a});
-        if (other == beside_.end()) return;
+        const auto other = face_of_edge_.find({b, a});
+        if (other == face_of_edge_.end()) return;
         const std::uint32_t g = other->second, c = third(f, a, b), d = third(g, a, b);
         if (parts_.size() == faces_.size() && parts_[f] != parts_[g]) return;
-        // Where the cage has the new diagonal already, a cut along it would give that edge four faces.
-        if (beside_.contains({c, d}) || beside_.contains({d, c})) return;
+        // If the cage already has the new diagonal, this edge would have four faces.
+        if (face_of_edge_.contains({c, d}) || face_of_edge_.contains({d, c})) return;
         FacePair pair;
         pair.faces = {(std::min)(f, g), (std::max)(f, g)};
         pair.loop = {a, d, b, c};
@@ -203,7 +199,7 @@ private:
         if (pair.measure()) pairs_.push_back(pair);
     }
 
-    /// Corners with the bounds of a pair, for a hash.
+    /// Corners whose bounds are those of a pair, for the hash.
     static Corners<3> box_corners(const FacePair& pair) noexcept {
         const auto box = pair.bounds();
         return {box.lower, box.upper, box.upper};
@@ -218,19 +214,19 @@ private:
         const double gap = 1e-7 * std::sqrt(length(n)), reach = gap * length(n);
         return faces_touch(a, n, reach, b, gap);
     }
-    /// Whether the tetrahedron of a pair meets a triangle except in common corners. The old triangles of the
-    /// pair are not asked for: they are faces of the cage.
-    static bool meets(const FacePair& pair, const Facet<3>& facet) noexcept {
+    /// True if the tetrahedron of a pair intersects a triangle outside common corners. The old triangles of
+    /// the pair are faces of the cage and not tested.
+    static bool intersects(const FacePair& pair, const Facet<3>& facet) noexcept {
         for (std::size_t k = 0; k < 3; ++k) {
             if (!pair.has(facet.vertex[k]) && pair.holds(facet.corner[k])) return true;
         }
-        return touch(pair.without(0), facet) || touch(pair.without(2), facet);
+        return touch(pair.triangle_without(0), facet) || touch(pair.triangle_without(2), facet);
     }
 
     std::vector<std::uint32_t> best_choice() const {
-        // A face and its image are one vertex of the graph. A pair of a face with its own image goes to
-        // a vertex that nothing else goes to. All other pairs count twice, for themselves and their images.
-        constexpr double steps = 1e6; // of quality
+        // A face and its image are one vertex of the graph. A pair of a face with its own image gets a
+        // separate vertex. All other pairs count twice, for themselves and their images.
+        constexpr double steps = 1e6; // resolution of the quality
         const auto more = static_cast<std::int64_t>(steps) * std::int64_t(faces_.size());
         std::vector<WeightedEdge> edges;
         std::vector<std::uint32_t> pair_of;
@@ -256,40 +252,41 @@ private:
         return chosen;
     }
 
-    /// Returns whether any of the chosen pairs meet, or have one new diagonal.
-    bool forbid_meeting(std::span<const std::uint32_t> chosen) {
+    /// Rejects chosen pairs that intersect or share a new diagonal. Returns true if there were any.
+    bool reject_intersecting(std::span<const std::uint32_t> chosen) {
         FaceHash hash = make_hash();
         bool any = false;
         for (const std::uint32_t n : chosen) {
             FacePair& pair = pairs_[n];
             (void)hash.any(pair.bounds(), [&](std::uint32_t other) {
-                if (!meet(pair, pairs_[other])) return false;
+                if (!intersect(pair, pairs_[other])) return false;
                 any = true;
-                forbid(pair.quality < pairs_[other].quality ? n : other);
+                reject(pair.quality < pairs_[other].quality ? n : other);
                 return false;
             });
             hash.add(n, box_corners(pair));
         }
         return any;
     }
-    static bool meet(const FacePair& a, const FacePair& b) noexcept {
+    static bool intersect(const FacePair& a, const FacePair& b) noexcept {
         if (std::minmax(a.loop[1], a.loop[3]) == std::minmax(b.loop[1], b.loop[3])) return true;
-        return meets(a, b.without(0)) || meets(a, b.without(2)) || meets(b, a.without(0));
+        return intersects(a, b.triangle_without(0)) || intersects(a, b.triangle_without(2)) ||
+               intersects(b, a.triangle_without(0));
     }
-    void forbid(std::uint32_t n) noexcept {
+    void reject(std::uint32_t n) noexcept {
         pairs_[n].allowed = false;
         pairs_[pairs_[n].image].allowed = false;
     }
 
     std::vector<Point> points_;
     std::vector<Face> faces_;
-    std::vector<int> parts_;               ///< of each face; may be empty
-    std::vector<std::uint32_t> image_;     ///< of each face: its image in the mirror; itself without one
-    std::map<Edge, std::uint32_t> beside_; ///< the face at the left of an edge
+    std::vector<int> parts_;                     ///< of each face; may be empty
+    std::vector<std::uint32_t> image_;           ///< of each face: its mirror image, or itself
+    std::map<Edge, std::uint32_t> face_of_edge_; ///< face to the left of an edge
     std::vector<FacePair> pairs_;
 };
 
-/// Pairs the faces of a cage that has been made, and completes the report.
+/// Completes the report of the cage.
 template <class T>
 Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> vertices,
                        std::span<const MeshFace> faces, const MakeCageOptions& options,
@@ -308,8 +305,8 @@ Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> v
         const double middle = 0.5 * (box.lower[axis] + box.upper[axis]);
         pairing.mirror(axis, options.mirror->position.value_or(middle), 0.01 * report.margin);
     }
-    pairing.keep_off(figure, report.clearance, 0.25 * report.margin);
-    pairing.keep_apart();
+    pairing.reject_near(figure, report.clearance, 0.25 * report.margin);
+    pairing.reject_crossing();
     std::vector<std::uint32_t> pair_of(cage.faces().size(), Matching::none);
     const auto chosen = pairing.choose();
     report.quads = chosen.size();

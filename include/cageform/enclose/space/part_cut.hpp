@@ -1,38 +1,36 @@
-// Step 3 of find_parts: the cheapest edges between faces of a limb and faces of the rest.
+// find_parts, step 3: minimum cut between the faces of a limb and the rest.
 #pragma once
 
 #include <cageform/enclose/space/part_surface.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Edges of a closed mesh, each with the cost of a cut there: its length, less where the surface is hollow.
+/// Cost of cutting each edge of a closed mesh: its length, reduced where the surface is concave.
 class EdgeCosts {
 public:
     struct Edge {
-        std::uint32_t one, other; ///< the faces at it
+        std::uint32_t one, other; ///< adjacent faces
         double length;
-        std::int64_t cost; ///< in whole numbers, so that of all cheapest cuts one is the least
+        std::int64_t cost; ///< integer, so that a smallest minimum cut exists
     };
 
-    /// `images` by a mirror, or none: an edge and its image cost the same.
+    ///   images  of vertices by a mirror, or empty: an edge and its image cost the same
     EdgeCosts(std::span<const Vec<double, 3>> points, std::span<const std::array<std::uint32_t, 3>> faces,
               const MirrorImages& images) {
         std::vector<Vec<double, 3>> normals;
-        for (const auto& [a, b, c] : faces)
-            normals.push_back(cross(points[b] - points[a], points[c] - points[a]));
+        for (const auto& face : faces) normals.push_back(area_normal(points, face));
         const auto sides = edge_sides(faces);
         double longest = 0;
         for (std::size_t e = 0; e + 1 < sides.size(); e += 2) {
-            const auto edge = points[sides[e].b] - points[sides[e].a];
-            edges_.push_back({sides[e].face, sides[e + 1].face, std::sqrt(dot(edge, edge)), 0});
+            const double size = length(points[sides[e].b] - points[sides[e].a]);
+            edges_.push_back({sides[e].face, sides[e + 1].face, size, 0});
             longest = (std::max)(longest, edges_.back().length);
         }
         for (std::size_t e = 0; e < edges_.size(); ++e) {
             const auto &one = normals[edges_[e].one], &other = normals[edges_[e].other];
-            const auto turn = cross(one, other);
-            const double bend = std::atan2(std::sqrt(dot(turn, turn)), dot(one, other));
+            const double bend = std::atan2(length(cross(one, other)), dot(one, other));
             const bool is_hollow = dot(one, points[sides[2 * e + 1].third] - points[sides[2 * e].a]) > 0;
-            constexpr double units = 1 << 24; // of the longest edge
+            constexpr double units = 1 << 24; // per longest edge
             edges_[e].cost =
                 1 + std::int64_t(units * edges_[e].length / longest / (is_hollow ? 1 + 3 * bend : 1));
             if (images.empty()) continue;
@@ -47,35 +45,34 @@ private:
     std::vector<Edge> edges_;
 };
 
-/// The side of a face in a cut.
-enum class CutSide : std::uint8_t { limb, rest, open };
+enum class CutSide : std::uint8_t { limb, rest, undecided };
 
-/// Decides the open faces so that the edges between limb and rest cost least (Dinic's maximum flow); of
-/// several such cuts the one whose limb has the fewest faces, which is the part of all of them.
+/// Assigns the undecided faces to limb or rest by a minimum cut (Dinic's maximum flow). Of several minimum
+/// cuts, the limb with the fewest faces is chosen; it is the intersection of all limbs.
 class CheapestCut {
 public:
     CheapestCut(std::span<const EdgeCosts::Edge> edges, std::vector<CutSide> sides)
         : edges_(edges)
         , sides_(std::move(sides))
-        , at_(sides_.size()) {
+        , incident_(sides_.size()) {
         for (std::size_t e = 0; e < edges.size(); ++e) {
-            if (sides_[edges[e].one] == sides_[edges[e].other] && sides_[edges[e].one] != CutSide::open)
+            if (sides_[edges[e].one] == sides_[edges[e].other] && sides_[edges[e].one] != CutSide::undecided)
                 continue;
-            at_[edges[e].one].push_back(e);
-            at_[edges[e].other].push_back(e);
+            incident_[edges[e].one].push_back(e);
+            incident_[edges[e].other].push_back(e);
         }
-        left_.resize(2 * edges.size()); // from `one` to `other`, and back
-        for (std::size_t e = 0; e < edges.size(); ++e) left_[2 * e] = left_[2 * e + 1] = edges[e].cost;
+        residual_.resize(2 * edges.size()); // from `one` to `other`, and back
+        for (std::size_t e = 0; e < edges.size(); ++e)
+            residual_[2 * e] = residual_[2 * e + 1] = edges[e].cost;
         while (find_levels()) {
             next_.assign(sides_.size(), 0);
             for (std::uint32_t f = 0; f < sides_.size(); ++f) {
                 if (sides_[f] != CutSide::limb) continue;
-                while (push(f) > 0) {}
+                while (augment(f) > 0) {}
             }
         }
     }
 
-    /// Whether a face is of the limb.
     bool is_limb(std::size_t f) const noexcept { return level_[f] != unreached; }
 
 private:
@@ -84,8 +81,8 @@ private:
     std::uint32_t across(std::size_t e, std::uint32_t f) const noexcept {
         return edges_[e].one == f ? edges_[e].other : edges_[e].one;
     }
-    std::int64_t& left(std::size_t e, std::uint32_t from) noexcept {
-        return left_[2 * e + (edges_[e].one == from ? 0 : 1)];
+    std::int64_t& residual(std::size_t e, std::uint32_t from) noexcept {
+        return residual_[2 * e + (edges_[e].one == from ? 0 : 1)];
     }
 
     bool find_levels() {
@@ -96,56 +93,57 @@ private:
             level_[f] = 0;
             queue.push_back(f);
         }
-        bool arrives = false;
+        bool reaches_rest = false;
         for (std::size_t n = 0; n < queue.size(); ++n) {
             const auto f = queue[n];
             if (sides_[f] == CutSide::rest) {
-                arrives = true;
+                reaches_rest = true;
                 continue;
             }
-            for (const auto e : at_[f]) {
+            for (const auto e : incident_[f]) {
                 const auto g = across(e, f);
-                if (level_[g] != unreached || left(e, f) == 0) continue;
+                if (level_[g] != unreached || residual(e, f) == 0) continue;
                 level_[g] = level_[f] + 1;
                 queue.push_back(g);
             }
         }
-        return arrives;
+        return reaches_rest;
     }
 
-    /// Pushes as much as one way from a face to the rest takes. Without recursion: ways may be long.
-    std::int64_t push(std::uint32_t from) {
-        std::vector<std::size_t> way; // its edges
+    /// Augments the flow along one path from a face to the rest; returns the amount. Iterative, because paths
+    /// may be long.
+    std::int64_t augment(std::uint32_t from) {
+        std::vector<std::size_t> path; // edges of the path
         std::vector<std::uint32_t> faces{from};
         while (sides_[faces.back()] != CutSide::rest) {
             const auto f = faces.back();
             auto& n = next_[f];
-            while (n < at_[f].size() &&
-                   (left(at_[f][n], f) == 0 || level_[across(at_[f][n], f)] != level_[f] + 1))
+            while (n < incident_[f].size() &&
+                   (residual(incident_[f][n], f) == 0 || level_[across(incident_[f][n], f)] != level_[f] + 1))
                 ++n;
-            if (n < at_[f].size()) {
-                way.push_back(at_[f][n]);
-                faces.push_back(across(at_[f][n], f));
+            if (n < incident_[f].size()) {
+                path.push_back(incident_[f][n]);
+                faces.push_back(across(incident_[f][n], f));
                 continue;
             }
-            if (way.empty()) return 0;
-            way.pop_back();
+            if (path.empty()) return 0;
+            path.pop_back();
             faces.pop_back();
             ++next_[faces.back()];
         }
         std::int64_t most = (std::numeric_limits<std::int64_t>::max)();
-        for (std::size_t k = 0; k < way.size(); ++k) most = (std::min)(most, left(way[k], faces[k]));
-        for (std::size_t k = 0; k < way.size(); ++k) {
-            left(way[k], faces[k]) -= most;
-            left(way[k], faces[k + 1]) += most;
+        for (std::size_t k = 0; k < path.size(); ++k) most = (std::min)(most, residual(path[k], faces[k]));
+        for (std::size_t k = 0; k < path.size(); ++k) {
+            residual(path[k], faces[k]) -= most;
+            residual(path[k], faces[k + 1]) += most;
         }
         return most;
     }
 
     std::span<const EdgeCosts::Edge> edges_;
     std::vector<CutSide> sides_;
-    std::vector<std::vector<std::size_t>> at_; // the edges of each face
-    std::vector<std::int64_t> left_;
+    std::vector<std::vector<std::size_t>> incident_; // edges of each face
+    std::vector<std::int64_t> residual_;
     std::vector<std::uint32_t> level_;
     std::vector<std::size_t> next_;
 };

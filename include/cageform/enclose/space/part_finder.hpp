@@ -1,4 +1,4 @@
-// Step 4 of find_parts: keeps the joints that fit together, and numbers the parts.
+// find_parts, step 4: selects compatible joints and numbers the parts.
 #pragma once
 
 #include <cageform/cage/detail/mesh_face.hpp>
@@ -8,12 +8,10 @@
 #include <cageform/enclose/space/part_cut.hpp>
 #include <cageform/enclose/space/part_sweep.hpp>
 
-#include <numeric>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Areas of a cage that a joint cuts off, or that are a whole shell. Two of those kept are disjoint, or one
-/// has all faces of the other.
+/// Selects regions of a cage that are cut off by a joint, or are a whole shell. Selected regions are nested
+/// or disjoint.
 class PartFinder {
 public:
     using Point = Vec<double, 3>;
@@ -23,42 +21,37 @@ public:
         , faces_(faces)
         , mirror_(mirror_of(points, faces))
         , costs_(points, faces, mirror_ ? mirror_->vertices : MirrorImages{})
-        , around_(faces.size()) {
+        , adjacent_(faces.size()) {
         for (const auto& edge : costs_.edges()) {
-            around_[edge.one].push_back(edge.other);
-            around_[edge.other].push_back(edge.one);
+            adjacent_[edge.one].push_back(edge.other);
+            adjacent_[edge.other].push_back(edge.one);
         }
-        for (const auto& [a, b, c] : faces) {
-            const Point across = cross(points[b] - points[a], points[c] - points[a]);
-            areas_.push_back(std::sqrt(dot(across, across)) / 2);
-        }
+        for (const auto& face : faces) areas_.push_back(length(area_normal(points, face)) / 2);
     }
 
     CageParts find() {
         find_shells();
-        keep_long_areas();
-        for (;;) { // a part without a vertex of its own is none
+        drop_short_branches();
+        for (;;) { // drop parts without a vertex
             auto parts = parts_of_faces(faces_, points_.size(), numbers());
             const auto bare = std::find_if(parts.parts.begin(), parts.parts.end(),
                                            [](const CagePart& part) { return part.vertices.empty(); });
             if (bare == parts.parts.end()) return parts;
-            drop(worst_of(bare->number));
+            drop(region_to_drop(bare->number));
         }
     }
 
 private:
-    using Faces = std::vector<bool>; // #faces
+    using Faces = std::vector<bool>; // flag per face
     static constexpr std::size_t none = ~std::size_t{0};
 
-    struct Area {
+    struct Region {
         Faces has;
         double size = 0, compactness = 0;
-        std::size_t image = none; // its own number where it is its own image
+        std::size_t image = none; // itself if symmetric
         bool is_shell = false;
         int number = 0;
     };
-
-    // ---- sets of faces ----------------------------------------------------------------------------
 
     double size_of(const Faces& set) const {
         double sum = 0;
@@ -76,7 +69,7 @@ private:
         for (std::size_t f = 0; f < set.size(); ++f) image[mirror_->faces[f]] = set[f];
         return image;
     }
-    /// The connected pieces of a set, the largest first.
+    /// Connected components of a set, largest first.
     std::vector<Faces> pieces_of(const Faces& set) const {
         std::vector<std::pair<double, Faces>> pieces;
         Faces seen(set.size());
@@ -92,7 +85,7 @@ private:
                 stack.pop_back();
                 piece[f] = true;
                 size += areas_[f];
-                for (const std::size_t g : around_[f]) {
+                for (const std::size_t g : adjacent_[f]) {
                     if (!set[g] || seen[g]) continue;
                     seen[g] = true;
                     stack.push_back(g);
@@ -119,16 +112,14 @@ private:
         return combined(p, q, [](bool a, bool b) { return a && !b; });
     }
 
-    /// The largest piece of a set, with the holes that it has in a shell: what it cuts off from the largest
-    /// rest.
+    /// The largest component of a set with its holes filled: everything that it separates from the largest
+    /// rest of the shell.
     Faces filled(const Faces& set, const Faces& shell) const {
         auto pieces = pieces_of(set);
         if (pieces.empty()) return set;
         const auto rest = pieces_of(without(shell, pieces[0]));
         return rest.empty() ? shell : without(shell, rest[0]);
     }
-
-    // ---- joints -----------------------------------------------------------------------------------
 
     void find_shells() {
         for (Faces& shell : pieces_of(Faces(faces_.size(), true))) {
@@ -149,22 +140,19 @@ private:
                 add_images(image, whole);
                 continue;
             }
-            auto found = areas_in(shell, image == whole);
-            std::vector<std::size_t> order(found.size());
-            std::iota(order.begin(), order.end(), std::size_t{0});
-            std::stable_sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
-                return found[p].compactness > found[q].compactness;
-            });
-            for (const std::size_t n : order) keep(std::move(found[n]), shell, image == whole);
+            auto found = regions_in(shell, image == whole);
+            std::stable_sort(found.begin(), found.end(),
+                             [](const Region& p, const Region& q) { return p.compactness > q.compactness; });
+            for (Region& region : found) add_if_compatible(std::move(region), shell, image == whole);
         }
     }
 
-    /// Copies the areas of a shell to the image of that shell.
+    /// Copies the regions of a shell to its mirror image.
     void add_images(std::size_t shell, std::size_t whole) {
         const Faces within = kept_[shell].has;
         for (std::size_t n = 0; n < whole; ++n) {
             if (kept_[n].is_shell || size_of(common(kept_[n].has, within)) == 0) continue;
-            Area image = kept_[n];
+            Region image = kept_[n];
             image.has = image_of(image.has);
             kept_[n].image = kept_.size();
             image.image = n;
@@ -172,8 +160,8 @@ private:
         }
     }
 
-    /// All areas that joints cut off in a shell; one of each pair of images.
-    std::vector<Area> areas_in(const Faces& shell, bool is_mirrored) const {
+    /// All regions that joints cut off in a shell; one of each mirrored pair.
+    std::vector<Region> regions_in(const Faces& shell, bool is_mirrored) const {
         std::vector<Point> points;
         std::vector<MeshFace> faces;
         std::vector<std::uint32_t> number(points_.size(), no_vertex), vertices, whole;
@@ -198,10 +186,10 @@ private:
             images.push_back(number[mirror_->vertices[vertices[n]]]);
         const PartSurface surface(std::move(points), std::move(faces), std::move(images));
 
-        // Bumps below a fiftieth of the size are no limbs.
+        // Bumps below a fiftieth of the size are not limbs.
         const double least = 0.02 * std::sqrt(surface.total_area());
         const auto tips = extremities(surface, mean_distances(surface), least, 64);
-        std::vector<Area> found;
+        std::vector<Region> found;
         for (const auto tip : tips) {
             const auto image = surface.image(tip);
             const bool is_pair = image != tip && std::find(tips.begin(), tips.end(), image) != tips.end();
@@ -210,9 +198,9 @@ private:
             auto distance = surface.distances(std::array{tip, is_own ? image : tip});
             if (is_own) surface.make_symmetric(distance);
             for (const SweptJoint& joint : swept_joints(surface, distance)) {
-                Area area;
+                Region area;
                 area.has = filled(cut(joint, surface, distance, whole), shell);
-                if (is_pair) // what both have is of neither
+                if (is_pair) // neither gets the common faces
                     area.has = filled(without(area.has, image_of(area.has)), shell);
                 if (is_own && image_of(area.has) != area.has) continue;
                 area.image = is_own ? found.size() : none;
@@ -223,13 +211,13 @@ private:
         return found;
     }
 
-    void measure(Area& area) const {
+    void measure(Region& area) const {
         area.size = size_of(area.has);
         const double border = border_of(area.has);
         area.compactness = border > 0 ? 4 * std::numbers::pi * area.size / (border * border) : 0;
     }
 
-    /// The cheapest cut between the fronts before and behind a joint: its faces on the extremity's side.
+    /// Faces on the extremity's side of the minimum cut between the fronts before and behind a joint.
     Faces cut(const SweptJoint& joint, const PartSurface& surface, const std::vector<double>& distance,
               std::span<const std::uint32_t> whole) const {
         std::vector<char> swept(faces_.size(), 1), passed(faces_.size(), 1), has_tip(faces_.size());
@@ -243,24 +231,24 @@ private:
         }
         std::vector<CutSide> sides(faces_.size(), CutSide::rest);
         for (const auto f : whole)
-            sides[f] = swept[f] || has_tip[f] ? CutSide::limb : passed[f] ? CutSide::rest : CutSide::open;
+            sides[f] = swept[f] || has_tip[f] ? CutSide::limb
+                       : passed[f]            ? CutSide::rest
+                                              : CutSide::undecided;
         const CheapestCut cheapest(costs_.edges(), sides);
         Faces limb(faces_.size());
         for (const auto f : whole) limb[f] = cheapest.is_limb(f);
         return limb;
     }
 
-    // ---- a choice of them -------------------------------------------------------------------------
-
-    /// Keeps an area, and its image, if it goes with those kept before, which are more compact. Where two are
-    /// nearly nested or disjoint, the later one gives way.
-    void keep(Area area, const Faces& shell, bool is_mirrored) {
-        for (const Area& other : kept_) {
+    /// Keeps a region (and its image) if it is compatible with those kept before, which are more compact. If
+    /// two are nearly nested or nearly disjoint, the new one is adjusted.
+    void add_if_compatible(Region area, const Faces& shell, bool is_mirrored) {
+        for (const Region& other : kept_) {
             if (other.is_shell) continue;
             const double both = size_of(common(area.has, other.has));
             if (both == 0) continue;
             const double less = (std::min)(area.size, other.size), more = (std::max)(area.size, other.size);
-            if (both > 0.7 * more) return; // the same area, found again
+            if (both > 0.7 * more) return; // the same region found again
             if (both >= 0.9 * less)
                 area.has = area.size < other.size
                                ? common(area.has, other.has)
@@ -273,11 +261,11 @@ private:
         }
         if (area.compactness < least_compactness || filled(area.has, shell) != area.has) return;
         const bool is_pair = is_mirrored && area.image == none;
-        Area image = area;
+        Region image = area;
         if (is_mirrored) image.has = image_of(area.has);
         if (is_pair ? size_of(common(area.has, image.has)) > 0 : is_mirrored && image.has != area.has) return;
-        for (const Area& other : kept_) {
-            for (const Area* one : {&area, &image}) {
+        for (const Region& other : kept_) {
+            for (const Region* one : {&area, &image}) {
                 const Faces both = common(one->has, other.has);
                 if (size_of(both) > 0 && both != one->has && both != other.has) return;
                 if (!other.is_shell && one->has == other.has) return;
@@ -290,9 +278,10 @@ private:
         if (is_pair) kept_.push_back(std::move(image));
     }
 
-    /// A limb with branches, such as an arm with fingers or a neck with a head and antlers, is long itself
-    /// and not most of its shell: a body below the arms, which has two legs, is no limb.
-    void keep_long_areas() {
+    /// Drops regions with branches (an arm with fingers, a neck with head and antlers) unless they are long
+    /// without their branches and no more than 40 % of their shell. A body below the arms, which has two
+    /// legs, is not a limb.
+    void drop_short_branches() {
         std::vector<std::size_t> order;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
             if (!kept_[n].is_shell) order.push_back(n);
@@ -305,7 +294,7 @@ private:
             if (dropped[n]) continue;
             Faces own = kept_[n].has;
             double shell = 0;
-            for (const Area& whole : kept_)
+            for (const Region& whole : kept_)
                 shell += whole.is_shell && size_of(common(whole.has, own)) > 0 ? whole.size : 0;
             for (const std::size_t inner : settled) {
                 if (size_of(common(kept_[inner].has, kept_[n].has)) > 0) own = without(own, kept_[inner].has);
@@ -325,7 +314,7 @@ private:
 
     void erase(std::size_t n) {
         kept_.erase(kept_.begin() + std::ptrdiff_t(n));
-        for (Area& area : kept_) {
+        for (Region& area : kept_) {
             if (area.image == none) continue;
             if (area.image == n)
                 area.image = none;
@@ -339,8 +328,9 @@ private:
         if (image != none && image != n) erase((std::min)(n, image));
     }
 
-    /// The area to give up where a part has no vertex: this one, or of a whole shell the least compact limb.
-    std::size_t worst_of(int number) const {
+    /// The region to drop if part `number` has no vertex: this region or, for a whole shell, the least
+    /// compact region.
+    std::size_t region_to_drop(int number) const {
         std::size_t worst = none;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
             if (kept_[n].number == number && !kept_[n].is_shell) return n;
@@ -350,9 +340,7 @@ private:
         return worst;
     }
 
-    // ---- numbers ----------------------------------------------------------------------------------
-
-    /// The number of each face's part, which is the least area that has the face.
+    /// Part number of each face: that of the smallest region that contains it.
     std::vector<int> numbers() {
         std::vector<std::size_t> of(faces_.size(), none);
         for (std::size_t n = 0; n < kept_.size(); ++n) {
@@ -380,9 +368,9 @@ private:
     std::span<const MeshFace> faces_;
     std::optional<MeshMirror> mirror_;
     EdgeCosts costs_;
-    std::vector<std::vector<std::size_t>> around_; // the faces beside each
+    std::vector<std::vector<std::size_t>> adjacent_; // adjacent faces
     std::vector<double> areas_;
-    std::vector<Area> kept_; // the largest shell first
+    std::vector<Region> kept_; // the largest shell first
 };
 
 template <class T>

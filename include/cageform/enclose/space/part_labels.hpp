@@ -1,4 +1,4 @@
-// The parts of a cage from the numbers of its faces.
+// Order, hierarchy and adjacency of the parts of a cage.
 #pragma once
 
 #include <cageform/enclose/types/cage_parts.hpp>
@@ -14,21 +14,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// 1, 2, -2, 3, -3, …
+/// Order of part numbers: 1, 2, -2, 3, -3, …
 inline bool part_precedes(int a, int b) noexcept {
     return std::abs(a) != std::abs(b) ? std::abs(a) < std::abs(b) : a > b;
 }
 
-/// Numbers for parts: 1, 2, … by decreasing area, and n and -n for a part and its image.
+/// Numbers parts 1, 2, … by decreasing area; mirrored parts get n and -n.
 ///
-///   images    of each part its image by a mirror, or itself
-///   right     how far it lies where the coordinate is larger; n is the image that lies farther there
-///   is_trunk  of part n, whether it may be number 1; the largest that may is, if there is any
+///   images    mirror image of each part, or the part itself
+///   moments   moment about the mirror plane; the part with the larger moment gets n
+///   is_trunk  is_trunk(n): whether part n may be number 1; the largest such part is, if any
 template <class IsTrunk>
 std::vector<int> part_numbers(std::span<const double> areas, std::span<const std::size_t> images,
-                              std::span<const double> right, IsTrunk is_trunk) {
+                              std::span<const double> moments, IsTrunk is_trunk) {
     const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
-    const auto rank = [&](std::size_t n) { // the areas of images differ by rounding
+    const auto rank = [&](std::size_t n) { // areas of images differ by rounding
         return std::round(areas[n] / total * 1e9);
     };
     std::vector<std::size_t> order(areas.size());
@@ -45,54 +45,54 @@ std::vector<int> part_numbers(std::span<const double> areas, std::span<const std
         const std::size_t image = images[n];
         if (image == n) continue;
         numbers[image] = -numbers[n];
-        if (right[n] < right[image]) std::swap(numbers[n], numbers[image]);
+        if (moments[n] < moments[image]) std::swap(numbers[n], numbers[image]);
     }
     return numbers;
 }
 
-/// Which of some parts hang on which.
+/// Hierarchy of parts.
 class PartTree {
 public:
     static constexpr std::size_t none = ~std::size_t{0};
 
-    /// names   of the parts, in the order above
-    /// pairs   of parts that have an edge in common, both ways, one for each edge; sorted
+    ///   names  part numbers, sorted by part_precedes
+    ///   pairs  adjacent parts, both ways, one entry per common edge; sorted
     PartTree(std::span<const int> names, std::span<const std::array<std::size_t, 2>> pairs)
-        : opposite_(names.size(), none)
-        , beside_(names.size())
-        , most_(names.size())
+        : mirrored_(names.size(), none)
+        , adjacent_(names.size())
+        , max_edges_(names.size())
         , parent_(names.size(), none)
         , depth_(names.size())
-        , has_(names.size()) {
+        , in_tree_(names.size()) {
         for (std::size_t p = 0; p + 1 < names.size(); ++p) {
             if (names[p] != -names[p + 1]) continue;
-            opposite_[p] = p + 1;
-            opposite_[p + 1] = p;
+            mirrored_[p] = p + 1;
+            mirrored_[p + 1] = p;
         }
         for (std::size_t n = 0; n < pairs.size();) {
             const auto [to, from] = pairs[n];
             std::size_t edges = 0;
             for (; n < pairs.size() && pairs[n] == std::array{to, from}; ++n) ++edges;
-            if (from == opposite_[to]) edges = 0;
-            beside_[to].push_back({edges, from, to});
-            most_[to] = (std::max)(most_[to], edges);
+            if (from == mirrored_[to]) edges = 0;
+            adjacent_[to].push_back({edges, from, to});
+            max_edges_[to] = (std::max)(max_edges_[to], edges);
         }
         for (std::size_t start = 0; start < names.size(); ++start) {
-            if (has_[start]) continue;
+            if (in_tree_[start]) continue;
             for (std::vector<std::size_t> added{start}; !added.empty();) {
-                auto next = those_that_will_do(added);
-                if (next.empty()) next = those_with_most_edges();
+                auto next = attach_strong_neighbours(added);
+                if (next.empty()) next = attach_strongest();
                 added = std::move(next);
             }
         }
     }
 
     std::size_t parent(std::size_t p) const noexcept { return parent_[p]; }
-    /// The part from which the ways down to both begin.
-    std::size_t above_both(std::size_t p, std::size_t q) const noexcept {
+    /// Lowest common ancestor.
+    std::size_t common_ancestor(std::size_t p, std::size_t q) const noexcept {
         while (p != q) {
             if (depth_[p] < depth_[q]) std::swap(p, q);
-            if (parent_[p] == none) return (std::min)(p, q); // of two trees
+            if (parent_[p] == none) return (std::min)(p, q); // different trees
             p = parent_[p];
         }
         return p;
@@ -101,70 +101,72 @@ public:
 private:
     struct Link {
         std::size_t edges, from, to;
-        bool operator<(const Link& other) const noexcept { // the greatest is taken first
+        bool operator<(const Link& other) const noexcept { // the queue pops the greatest
             if (edges != other.edges) return edges < other.edges;
             return to != other.to ? to > other.to : from > other.from;
         }
     };
 
-    /// Adds parts to the tree, and hangs those beside them that have enough edges in common with it.
-    std::vector<std::size_t> those_that_will_do(const std::vector<std::size_t>& added) {
-        for (const std::size_t p : added) has_[p] = true;
+    /// Adds parts to the tree. Attaches adjacent parts whose common edges suffice, and returns these.
+    std::vector<std::size_t> attach_strong_neighbours(const std::vector<std::size_t>& added) {
+        for (const std::size_t p : added) in_tree_[p] = true;
         std::vector<std::size_t> next;
         for (const std::size_t p : added) {
-            for (const Link& link : beside_[p]) {
+            for (const Link& link : adjacent_[p]) {
                 const Link back{link.edges, p, link.from};
-                if (has_[back.to]) continue;
+                if (in_tree_[back.to]) continue;
                 links_.push(back);
-                if (back.edges > 0 && 3 * back.edges >= 2 * most_[back.to]) next.push_back(back.to);
+                if (back.edges > 0 && 3 * back.edges >= 2 * max_edges_[back.to]) next.push_back(back.to);
             }
         }
         std::sort(next.begin(), next.end());
         next.erase(std::unique(next.begin(), next.end()), next.end());
         for (const std::size_t p : next) {
             Link best{0, none, p};
-            for (const Link& link : beside_[p]) {
-                if (has_[link.from] && link.edges > best.edges) best = link;
+            for (const Link& link : adjacent_[p]) {
+                if (in_tree_[link.from] && link.edges > best.edges) best = link;
             }
-            hang(best);
+            attach(best);
         }
         return next;
     }
-    std::vector<std::size_t> those_with_most_edges() {
+    std::vector<std::size_t> attach_strongest() {
         std::vector<std::size_t> next;
         for (std::size_t edges = 0; !links_.empty(); links_.pop()) {
             const Link link = links_.top();
-            if (has_[link.to] || std::find(next.begin(), next.end(), link.to) != next.end()) continue;
+            if (in_tree_[link.to] || std::find(next.begin(), next.end(), link.to) != next.end()) continue;
             if (!next.empty() && (link.edges == 0 || link.edges != edges)) break;
             edges = link.edges;
-            hang(link);
+            attach(link);
             next.push_back(link.to);
         }
         return next;
     }
-    void hang(const Link& link) {
+    void attach(const Link& link) {
         std::size_t from = link.from;
         const auto has_as_many = [&](const Link& other) {
-            return other.from == opposite_[from] && other.edges == link.edges;
+            return other.from == mirrored_[from] && other.edges == link.edges;
         };
-        while (parent_[from] != none && opposite_[from] != none &&
-               std::any_of(beside_[link.to].begin(), beside_[link.to].end(), has_as_many))
+        while (parent_[from] != none && mirrored_[from] != none &&
+               std::any_of(adjacent_[link.to].begin(), adjacent_[link.to].end(), has_as_many))
             from = parent_[from];
         parent_[link.to] = from;
         depth_[link.to] = depth_[from] + 1;
     }
 
-    std::vector<std::size_t> opposite_;     ///< n of -n
-    std::vector<std::vector<Link>> beside_; ///< to each part, by the other part
-    std::vector<std::size_t> most_;         ///< edges in common with another part
+    std::vector<std::size_t> mirrored_;       ///< index of -n
+    std::vector<std::vector<Link>> adjacent_; ///< links to each part from adjacent parts
+    std::vector<std::size_t> max_edges_;      ///< maximum of common edges with another part
     std::vector<std::size_t> parent_, depth_;
-    std::vector<bool> has_;           ///< whether the tree has it
+    std::vector<bool> in_tree_;       ///< parts in the tree
     std::priority_queue<Link> links_; ///< from parts in the tree
 };
 
-/// Pairs of parts, one for each edge between them, and both ways; sorted. `part` of each face.
+/// Pairs of adjacent parts, both ways, one entry per common edge; sorted.
+///
+///   part  of each face
 template <class Faces>
-std::vector<std::array<std::size_t, 2>> pairs_of_parts(const Faces& faces,
+std::vector<std::array<std::size_t, 2>> adjacent_parts(const Faces& faces,
                                                        std::span<const std::size_t> part) {
     std::vector<std::array<std::size_t, 3>> edges; // two vertices, and the part of a face there
     for (std::size_t f = 0; f < part.size(); ++f) {
@@ -184,6 +186,52 @@ std::vector<std::array<std::size_t, 2>> pairs_of_parts(const Faces& faces,
     }
     std::sort(pairs.begin(), pairs.end());
     return pairs;
+}
+
+/// Determines the hierarchy, vertices and joints of parts.
+///
+///   faces    lists of vertices below `vertices`, of any length
+///   numbers  #faces, never 0
+///   returns  the root is the first part in the order of part_precedes. A part is attached to the part in the
+///            tree with which it shares most edges, once these are two thirds of the most that it shares with
+///            any part. If it shares as many with n as with -n, it is attached to their parent. If no part
+///            qualifies, those with most common edges are attached
+template <class Faces>
+CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
+    CageParts found;
+    found.of_face.assign(numbers.begin(), numbers.end());
+    std::vector<int> names = found.of_face;
+    std::sort(names.begin(), names.end(), part_precedes);
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    std::vector<std::size_t> part(numbers.size());
+    for (std::size_t f = 0; f < part.size(); ++f)
+        part[f] = std::size_t(std::lower_bound(names.begin(), names.end(), numbers[f], part_precedes) -
+                              names.begin());
+    constexpr std::size_t none = PartTree::none;
+    const PartTree tree(names, adjacent_parts(faces, part));
+    for (std::size_t p = 0; p < names.size(); ++p)
+        found.parts.push_back({names[p], tree.parent(p) == none ? 0 : names[tree.parent(p)], {}, {}});
+    std::vector<std::array<std::size_t, 2>> corners; // a vertex, and the part of a face there
+    for (std::size_t f = 0; f < part.size(); ++f) {
+        for (const auto v : faces[f]) corners.push_back({std::size_t(v), part[f]});
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    std::vector<std::size_t> of(vertices, none);
+    for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.common_ancestor(of[v], p);
+    // A vertex is on the joints of all parts between its own and those of its faces.
+    for (const auto& [v, p] : corners) {
+        for (std::size_t q = p; q != of[v] && tree.parent(q) != none; q = tree.parent(q)) {
+            auto& joint = found.parts[q].joint;
+            if (joint.empty() || joint.back() != v) joint.push_back(std::uint32_t(v));
+        }
+    }
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const std::size_t p = of[v] == none ? 0 : of[v];
+        found.of_vertex.push_back(names.empty() ? 1 : names[p]);
+        if (!names.empty()) found.parts[p].vertices.push_back(std::uint32_t(v));
+    }
+    return found;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,7 +1,7 @@
-// Step 1 of find_parts: the surface of one shell of a cage, its faces refined, and ways along it.
+// find_parts, step 1: a refined shell of a cage, and geodesic distances on it.
 #pragma once
 
-#include <cageform/core/vec.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A side of an edge: its vertices, the lesser first, a face, and the face's third vertex.
+/// Normal of a mesh face; its length is twice the area.
+inline Vec<double, 3> area_normal(std::span<const Vec<double, 3>> points,
+                                  const std::array<std::uint32_t, 3>& face) noexcept {
+    return area_normal({points[face[0]], points[face[1]], points[face[2]]});
+}
+
+/// A side of an edge: its vertices in ascending order, a face, and the third vertex of the face.
 struct EdgeSide {
     std::uint32_t a, b, face, third;
     friend bool operator<(const EdgeSide& p, const EdgeSide& q) noexcept {
@@ -25,7 +31,7 @@ struct EdgeSide {
     }
 };
 
-/// All sides by edges. In a closed mesh those of edge e are 2e and 2e + 1.
+/// All sides, sorted by edge. In a closed mesh, edge e has the sides 2e and 2e + 1.
 inline std::vector<EdgeSide> edge_sides(std::span<const std::array<std::uint32_t, 3>> faces) {
     std::vector<EdgeSide> sides;
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
@@ -38,36 +44,35 @@ inline std::vector<EdgeSide> edge_sides(std::span<const std::array<std::uint32_t
     return sides;
 }
 
-/// The number of the edge between two vertices.
+/// Index of the edge between two vertices.
 inline std::size_t edge_between(std::span<const EdgeSide> sides, std::uint32_t v, std::uint32_t w) {
     const auto [a, b] = std::minmax(v, w);
     return std::size_t(std::lower_bound(sides.begin(), sides.end(), EdgeSide{a, b, 0, 0}) - sides.begin()) /
            2;
 }
 
-/// The image of each vertex by a mirror; none: empty.
+/// Mirror image of each vertex; empty without a mirror.
 using MirrorImages = std::vector<std::uint32_t>;
 
-/// A closed mesh, refined until it has some thousand faces.
+/// A closed mesh, refined to at least 1,500 faces.
 class PartSurface {
 public:
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
 
-    /// `faces` use all `points`. The images are of points; of each image's faces there is one.
+    ///   faces   use all points
+    ///   images  of points, or empty; the faces must be symmetric too
     PartSurface(std::vector<Point> points, std::vector<Face> faces, MirrorImages images)
         : points_(std::move(points))
         , faces_(std::move(faces))
         , images_(std::move(images)) {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) origins_.push_back(f);
-        constexpr std::size_t enough = 1500; // more change no joint of the cages we know
+        constexpr std::size_t enough = 1500; // more refinement changed no joint of our test cages
         while (faces_.size() < enough) refine();
         link();
         areas_.assign(points_.size(), 0);
         for (const Face& face : faces_) {
-            const Point across =
-                cross(points_[face[1]] - points_[face[0]], points_[face[2]] - points_[face[0]]);
-            const double area = std::sqrt(dot(across, across)) / 2;
+            const double area = length(area_normal(points_, face)) / 2;
             total_area_ += area;
             for (const auto v : face) areas_[v] += area / 3;
         }
@@ -77,17 +82,17 @@ public:
     const Point& operator[](std::size_t v) const noexcept { return points_[v]; }
     std::span<const Face> faces() const noexcept { return faces_; }
     std::uint32_t origin(std::size_t f) const noexcept { return origins_[f]; } ///< the face that was refined
-    double area(std::size_t v) const noexcept { return areas_[v]; }            ///< of a vertex's share
+    double area(std::size_t v) const noexcept { return areas_[v]; } ///< a third of the areas of its faces
     double total_area() const noexcept { return total_area_; }
     bool is_mirrored() const noexcept { return !images_.empty(); }
     std::uint32_t image(std::uint32_t v) const noexcept { return images_.empty() ? v : images_[v]; }
-    /// The vertices at the other ends of a vertex's edges.
+    /// Vertices connected to a vertex by an edge.
     std::span<const std::uint32_t> around(std::size_t v) const noexcept {
         return std::span(links_).subspan(first_[v], neighbours_[v]);
     }
 
-    /// Returns the lengths of the shortest ways from the nearest of some vertices, along edges and across
-    /// pairs of faces that are unfolded into a plane: some percent more than along the surface. O(n log n).
+    /// Distances from the nearest of several vertices along edges and across unfolded pairs of faces. They
+    /// exceed geodesic distances by a few percent. O(n log n).
     std::vector<double> distances(std::span<const std::uint32_t> from) const {
         std::vector<double> distance(size(), std::numeric_limits<double>::infinity());
         using Entry = std::pair<double, std::uint32_t>;
@@ -110,7 +115,7 @@ public:
         return distance;
     }
 
-    /// Makes a function its own image.
+    /// Averages a function with its mirror image.
     void make_symmetric(std::vector<double>& f) const {
         for (std::uint32_t v = 0; v < size(); ++v) {
             const auto w = image(v);
@@ -141,21 +146,21 @@ private:
         origins_ = std::move(origins);
     }
 
-    /// The length of the straight way between the tips of two faces at an edge, unfolded into a plane; none
-    /// where it does not cross the edge.
+    /// Length of the straight path between the tips of two faces unfolded about their common edge; none if it
+    /// does not cross the edge.
     std::optional<double> way_across(const EdgeSide& one, const EdgeSide& other) const {
         const Point edge = points_[one.b] - points_[one.a];
-        const double length = std::sqrt(dot(edge, edge));
+        const double edge_length = length(edge);
         std::array<double, 2> along{}, off{};
         for (std::size_t k = 0; k < 2; ++k) {
             const Point tip = points_[k == 0 ? one.third : other.third] - points_[one.a];
-            along[k] = dot(tip, edge) / length;
+            along[k] = dot(tip, edge) / edge_length;
             off[k] = std::sqrt((std::max)(0.0, dot(tip, tip) - along[k] * along[k]));
         }
         const double both = off[0] + off[1];
         if (!(both > 0)) return std::nullopt;
         const double at = along[0] + (along[1] - along[0]) * off[0] / both;
-        if (!(at > 0 && at < length)) return std::nullopt;
+        if (!(at > 0 && at < edge_length)) return std::nullopt;
         return std::hypot(along[0] - along[1], both);
     }
 
@@ -166,16 +171,16 @@ private:
             double length;
         };
         std::vector<Link> all;
-        const auto add = [&](std::uint32_t v, std::uint32_t w, bool across, double length) {
-            all.push_back({v, w, across, length});
-            all.push_back({w, v, across, length});
+        const auto add = [&](std::uint32_t v, std::uint32_t w, bool across, double distance) {
+            all.push_back({v, w, across, distance});
+            all.push_back({w, v, across, distance});
         };
         const auto sides = edge_sides(faces_);
         for (std::size_t e = 0; e < sides.size(); e += 2) {
-            const Point edge = points_[sides[e].b] - points_[sides[e].a];
-            add(sides[e].a, sides[e].b, false, std::sqrt(dot(edge, edge)));
+            const auto [a, b, face, third] = sides[e];
+            add(a, b, false, length(points_[b] - points_[a]));
             if (const auto way = way_across(sides[e], sides[e + 1]))
-                add(sides[e].third, sides[e + 1].third, true, *way);
+                add(third, sides[e + 1].third, true, *way);
         }
         std::sort(all.begin(), all.end(), [](const Link& p, const Link& q) {
             if (p.from != q.from) return p.from < q.from;
@@ -199,7 +204,7 @@ private:
     std::vector<std::uint32_t> origins_;
     std::vector<double> areas_;
     double total_area_ = 0;
-    // Ways to other vertices: those of v from first_[v] on, along edges first.
+    // Links of vertex v start at first_[v]; those along edges come first.
     std::vector<std::size_t> first_, neighbours_;
     std::vector<std::uint32_t> links_;
     std::vector<double> lengths_;

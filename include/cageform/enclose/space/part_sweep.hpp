@@ -1,14 +1,15 @@
-// Step 2 of find_parts: extremities, and fronts that sweep over the surface from them.
+// find_parts, step 2: extremities, and fronts that sweep the surface from them.
 #pragma once
 
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/part_surface.hpp>
 
 #include <numbers>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// For each vertex, the mean distance of the whole surface from it (Hilaga et al., Topology matching,
-/// SIGGRAPH 2001, sec. 4.1), from some dozen places that are spread evenly.
+/// Mean distance of the surface from each vertex (Hilaga et al., Topology matching, SIGGRAPH 2001, sec. 4.1),
+/// estimated from 48 evenly spread samples.
 inline std::vector<double> mean_distances(const PartSurface& surface) {
     constexpr std::size_t places = 48;
     const auto farthest = [](const std::vector<double>& distance) {
@@ -42,19 +43,15 @@ inline std::vector<double> mean_distances(const PartSurface& surface) {
     return mean;
 }
 
-/// The local maxima of a function that stand higher than `least` over the ways to higher ones, the one that
-/// stands highest first; at most `most`.
+/// Local maxima of a function with a prominence above `least`, most prominent first; at most `most`.
 inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const std::vector<double>& f,
                                               double least, std::size_t most) {
-    std::vector<std::uint32_t> order(f.size()), root(f.size());
-    for (std::uint32_t v = 0; v < f.size(); ++v) order[v] = root[v] = v;
+    DisjointSets sets(f.size());
+    std::vector<std::uint32_t> order(f.size());
+    std::iota(order.begin(), order.end(), std::uint32_t{0});
     std::stable_sort(order.begin(), order.end(), [&](auto v, auto w) { return f[v] > f[w]; });
-    const auto root_of = [&](std::uint32_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
     std::vector<bool> above(f.size());
-    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // of each root; in the order, which has no ties
+    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // per root; rank in the order breaks ties
     for (std::uint32_t n = 0; n < f.size(); ++n) rank[order[n]] = n;
     std::vector<std::pair<double, std::uint32_t>> found;
     for (const auto v : order) {
@@ -62,11 +59,11 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
         top[v] = v;
         for (const auto w : surface.around(v)) {
             if (!above[w]) continue;
-            auto high = root_of(w), low = root_of(v);
-            if (high == low) continue;
-            if (rank[top[low]] < rank[top[high]]) std::swap(high, low);
-            if (f[top[low]] - f[v] > least) found.push_back({f[top[low]] - f[v], top[low]});
-            root[low] = high;
+            auto high = top[sets.find(w)], low = top[sets.find(v)];
+            if (!sets.join(v, w)) continue;
+            if (rank[low] < rank[high]) std::swap(high, low);
+            if (f[low] - f[v] > least) found.push_back({f[low] - f[v], low});
+            top[sets.find(v)] = high;
         }
     }
     found.push_back({std::numeric_limits<double>::infinity(), order.front()});
@@ -77,12 +74,12 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
     return places;
 }
 
-/// A front at some distance: what it has swept, with all that it cuts off from the larger rest.
+/// A front at a distance: the swept area, including all that the front separates from the larger rest.
 struct SweptArea {
     double distance = 0, area = 0, border = 0;
-    std::vector<bool> rest; ///< the vertices that it has not swept
+    std::vector<bool> rest; ///< vertices not swept
 
-    /// 1 for a disk, 2 for half a sphere.
+    /// 1 for a disk, 2 for a hemisphere.
     double compactness() const noexcept {
         return border > 0 ? 4 * std::numbers::pi * area / (border * border) : 0;
     }
@@ -114,7 +111,7 @@ inline SweptArea swept_area(const PartSurface& surface, const std::vector<double
     const auto largest = std::uint32_t(std::max_element(areas.begin(), areas.end()) - areas.begin());
     swept.area -= areas[largest];
     for (std::uint32_t v = 0; v < piece.size(); ++v) swept.rest[v] = piece[v] == largest;
-    if (surface.is_mirrored()) { // a rest that is not its own image would make a part that is not
+    if (surface.is_mirrored()) { // an asymmetric rest would make an asymmetric part
         for (std::uint32_t v = 0; v < piece.size(); ++v) {
             if (swept.rest[v] && distance[v] == distance[surface.image(v)] && !swept.rest[surface.image(v)])
                 return swept;
@@ -132,22 +129,21 @@ inline SweptArea swept_area(const PartSurface& surface, const std::vector<double
             ends[count++] = surface[v] + t * (surface[w] - surface[v]);
         }
         if (count < 2 || !is_here) continue;
-        const auto across = ends[1] - ends[0];
-        swept.border += std::sqrt(dot(across, across));
+        swept.border += length(ends[1] - ends[0]);
     }
     return swept;
 }
 
-/// A joint as a sweep finds it: between a front before it and one behind it.
+/// A joint found by a sweep lies between two fronts.
 struct SweptJoint {
     double compactness = 0;
     SweptArea before, behind;
 };
 
-/// The least compactness of a part.
+/// Minimum compactness of a part.
 inline constexpr double least_compactness = 2.6;
 
-/// The joints that a front passes from an extremity on: where its compactness is largest before it falls by
+/// Joints passed by a front from an extremity: maxima of the compactness followed by a drop by a factor of
 /// `fall`. Areas above half of the surface are no parts.
 inline std::vector<SweptJoint> swept_joints(const PartSurface& surface, const std::vector<double>& distance) {
     constexpr int fronts = 96;
@@ -168,7 +164,7 @@ inline std::vector<SweptJoint> swept_joints(const PartSurface& surface, const st
             const auto& at = all[best];
             if (at.area > 0.5 * surface.total_area()) break;
             if (at.compactness() >= least_compactness) {
-                // As far on both sides as the limb is thick.
+                // The fronts are at least one limb radius before and behind the joint.
                 const double thick = at.border / (2 * std::numbers::pi);
                 joints.push_back(
                     {at.compactness(), swept_area(surface, distance, at.distance - thick),

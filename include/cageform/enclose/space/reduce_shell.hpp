@@ -1,6 +1,6 @@
-// make_cage in space, step 4: reduces the mesh to few vertices by edge collapses, the cheapest first
-// (edge_collapse.hpp). A collapse is only allowed if the new faces stay clear of the figure and of each other
-// (as in Calderon & Boubekeur, Bounding proxies for shape approximation, SIGGRAPH 2017).
+// make_cage in 3D, step 4: reduces the mesh by edge collapses, cheapest first (edge_collapse.hpp). A collapse
+// is valid if the new faces stay clear of the figure and of each other (as in Calderon & Boubekeur, Bounding
+// proxies for shape approximation, SIGGRAPH 2017).
 #pragma once
 
 #include <cageform/enclose/space/edge_collapse.hpp>
@@ -10,8 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Collapses edges until few vertices are left: first in rounds, while faces are of about the lattice's
-/// spacing, then by a queue.
+/// Collapses edges in rounds while faces are about as small as the lattice spacing, then by a priority queue.
 class ShellReduction {
 public:
     using Point = Vec<double, 3>;
@@ -25,8 +24,8 @@ public:
         , mark_(shell.points.size(), 0)
         , count_(shell.whole_size()) {}
 
-    /// Reduces the whole cage to this many vertices, or as few as possible. Returns false if cancelled. It
-    /// may be called again for fewer.
+    /// Reduces the whole cage to `vertices`, or as few as possible. Returns false if cancelled. Can be called
+    /// again for fewer.
     bool reduce_to(std::size_t vertices, const Running& running) {
         const double first = double(count_);
         const auto keep_going = [&] {
@@ -34,9 +33,9 @@ public:
                 std::clamp((first - double(count_)) / (first - double(vertices)), 0.0, 1.0));
         };
         if (count_ <= vertices) return true;
-        if (hashed_ == 0) { // the queue has not begun
+        if (hashed_ == 0) { // the queue is not filled yet
             if (!merge_pairs(vertices, keep_going)) return false;
-            watch_crossings();
+            test_crossings();
             for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
                 for (const auto w : shell_.neighbours(v)) {
                     if (v < w) propose(v, w);
@@ -46,7 +45,7 @@ public:
         for (std::size_t step = 0; count_ > vertices; ++step) {
             if (step % 256 == 0 && !keep_going()) return false;
             if (queue_.empty() && !retry()) break;
-            if (3 * count_ < hashed_) watch_crossings(); // the faces outgrow the cells of the hash
+            if (3 * count_ < hashed_) test_crossings(); // faces have outgrown the cells of the hash
             const Collapse next = queue_.top();
             queue_.pop();
             if (is_current(next)) attempt(next);
@@ -54,29 +53,29 @@ public:
         return true;
     }
 
-    /// Does the first collapses only, in rounds, as `reduce_to` does. Returns false if cancelled.
+    /// Runs only the rounds of `reduce_to`. Returns false if cancelled.
     bool begin(std::size_t vertices, const Running& running) {
         return merge_pairs(vertices, [&] { return running.keep_going(0); });
     }
 
 private:
     struct Collapse {
-        double cost; ///< a lower bound
+        double cost; ///< lower bound
         std::uint32_t u, v;
-        std::uint32_t versions; ///< the sum of both ends; if it has changed, the collapse is out of date
-        std::uint32_t changes;  ///< of the faces about both ends, up to when the place was chosen
-        EdgeCollapse::Places refused;
-        std::uint32_t chosen; ///< the cheapest place that is left, if the cost is that of a place
+        std::uint32_t versions; ///< sum over both ends; outdated if it has changed
+        std::uint32_t changes;  ///< of the faces at both ends when the candidate was chosen
+        EdgeCollapse::CandidateSet rejected;
+        std::uint32_t candidate_index; ///< cheapest candidate left, if `cost` is its cost
 
-        bool operator<(const Collapse& other) const noexcept { // the queue has its largest on top
+        bool operator<(const Collapse& other) const noexcept { // the queue pops the largest
             return std::tie(other.cost, other.u, other.v) < std::tie(cost, u, v);
         }
     };
 
-    /// Collapses cheap edges in rounds. In each, a vertex merges with the neighbour that costs least, at most
-    /// once. Edges remain shorter than six spacings, and large faces move by less than one. The sheets of the
-    /// mesh are farther apart than one margin, so faces are not tested for crossing each other here; the cage
-    /// is tested as a whole at the end.
+    /// Collapses cheap edges in rounds. In each round, a vertex merges at most once, with the cheapest
+    /// neighbour. Edges remain shorter than six spacings, and large faces move by less than one. Sheets of
+    /// the mesh are more than one margin apart, so crossings are not tested here; the whole cage is checked
+    /// at the end.
     template <class KeepGoing>
     bool merge_pairs(std::size_t vertices, const KeepGoing& keep_going) {
         if (has_begun_) return true;
@@ -96,7 +95,7 @@ private:
                     for (const auto w : shell_.faces[f]) {
                         if (w == u || merged[w] != 0 || mark_[w] == mark) continue;
                         mark_[w] = mark;
-                        const double cost = collapse_.least_cost(u, w);
+                        const double cost = collapse_.cost_bound(u, w);
                         if (!(cost < least)) continue;
                         least = cost;
                         partner = w;
@@ -109,26 +108,26 @@ private:
         return true;
     }
     bool merge(std::uint32_t u, std::uint32_t v, double limit) {
-        if (!collapse_.look_at(u, v) || !collapse_.keeps_topology()) return false;
-        EdgeCollapse::Places refused = 0;
+        if (!collapse_.select(u, v) || !collapse_.keeps_topology()) return false;
+        EdgeCollapse::CandidateSet rejected = 0;
         for (;;) {
             double cost = 0;
-            const auto n = collapse_.choose(refused, cost);
+            const auto n = collapse_.cheapest(rejected, cost);
             if (n == EdgeCollapse::none || !(cost < limit)) return false;
             if (collapse_.fits(n)) {
-                take(n);
+                apply(n);
                 return true;
             }
-            refused |= EdgeCollapse::Places{1} << n;
+            rejected |= EdgeCollapse::CandidateSet{1} << n;
         }
     }
-    void watch_crossings() {
-        collapse_.watch_crossings();
+    void test_crossings() {
+        collapse_.test_crossings();
         hashed_ = count_;
     }
-    void take(std::uint32_t n) {
+    void apply(std::uint32_t n) {
         count_ -= shell_.half && !collapse_.is_along_rim() ? 2 : 1;
-        collapse_.take(n);
+        collapse_.apply(n);
     }
 
     bool is_current(const Collapse& c) const noexcept {
@@ -136,41 +135,40 @@ private:
                c.versions == version_[c.u] + version_[c.v];
     }
     void propose(std::uint32_t u, std::uint32_t v) {
-        queue_.push({collapse_.least_cost(u, v), (std::min)(u, v), (std::max)(u, v),
+        queue_.push({collapse_.cost_bound(u, v), (std::min)(u, v), (std::max)(u, v),
                      version_[u] + version_[v], 0, 0, EdgeCollapse::none});
     }
-    /// Chooses a place for the merged vertex, tests it and makes the collapse. If the collapse becomes
-    /// dearer than another one, it goes back into the queue. Costs need few operations and tests many, so
-    /// only the cheapest collapse of all is tested.
+    /// Chooses a candidate, tests and applies it. If the collapse becomes more expensive than another one, it
+    /// returns to the queue. Costs are cheap and tests expensive, so only the cheapest collapse is tested.
     void attempt(Collapse c) {
-        if (!collapse_.look_at(c.u, c.v)) {
-            waiting_.push_back(c);
+        if (!collapse_.select(c.u, c.v)) {
+            rejected_.push_back(c);
             return;
         }
         const std::uint32_t changes = changes_[c.u] + changes_[c.v];
-        bool has_choice = c.chosen != EdgeCollapse::none && c.changes == changes;
-        if (!has_choice) c.refused = 0;
+        bool has_choice = c.candidate_index != EdgeCollapse::none && c.changes == changes;
+        if (!has_choice) c.rejected = 0;
         c.changes = changes;
         for (;; has_choice = false) {
             if (!has_choice) {
-                c.chosen = collapse_.choose(c.refused, c.cost);
-                if (c.chosen == EdgeCollapse::none) break;
+                c.candidate_index = collapse_.cheapest(c.rejected, c.cost);
+                if (c.candidate_index == EdgeCollapse::none) break;
                 if (!queue_.empty() && c.cost > queue_.top().cost) {
                     queue_.push(c);
                     return;
                 }
             }
             if (!collapse_.keeps_topology()) break;
-            if (collapse_.fits(c.chosen)) {
-                take(c.chosen);
+            if (collapse_.fits(c.candidate_index)) {
+                apply(c.candidate_index);
                 propose_about(c.u);
                 return;
             }
-            c.refused |= EdgeCollapse::Places{1} << c.chosen;
+            c.rejected |= EdgeCollapse::CandidateSet{1} << c.candidate_index;
         }
-        waiting_.push_back(c);
+        rejected_.push_back(c);
     }
-    /// Proposes the edges of a vertex that has moved.
+    /// Queues the edges of a moved vertex.
     void propose_about(std::uint32_t u) {
         ++version_[u];
         ++changes_[u];
@@ -185,32 +183,32 @@ private:
             }
         }
     }
-    /// Puts refused collapses back into the queue, since the mesh has changed around them.
+    /// Requeues rejected collapses if the mesh has changed.
     bool retry() {
         if (!changed_) return false;
         changed_ = false;
-        for (const Collapse& c : waiting_) {
+        for (const Collapse& c : rejected_) {
             if (is_current(c)) queue_.push(c);
         }
-        waiting_.clear();
+        rejected_.clear();
         return !queue_.empty();
     }
 
-    static constexpr double first_limit = 0.004, last_limit = 1.1; ///< of costs, in spacings to the fourth
-    static constexpr std::size_t most_by_queue = 8; ///< times the vertices wanted: the queue reduces these
+    static constexpr double first_limit = 0.004, last_limit = 1.1; ///< costs in spacings^4
+    static constexpr std::size_t most_by_queue = 8; ///< times the requested vertices: the queue starts here
 
     Shell& shell_;
     double spacing_;
     EdgeCollapse collapse_;
     std::vector<std::uint32_t> version_;
-    std::vector<std::uint32_t> changes_; ///< how often a face about a vertex has changed
-    std::vector<std::uint32_t> mark_;    ///< the vertices met by a loop over neighbours
+    std::vector<std::uint32_t> changes_; ///< number of changes of faces at each vertex
+    std::vector<std::uint32_t> mark_;    ///< scratch for loops over neighbours
     std::uint32_t last_mark_ = 0;
     std::size_t count_;
-    bool has_begun_ = false; ///< whether the rounds have been made
-    std::size_t hashed_ = 0; ///< the vertices when faces were last hashed; 0 until the queue begins
+    bool has_begun_ = false; ///< true after the rounds
+    std::size_t hashed_ = 0; ///< vertices when faces were last hashed; 0 before the queue is filled
     std::priority_queue<Collapse> queue_;
-    std::vector<Collapse> waiting_;
+    std::vector<Collapse> rejected_;
     bool changed_ = false;
 };
 

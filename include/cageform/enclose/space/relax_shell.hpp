@@ -1,5 +1,5 @@
-// make_cage in space, step 5: moves vertices and flips edges while the shell's energy falls. The
-// collapses of step 4 left the cage too loose; this step tightens it and makes faces more even.
+// make_cage in 3D, step 5: moves vertices and flips edges while the energy falls. Tightens the cage, which
+// step 4 left loose, and evens out its faces.
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The energy that relaxation lowers: volume, needles, short edges and folds. It has no unit; the
-/// weights were chosen by looking at cages.
+/// Energy that relaxation lowers: volume, needles, short edges and folds. Dimensionless; the weights were
+/// tuned on sample cages.
 class ShellEnergy {
 public:
     using Point = Vec<double, 3>;
@@ -19,50 +19,50 @@ public:
         , length_(std::sqrt(area / double(2 * vertices) * (4 / std::numbers::sqrt3))) // equilateral faces
         , regular_(0.02 * regular) {}
 
-    /// The energy of some faces and their edges. With the faces around a vertex, or at an edge, it
-    /// has all terms that change when the vertex moves or the edge flips.
+    /// Energy of some faces and their edges. The faces around a vertex or at an edge have all terms that
+    /// change when the vertex moves or the edge flips.
     CAGEFORM_DETAIL_FLATTEN double of(const Shell& shell,
                                       std::span<const std::uint32_t> faces) const noexcept {
         double volume = 0, shape = 0;
         for (const auto f : faces) {
             const auto& face = shell.faces[f];
             volume += shell.six_volumes(face);
-            shape += of_face(triangle_quality(shell.corners(face)));
+            shape += quality_term(triangle_quality(shell.corners(face)));
             for (std::size_t k = 0; k < 3; ++k) shape += edge(shell, faces, f, face[k], face[(k + 1) % 3]);
         }
-        return of_volume(volume) + shape;
+        return volume_term(volume) + shape;
     }
 
-    double of_volume(double six_volumes) const noexcept { return six_volumes / six_volumes_; }
-    double of_face(double quality) const noexcept {
+    double volume_term(double six_volumes) const noexcept { return six_volumes / six_volumes_; }
+    double quality_term(double quality) const noexcept {
         const double poor = (std::max)(0.6 - quality, 0.0);
         return regular_ * poor * poor * (1 + 8 * (std::max)(0.2 - quality, 0.0));
     }
-    double of_length(double length) const noexcept {
+    double length_term(double length) const noexcept {
         const double is_short = (std::max)(0.4 - length / length_, 0.0);
         return 8 * regular_ * is_short * is_short;
     }
-    /// The term of the edge between two faces, by the cosine between their normals.
-    double of_fold(double cosine) const noexcept {
+    /// Term of the edge between two faces, by the cosine between their normals.
+    double fold_term(double cosine) const noexcept {
         const double fold = (std::max)(-0.5 - cosine, 0.0);
         return 4 * regular_ * fold * fold;
     }
 
 private:
-    /// The terms of one edge of face f: half if the face across is also listed, because it is
-    /// visited twice then; otherwise in full.
+    /// Terms of one edge of face f: half if the face across is listed too, because the edge is then visited
+    /// twice.
     double edge(const Shell& shell, std::span<const std::uint32_t> faces, std::uint32_t f, std::uint32_t v,
                 std::uint32_t w) const noexcept {
         const auto g = shell.face_across(f, v, w);
         const double share =
             g != Shell::none && std::find(faces.begin(), faces.end(), g) != faces.end() ? 0.5 : 1;
         const auto e = shell.points[w] - shell.points[v];
-        double sum = of_length(length(e));
+        double sum = length_term(length(e));
         if (g != Shell::none) {
             const Point n = area_normal(shell.corners(shell.faces[f])),
                         m = area_normal(shell.corners(shell.faces[g]));
             const double sizes = length(n) * length(m);
-            if (sizes > 0) sum += of_fold(dot(n, m) / sizes);
+            if (sizes > 0) sum += fold_term(dot(n, m) / sizes);
         }
         return share * sum;
     }
@@ -72,7 +72,7 @@ private:
     double regular_;
 };
 
-/// The energy of the faces about a vertex as a function of its place, less the terms that do not change.
+/// Energy of the faces around a vertex as a function of its position, without constant terms.
 class StarEnergy {
 public:
     using Point = Vec<double, 3>;
@@ -80,8 +80,7 @@ public:
     explicit StarEnergy(const ShellEnergy& energy)
         : energy_(energy) {}
 
-    /// Turns to a vertex.
-    void look_at(const Shell& shell, std::uint32_t v) {
+    void select(const Shell& shell, std::uint32_t v) {
         sides_.clear();
         volume_ = {};
         const auto& star = shell.star[v];
@@ -116,46 +115,45 @@ public:
             if (is_first) ends_at_rim_.push_back(side.a);
         }
     }
-    /// The energy with the vertex at a place.
     CAGEFORM_DETAIL_FLATTEN double at(const Point& p) noexcept {
-        double sum = energy_.of_volume(dot(p, volume_));
+        double sum = energy_.volume_term(dot(p, volume_));
         for (std::size_t k = 0; k < sides_.size(); ++k) {
             const Side& side = sides_[k];
             const Point to_a = side.a - p, to_b = side.b - p, n = cross(to_a, to_b);
             const double size = length(n), to_b2 = dot(to_b, to_b);
-            sum +=
-                energy_.of_face(triangle_quality(size, (std::max)({side.length2, dot(to_a, to_a), to_b2})));
-            sum += energy_.of_length(std::sqrt(to_b2));
+            sum += energy_.quality_term(
+                triangle_quality(size, (std::max)({side.length2, dot(to_a, to_a), to_b2})));
+            sum += energy_.length_term(std::sqrt(to_b2));
             normals_[k] = size > 0 ? (1 / size) * n : Point{};
-            sum += energy_.of_fold(dot(normals_[k], side.across));
+            sum += energy_.fold_term(dot(normals_[k], side.across));
         }
         for (std::size_t k = 0; k < sides_.size(); ++k) {
             if (sides_[k].next < sides_.size())
-                sum += energy_.of_fold(dot(normals_[k], normals_[sides_[k].next]));
+                sum += energy_.fold_term(dot(normals_[k], normals_[sides_[k].next]));
         }
-        for (const Point& a : ends_at_rim_) sum += energy_.of_length(length(a - p));
+        for (const Point& a : ends_at_rim_) sum += energy_.length_term(length(a - p));
         return sum;
     }
 
 private:
-    /// A face of the star, and the edge of it that is opposite to the vertex.
+    /// A face at the vertex, by the edge opposite to the vertex.
     struct Side {
         std::uint32_t from, to;
-        Point a, b; ///< where these are
+        Point a, b; ///< positions of `from` and `to`
         double length2;
-        Point across{};   ///< the unit normal of the face on the edge's other side, or 0
-        std::size_t next; ///< the side that begins where this one ends; their number at a rim
+        Point across{};   ///< unit normal of the face across the edge, or 0
+        std::size_t next; ///< the side that begins at `to`; #sides at a rim
     };
 
     const ShellEnergy& energy_;
     std::vector<Side> sides_;
-    Point volume_{};                 ///< six volumes are its product with the place
-    std::vector<Point> ends_at_rim_; ///< the ends of edges that `Side::b` does not cover
+    Point volume_{};                 ///< six times the volume is its dot product with the position
+    std::vector<Point> ends_at_rim_; ///< ends of edges not covered by `Side::b`
     std::vector<Point> normals_;     ///< scratch of `at`
 };
 
-/// The directions that a vertex may move in: along the normal both ways, sideways, towards the middle
-/// of its neighbours (at the offset `to_middle`), and slanted inwards. Their lengths are about 1.
+/// Directions of trial steps: along the normal both ways, tangential, towards the neighbours' mean (at the
+/// offset `to_middle`), and inwards at an angle. Their lengths are about 1.
 inline std::array<Vec<double, 3>, 10> step_directions(const Vec<double, 3>& normal,
                                                       const Vec<double, 3>& to_middle) noexcept {
     using Point = Vec<double, 3>;
@@ -193,8 +191,8 @@ public:
         , star_energy_(energy)
         , crossings_(shell, obstacles.gap()) {}
 
-    /// Sweeps over the mesh: flips edges, then moves vertices, by steps that become shorter.
-    /// Returns false if cancelled.
+    /// Sweeps over the mesh: flips edges, then moves vertices by steps that shrink. Returns false if
+    /// cancelled.
     bool relax(int sweeps, const Running& running) {
         double step = 2 * obstacles_.margin;
         idle_.assign(shell_.points.size(), false);
@@ -206,7 +204,7 @@ public:
                 }
             }
             for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
-                if (!shell_.star[v].empty() && !idle_[v]) improve(v, step);
+                if (!shell_.star[v].empty() && !idle_[v]) move_vertex(v, step);
             }
             if (sweep % 3 != 2) continue;
             step *= 0.85;
@@ -221,8 +219,8 @@ private:
         Point x;
     };
 
-    /// Moves a vertex to the best allowed position in ten directions at four step lengths.
-    void improve(std::uint32_t v, double step) {
+    /// Moves a vertex to the best valid position in ten directions at four step lengths.
+    void move_vertex(std::uint32_t v, double step) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
         Point normal{}, middle{};
@@ -231,7 +229,7 @@ private:
         for (const auto w : ring) middle = middle + (1.0 / double(ring.size())) * (shell_.points[w] - x);
         if (!(length(normal) > 0)) return;
         const auto directions = step_directions((1 / length(normal)) * normal, middle);
-        star_energy_.look_at(shell_, v);
+        star_energy_.select(shell_, v);
         const double now = star_energy_.at(x);
         std::array<Move, 40> moves;
         std::size_t count = 0;
@@ -246,7 +244,7 @@ private:
             return std::tuple(a.energy, a.x[0], a.x[1], a.x[2]) <
                    std::tuple(b.energy, b.x[0], b.x[1], b.x[2]);
         });
-        clear_.forget();
+        clear_.reset();
         for (std::size_t m = 0; m < count; ++m) {
             if (try_move(v, moves[m].x)) return;
         }
@@ -260,7 +258,7 @@ private:
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
         bool good = clear_.is_clear(p) && shell_.is_right(p, shell_.on_rim[v], obstacles_.lattice->spacing());
-        for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may turn over
+        for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may flip
             auto corner = shell_.corners(shell_.faces[star[k]]);
             const Point was = area_normal(corner);
             for (std::size_t i = 0; i < 3; ++i) corner[i] = shell_.faces[star[k]][i] == v ? p : corner[i];
@@ -269,17 +267,17 @@ private:
         if (!good) return false;
         shell_.points[v] = p;
         good = are_clear(star);
-        good = good && are_apart_from_all(star); // the dearest test comes last
+        good = good && are_apart_from_all(star); // the most expensive test comes last
         if (good) {
-            add_again(star);
-            wake_about(v);
+            rehash(star);
+            reactivate_around(v);
         } else {
             shell_.points[v] = x;
         }
         return good;
     }
-    /// Has vertices tried again whose energy depends on vertex v.
-    void wake_about(std::uint32_t v) {
+    /// Reactivates vertices whose energy depends on vertex v.
+    void reactivate_around(std::uint32_t v) {
         for (const auto w : shell_.neighbours(v)) {
             for (const auto x : shell_.neighbours(w)) idle_[x] = false;
         }
@@ -288,22 +286,21 @@ private:
         return clear_.are_clear(faces.size(),
                                 [&](std::size_t k) { return shell_.corners(shell_.faces[faces[k]]); });
     }
-    /// Whether some faces, which have changed, touch no other face and not each other.
+    /// True if the changed faces touch neither other faces nor each other.
     bool are_apart_from_all(std::span<const std::uint32_t> faces) {
         fresh_.clear();
         for (const auto f : faces) fresh_.push_back(shell_.faces[f]);
         return !crossings_.any(
             fresh_, [&](std::uint32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); });
     }
-    void add_again(std::span<const std::uint32_t> faces) {
+    void rehash(std::span<const std::uint32_t> faces) {
         for (const auto f : faces) {
             crossings_.remove(f);
             crossings_.add(f);
         }
     }
 
-    /// Flips the edge v w: replaces the two faces at it by those along their other diagonal, if the
-    /// energy falls.
+    /// Flips the edge v w (replaces it by the other diagonal of its two faces) if the energy falls.
     void flip(std::uint32_t v, std::uint32_t w) {
         std::array<std::uint32_t, 2> pair{};
         std::size_t count = 0;
@@ -331,11 +328,11 @@ private:
             const Point n = area_normal(shell_.corners(face));
             good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
         }
-        clear_.forget();
-        if (good && are_clear(pair) && are_apart_from_all(pair)) { // the dearest test comes last
-            add_again(pair);
-            wake_about(a);
-            wake_about(b);
+        clear_.reset();
+        if (good && are_clear(pair) && are_apart_from_all(pair)) { // the most expensive test comes last
+            rehash(pair);
+            reactivate_around(a);
+            reactivate_around(b);
         } else {
             set_faces(pair, fresh, old);
         }
@@ -356,7 +353,7 @@ private:
     StarEnergy star_energy_;
     ShellCrossings crossings_;
     std::vector<Shell::Face> fresh_; ///< scratch of `are_apart_from_all`
-    std::vector<bool> idle_; ///< for each vertex: whether it found no move, and nothing about it has changed
+    std::vector<bool> idle_; ///< per vertex: found no move, and its neighbourhood has not changed since
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,48 +1,48 @@
-// make_cage in space: a triangle mesh that can be edited, and a spatial hash that finds the faces
-// near a point.
+// make_cage in 3D: an editable triangle mesh, and a spatial hash of its faces.
 #pragma once
 
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/clear_test.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The mesh between steps 3 and 5; faces are counter-clockwise seen from outside. In a mirrored
-/// cage it is the half with x >= 0, open along a rim in the plane x = 0.
+/// The mesh between steps 3 and 5; faces are counter-clockwise seen from outside. In a mirrored cage it is
+/// the half with x >= 0, open along a rim in the plane x = 0.
 struct Shell {
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     std::vector<Point> points;
-    std::vector<bool> on_rim; ///< for each point of a half: whether it lies on the plane
-    std::vector<Face> faces;  ///< a removed face has the same vertex three times
+    std::vector<bool> on_rim; ///< per point of a half: lies on the mirror plane
+    std::vector<Face> faces;  ///< removed faces have equal vertices
     bool half = false;
-    std::vector<std::vector<std::uint32_t>> star; ///< the faces of each point; none if it is removed
-    /// A closed path of edges about a limb, in one plane. No other edges join two of its vertices.
+    std::vector<std::vector<std::uint32_t>> star; ///< faces of each point; empty if it is removed
+    /// A closed planar path of edges around a limb. No other edges join two of its vertices.
     struct Ring {
-        Point normal;         ///< of the plane, of length 1: towards the limb
-        double offset;        ///< of the plane along its normal
-        std::size_t vertices; ///< their number
-        bool is_open;         ///< in a half: the path has its ends on the rim, and the normal no x
+        Point normal;  ///< unit normal of the plane, towards the limb
+        double offset; ///< of the plane along its normal
+        std::size_t vertices;
+        bool is_open; ///< in a half: the path ends on the rim, and the normal has x = 0
     };
     std::vector<Ring> rings;
-    std::vector<std::uint32_t> ring; ///< of each point the number of its ring, or `none`; may be empty
+    std::vector<std::uint32_t> ring; ///< ring of each point, or `none`; may be empty
 
     std::uint32_t ring_of(std::uint32_t v) const noexcept { return ring.empty() ? none : ring[v]; }
     bool are_of_one_ring(std::uint32_t v, std::uint32_t w) const noexcept {
         return ring_of(v) != none && ring_of(v) == ring_of(w);
     }
-    /// The place that a vertex may take nearest to p: a half's rim stays on the mirror plane, and its other
-    /// vertices clearly to the right of it; a ring stays in its plane.
+    /// Nearest valid position to p: rim vertices of a half stay on the mirror plane, its other vertices to
+    /// the right of it, ring vertices in the plane of their ring.
     ///
-    ///   number   of its ring, or `none`
+    ///   number  of the ring, or `none`
     Point allowed(Point p, bool is_on_rim, std::uint32_t number, double spacing) const noexcept {
         if (half) p[0] = is_on_rim ? 0 : (std::max)(p[0], 0.4 * spacing);
         if (number == none) return p;
         const Ring& of = rings[number];
         return p + (of.offset - dot(of.normal, p)) * of.normal;
     }
-    /// Whether a vertex beside the rim is clearly to the right of the mirror plane.
+    /// True if a vertex is on the rim or to the right of the mirror plane.
     bool is_right(const Point& p, bool is_on_rim, double spacing) const noexcept {
         return !half || is_on_rim || p[0] > 0.39 * spacing;
     }
@@ -62,14 +62,14 @@ struct Shell {
     Corners<3> corners(const Face& face) const noexcept {
         return {points[face[0]], points[face[1]], points[face[2]]};
     }
-    /// The number of vertices of the whole cage, with the image of a half.
+    /// Number of vertices of the whole cage, including the image of a half.
     std::size_t whole_size() const noexcept {
         std::size_t count = 0;
         for (std::size_t v = 0; v < points.size(); ++v)
             count += star[v].empty() ? 0 : half && !on_rim[v] ? 2 : 1;
         return count;
     }
-    /// Six times the volume enclosed; a half is closed by its plane, which goes through the origin.
+    /// Six times the enclosed volume; the mirror plane, which contains the origin, closes a half.
     double six_volumes() const noexcept {
         double sum = 0;
         for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -81,7 +81,7 @@ struct Shell {
         return dot(points[face[0]], cross(points[face[1]], points[face[2]]));
     }
 
-    /// The neighbours of a point, in increasing order.
+    /// Neighbours of a point, ascending.
     std::vector<std::uint32_t> neighbours(std::uint32_t v) const {
         std::vector<std::uint32_t> all;
         for (const auto f : star[v]) {
@@ -93,7 +93,7 @@ struct Shell {
         all.erase(std::unique(all.begin(), all.end()), all.end());
         return all;
     }
-    /// The face other than `f` at the edge v w; `none` on a rim.
+    /// The other face at the edge v w; `none` on a rim.
     std::uint32_t face_across(std::uint32_t f, std::uint32_t v, std::uint32_t w) const noexcept {
         for (const auto g : star[v]) {
             if (g != f && has(g, w)) return g;
@@ -112,7 +112,7 @@ struct Shell {
         faces[f] = {0, 0, 0};
     }
 
-    /// The mesh without what was removed; points, faces and stars keep their order.
+    /// Returns the mesh without removed elements; points, faces and stars keep their order.
     Shell compacted() const {
         Shell less;
         less.half = half;
@@ -138,7 +138,7 @@ struct Shell {
     }
 };
 
-/// The Euler number V - E + F of the whole mesh: 2 for each shell without a tunnel.
+/// Euler number V - E + F of the whole mesh: 2 for each shell without a tunnel.
 inline std::ptrdiff_t euler_number(const Shell& shell) {
     std::ptrdiff_t points = 0, faces = 0, rim = 0;
     for (std::size_t v = 0; v < shell.points.size(); ++v) {
@@ -147,39 +147,23 @@ inline std::ptrdiff_t euler_number(const Shell& shell) {
     }
     for (std::size_t f = 0; f < shell.faces.size(); ++f) faces += shell.is_face(f) ? 1 : 0;
     if (!shell.half) return points - faces / 2;
-    // The doubled mesh has V = 2 points - rim, F = 2 faces, E = 3 faces, where the rim has as many
-    // edges as points.
+    // The doubled mesh has V = 2 points - rim, F = 2 faces, E = 3 faces; the rim has as many edges as points.
     return 2 * points - rim - faces;
 }
 
-/// The number of connected components.
+/// Number of connected components.
 inline std::ptrdiff_t shell_count(const Shell& shell) {
+    DisjointSets components(shell.points.size());
     std::ptrdiff_t count = 0;
-    std::vector<bool> seen(shell.points.size());
-    std::vector<std::uint32_t> front;
-    for (std::uint32_t start = 0; start < shell.points.size(); ++start) {
-        if (seen[start] || shell.star[start].empty()) continue;
-        ++count;
-        front.push_back(start);
-        seen[start] = true;
-        while (!front.empty()) {
-            const auto v = front.back();
-            front.pop_back();
-            for (const auto w : shell.neighbours(v)) {
-                if (!seen[w]) front.push_back(w);
-                seen[w] = true;
-            }
-        }
+    for (const auto& star : shell.star) count += star.empty() ? 0 : 1;
+    for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+        for (std::size_t k = 1; k < 3 && shell.is_face(f); ++k)
+            count -= components.join(shell.faces[f][0], shell.faces[f][k]) ? 1 : 0;
     }
     return count;
 }
 
-/// The normal of a triangle, whose length is twice the area.
-inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
-    return cross(corner[1] - corner[0], corner[2] - corner[0]);
-}
-
-/// 1 for an equilateral triangle, near 0 for needles: the altitude over the longest side, times 2/sqrt(3).
+/// 1 for an equilateral triangle, near 0 for needles: altitude over longest side, times 2/sqrt(3).
 inline double triangle_quality(double twice_area, double longest2) noexcept {
     return longest2 > 0 ? twice_area / longest2 * (2 / std::numbers::sqrt3) : 0;
 }
@@ -192,17 +176,12 @@ inline double triangle_quality(const Corners<3>& corner) noexcept {
     return triangle_quality(length(area_normal(corner)), longest2);
 }
 
-/// The bounding box of a triangle with finite corners.
+/// Bounds of a triangle with finite corners.
 inline Bounds<double, 3> box_of(const Corners<3>& corner) noexcept {
-    Bounds<double, 3> box{corner[0], corner[0]};
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = (std::min)({corner[0][k], corner[1][k], corner[2][k]});
-        box.upper[k] = (std::max)({corner[0][k], corner[1][k], corner[2][k]});
-    }
-    return box;
+    return bounds_of(std::span<const Vec<double, 3>>(corner));
 }
 
-/// A spatial hash: finds faces by the grid cells that their bounding boxes meet. Cells may share a bucket.
+/// Spatial hash of faces by the grid cells that intersect their bounds. Cells may share a bucket.
 class FaceHash {
 public:
     FaceHash(double cell, std::size_t faces)
@@ -223,7 +202,7 @@ public:
             return false;
         });
     }
-    /// Whether test(face) holds for a face whose box meets `box`. It may be called several times for a face.
+    /// True if test(face) holds for a face whose bounds overlap `box`. A face may be tested several times.
     template <class Test>
     bool any(const Bounds<double, 3>& box, const Test& test) const {
         return for_each_cell(box, [&](std::size_t bucket) {
@@ -232,7 +211,6 @@ public:
         });
     }
 
-    /// The bounding box of a face that was added.
     const Bounds<double, 3>& box(std::uint32_t face) const noexcept { return boxes_[face]; }
 
 private:
@@ -261,7 +239,7 @@ private:
     std::vector<Bounds<double, 3>> boxes_;
 };
 
-/// Hashes all faces of a shell; a cell is 2.5 edges wide.
+/// Hashes all faces of a shell; cells are 2.5 mean edges wide.
 inline FaceHash hash_of(const Shell& shell) {
     double edges = 0;
     std::size_t count = 0;
@@ -278,11 +256,12 @@ inline FaceHash hash_of(const Shell& shell) {
     return hash;
 }
 
-/// Looks for a separating plane: the plane of triangle `a`, or a plane perpendicular to it through
-/// one of its edges. It separates if the corners of `b` that are not shared lie beyond it by more
-/// than `gap`; the triangles then meet at most in shared corners. Decides most pairs cheaply.
+/// Searches for a separating plane: the plane of triangle `a`, or a plane perpendicular to it through one of
+/// its edges. It separates if the corners of `b` that are not shared lie beyond it by more than `gap`; the
+/// triangles then intersect at most in shared corners. A cheap test that decides most pairs.
 ///
-///   n, reach   the normal of `a`, and its length times `gap`
+///   n      normal of `a`
+///   reach  |n| · gap
 CAGEFORM_DETAIL_FLATTEN inline bool are_apart(const Facet<3>& a, const Vec<double, 3>& n, double reach,
                                               const Facet<3>& b, double gap) noexcept {
     int above = 0, below = 0, shared = 0;
@@ -309,8 +288,8 @@ CAGEFORM_DETAIL_FLATTEN inline bool are_apart(const Facet<3>& a, const Vec<doubl
     return false;
 }
 
-/// Whether two faces touch outside their shared vertices and edges, or come nearer than `gap`. The first one
-/// comes with its normal, and the length of that times `gap`.
+/// True if two faces touch outside shared vertices and edges, or are closer than `gap`. n and reach: see
+/// are_apart.
 inline bool faces_touch(const Facet<3>& a, const Vec<double, 3>& n, double reach, const Facet<3>& b,
                         double gap) noexcept {
     if (are_apart(a, n, reach, b, gap)) return false;
@@ -318,15 +297,15 @@ inline bool faces_touch(const Facet<3>& a, const Vec<double, 3>& n, double reach
     return !are_apart(b, m, gap * length(m), a, gap) && facets_touch(a, b, gap);
 }
 
-/// The figure, which the faces of a shell must not meet: f, and the margin in it.
+/// The figure as an obstacle of the shell.
 struct ShellObstacles {
     const DistanceLattice<3>* lattice;
     double margin;
-    /// The least distance of faces from each other.
+    /// Minimum distance between faces.
     double gap() const noexcept { return 1e-5 * margin; }
 };
 
-/// Tests whether new faces would cross other faces of a shell, or each other.
+/// Tests whether new faces cross other faces of a shell or each other.
 class ShellCrossings {
 public:
     using Point = Vec<double, 3>;
@@ -340,7 +319,7 @@ public:
     void add(std::uint32_t f) { hash_.add(f, shell_.corners(shell_.faces[f])); }
     void remove(std::uint32_t f) { hash_.remove(f); }
 
-    /// Whether a new face touches another one, or one of those added, except those with replaced(f).
+    /// True if a new face touches an existing face, except those with replaced(f), or another new face.
     template <class Replaced>
     bool any(std::span<const Shell::Face> fresh, const Replaced& replaced) {
         const std::span<const Point> points(shell_.points);
@@ -350,10 +329,7 @@ public:
             const Facet<3> facet(face, points);
             const Point normal = area_normal(facet.corner);
             fresh_.push_back({facet, box_of(facet.corner).widened(gap_), normal, gap_ * length(normal)});
-            for (std::size_t k = 0; k < 3; ++k) {
-                all.lower[k] = (std::min)(all.lower[k], fresh_.back().box.lower[k]);
-                all.upper[k] = (std::max)(all.upper[k], fresh_.back().box.upper[k]);
-            }
+            all.include(fresh_.back().box);
         }
         ++search_;
         near_.clear();
@@ -380,7 +356,7 @@ private:
         Facet<3> facet;
         Bounds<double, 3> box;
         Point normal;
-        double reach; ///< the length of the normal times the gap
+        double reach; ///< |normal| · gap
     };
     struct NearFace {
         std::uint32_t face;
@@ -390,7 +366,7 @@ private:
     const Shell& shell_;
     double gap_;
     FaceHash hash_;
-    std::vector<std::uint64_t> seen_; ///< for each face: the last search that met it
+    std::vector<std::uint64_t> seen_; ///< per face: last search that returned it
     std::uint64_t search_ = 0;
     std::vector<NewFace> fresh_;
     std::vector<NearFace> near_;

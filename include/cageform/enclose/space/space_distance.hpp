@@ -1,4 +1,4 @@
-// make_cage in space, step 1: fills a lattice with the distance of its nodes from the faces of a figure.
+// make_cage in 3D, step 1: fills a lattice with distances from the faces of a figure.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -7,12 +7,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Measures distances from a triangle in coordinates of its own, in single precision: x along its longest
-/// side, y in its plane, z across.
+/// Measures squared distances from a triangle in a local frame, in single precision: x along its longest
+/// side, y in its plane, z along the normal.
 class TriangleFrame {
 public:
     explicit TriangleFrame(const Corners<3>& corner) noexcept {
-        std::size_t first = 0; // of the longest side
+        std::size_t first = 0; // start of the longest side
         double longest2 = -1;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto e = corner[(k + 1) % 3] - corner[k];
@@ -28,7 +28,7 @@ public:
         double height = length(y);
         if (height > 1e-9 * along) {
             y = (1 / height) * y;
-        } else { // a segment or a point: any direction across
+        } else { // a segment or a point: any perpendicular direction
             Vec<double, 3> axis{};
             axis[std::fabs(x[0]) < 0.6 ? 0 : 1] = 1;
             y = cross(x, axis);
@@ -48,13 +48,14 @@ public:
         per_right2_ = right2 > 0 ? 1 / right2 : 0;
     }
 
-    /// The squared distance of a point, or any number above `limit2` if it is larger than that.
+    /// Returns the squared distance of a point, or any number above `limit2` if it is larger than `limit2`.
     float distance2(const Vec<float, 3>& p, float limit2) const noexcept {
         const auto off = p - origin_;
         const float z = dot(off, z_);
         if (z * z > limit2) return beyond;
         const float x = dot(off, x_), y = dot(off, y_);
-        // The angles at both ends of the longest side are at most right angles: below it, it is the nearest.
+        // For points below the longest side (y <= 0), that side is nearest, because both of its angles are at
+        // most 90 degrees.
         float least = 0;
         if (y <= 0 || height_ == 0) {
             const float to_x = x - clamped(x, along_);
@@ -73,7 +74,7 @@ private:
     static constexpr float beyond = (std::numeric_limits<float>::max)();
 
     static float clamped(float x, float most) noexcept { return (std::min)((std::max)(x, 0.0F), most); }
-    /// The squared distance from the side between 0 and (foot, height).
+    /// Squared distance from the side between 0 and (foot, height).
     float to_side2(float x, float y, float foot, float per_length2) const noexcept {
         const float s = clamped((x * foot + y * height_) * per_length2, 1.0F);
         const float to_x = x - s * foot, to_y = y - s * height_;
@@ -81,19 +82,18 @@ private:
     }
 
     Vec<float, 3> origin_, x_, y_, z_;
-    float along_;      ///< the length of the longest side
-    float foot_;       ///< where its altitude stands
-    float height_;     ///< of the opposite corner
-    float per_left2_;  ///< one over the squared length of the side to the corner from 0
-    float per_right2_; ///< and from the other end
+    float along_;      ///< length of the longest side
+    float foot_;       ///< x of the opposite corner
+    float height_;     ///< y of the opposite corner
+    float per_left2_;  ///< 1 / squared length of the side from 0 to that corner
+    float per_right2_; ///< 1 / squared length of the side from the other end
 };
 
-/// Fills a lattice with the distance from triangles minus `margin`, at most `farthest`. It is exact
-/// next to the faces. Sweeps then carry the nearest triangle from node to node (Bridson, Fluid
-/// simulation for computer graphics, 2015, sec. 14.1), over every second node along each axis. The nodes
-/// between try the triangles of these, or take the mean of their distances where these are larger than two
-/// margins. Far off, the triangle found need not be the nearest, so the distance may be too large;
-/// containment does not depend on it.
+/// Fills a lattice with the distance from triangles minus `margin`, at most `farthest`. Exact near the faces.
+/// Sweeps over every second node along each axis propagate the nearest triangle (Bridson, Fluid simulation
+/// for computer graphics, 2015, sec. 14.1). The nodes between test the triangles of these nodes, or take
+/// their mean distance if it exceeds two margins. Far from the figure, the triangle found may not be the
+/// nearest, so the distance may be too large; the cage encloses the figure nevertheless.
 class SpaceDistance {
 public:
     using Point = Vec<double, 3>;
@@ -129,13 +129,13 @@ private:
         nearest_[node] = triangle;
     }
 
-    /// Computes exact distances at the nodes in the box of each triangle, widened by one spacing. A slab of
-    /// the lattice, eight planes across the last axis, takes the triangles whose boxes meet it, in order.
+    /// Computes exact distances at the nodes in the bounds of each triangle, widened by one spacing. Slabs of
+    /// eight planes across the last axis run in parallel; each processes its triangles in order.
     void measure_beside(const Running& running) {
         constexpr std::size_t thick = 8;
         const double h = lattice_.spacing(), low = lattice_.position(0)[2];
         const std::size_t slabs = (lattice_.count()[2] + thick - 1) / thick;
-        std::vector<std::size_t> ends(slabs + 1, 0); // of each slab's list, after that of the slab before
+        std::vector<std::size_t> ends(slabs + 1, 0); // end of each slab's list
         std::vector<std::uint32_t> listed;
         const auto for_each_slab = [&](const auto& visit) {
             for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -159,8 +159,8 @@ private:
             }
         });
     }
-    /// Measures beside one triangle, in the planes from `from` to `to`. Large triangles skip nodes farther
-    /// than two spacings from their own plane.
+    /// Measures distances from one triangle in the planes from `from` to `to`. Skips nodes farther than two
+    /// spacings from the plane of the triangle.
     void measure_beside(std::uint32_t t, double from, double to) {
         const auto& corner = triangles_[t];
         const double h = lattice_.spacing();
@@ -180,14 +180,14 @@ private:
         });
     }
 
-    /// One pass over the nodes with even numbers, in which each tries the triangles of its predecessors. Bit
-    /// k of `directions` means downwards along axis k. A predecessor's triangle can be nearer only if the
-    /// predecessor's distance, minus the step between the two nodes, is smaller than the node's.
+    /// One pass over the nodes with even indices; each tests the triangles of its predecessors. Bit k of
+    /// `directions` reverses axis k. A predecessor's triangle can be nearer only if the predecessor's
+    /// distance minus the distance between the two nodes is smaller.
     void sweep(unsigned directions, double farthest) {
         const auto& stride = lattice_.stride();
         const auto h = static_cast<float>(lattice_.spacing());
         std::array<std::ptrdiff_t, 3> step{};
-        std::array<std::size_t, 3> last{}; // of the even numbers, halved
+        std::array<std::size_t, 3> last{}; // even indices, halved
         for (std::size_t k = 0; k < 3; ++k) {
             const bool down = (directions >> k & 1U) != 0;
             step[k] = 2 * (down ? std::ptrdiff_t(stride[k]) : -std::ptrdiff_t(stride[k]));
@@ -220,11 +220,11 @@ private:
         }
     }
 
-    /// Offers to each node with an odd number the triangles of the two, four or eight even nodes about it.
+    /// At each node with an odd index, tests the triangles of the two, four or eight adjacent even nodes.
     void fill_between(float band) {
         const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();
-        const float wide = band + 2 * static_cast<float>(lattice_.spacing()); // reaches all nodes in the band
+        const float wide = band + 2 * static_cast<float>(lattice_.spacing()); // covers all nodes in the band
         std::array<std::size_t, 3> n{};
         for (n[2] = 0; n[2] < count[2]; ++n[2]) {
             for (n[1] = 0; n[1] < count[1]; ++n[1]) {
@@ -267,7 +267,7 @@ private:
         }
     }
 
-    /// One pass over all nodes nearer than `band`, in which each tries the triangles of its neighbours.
+    /// One pass over all nodes closer than `band`; each tests the triangles of its neighbours.
     void exchange(bool down, float band) {
         const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();
@@ -297,8 +297,8 @@ private:
 
     DistanceLattice<3>& lattice_;
     std::span<const Corners<3>> triangles_;
-    std::vector<TriangleFrame> frames_;  ///< of each triangle
-    std::vector<std::uint32_t> nearest_; ///< the triangle at the distance stored, for each node
+    std::vector<TriangleFrame> frames_;
+    std::vector<std::uint32_t> nearest_; ///< nearest triangle found, per node
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// The parts of a cage in space.
+// Parts of a 3D cage.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -11,30 +11,30 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// A part of a cage: the trunk, a limb, a head.
 struct CagePart {
-    int number = 1; ///< the trunk is 1; mirror images share a number, one of them with a minus
-    int parent = 0; ///< the part that it hangs on; 0: none
-    std::vector<std::uint32_t> vertices; ///< ascending; without those of parts that hang on it
-    /// The vertices of the loop by which it hangs on its parent, ascending; none of them is its own. Turn the
-    /// part about their mean.
+    int number = 1;                      ///< 1: trunk; mirrored parts are n and -n
+    int parent = 0;                      ///< number of the part that it is attached to; 0: none
+    std::vector<std::uint32_t> vertices; ///< ascending; without the vertices of attached parts
+    /// Vertices of the loop that separates it from its parent, ascending; they belong to the parent or an
+    /// ancestor. Use their mean as the pivot.
     std::vector<std::uint32_t> joint;
 };
 
-/// The parts of a cage. They form a tree, or in a cage of several shells one tree each.
+/// Parts of a cage: one tree per shell.
 struct CageParts {
     std::vector<CagePart> parts; ///< by number: 1, 2, -2, 3, …
     std::vector<int> of_face;    ///< #faces
-    /// #vertices. Where several parts meet, a vertex belongs to the part that the others hang on.
+    /// #vertices. A vertex shared by several parts belongs to their common ancestor.
     std::vector<int> of_vertex;
 
-    /// Returns the part of a number; null where there is none.
+    /// Returns the part with a number; null if there is none.
     const CagePart* find(int number) const noexcept {
         for (const CagePart& part : parts) {
             if (part.number == number) return &part;
         }
         return nullptr;
     }
-    /// Returns the vertices that move with a part, ascending: its own, and those of parts that hang on it.
-    /// The first part of a tree, which hangs on none, moves alone.
+    /// Returns the vertices that move with a part, ascending: those of the part and of its descendants. A
+    /// root moves only its own vertices.
     std::vector<std::uint32_t> moved_with(int number) const {
         const auto hangs = [&](int other) {
             for (const CagePart* part = find(other); part != nullptr; part = find(part->parent)) {

@@ -1,4 +1,4 @@
-// Shortens the handles of a curve as Blender does when it evaluates an F-curve.
+// Shortens the handles of a curve by the rule of Blender's F-curves.
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
@@ -7,15 +7,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns a handle scaled by `factor` about its key. A factor of 1 returns it without rounding.
+/// Scales a handle by `factor` about its key; a factor of 1 changes no bit.
 inline Vec<double, 2> shortened(const Vec<double, 2>& key, const Vec<double, 2>& handle,
                                 double factor) noexcept {
     return factor == 1 ? handle : key + factor * (handle - key);
 }
 
-/// Returns the curve as Blender evaluates it: with handles that span no more time than the interval,
-/// each of them or, as earlier versions had it, both together.
-inline BezierCurve limited_by_blender(const BezierCurve& curve, bool each) noexcept {
+/// Returns the curve as Blender evaluates it (BlenderLimit).
+///
+///   each  limits each handle to the interval's length; otherwise the sum of both is limited
+inline BezierCurve with_blender_limit(const BezierCurve& curve, bool each) noexcept {
     const auto& [p0, p1, p2, p3] = curve.points;
     const double length = p3[0] - p0[0];
     const double first = std::fabs(p1[0] - p0[0]), second = std::fabs(p3[0] - p2[0]);

@@ -11,9 +11,7 @@
 #include <limits>
 #include <string_view>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Reads tokens of CSS Syntax Module Level 3, sec. 4, from ASCII text.
 class CssReader {
@@ -24,7 +22,6 @@ public:
     std::size_t at() const noexcept { return at_; }
     bool ended() const noexcept { return at_ == text_.size(); }
 
-    /// Skips whitespace and closed comments.
     void skip_space() noexcept {
         while (!ended()) {
             const char c = text_[at_];
@@ -53,9 +50,9 @@ public:
         return text_.substr(begin, at_ - begin);
     }
 
-    /// Reads a number-token (sec. 4.3.12). A point must be followed by digits, and no unit or
-    /// percent sign may follow the number. Gives infinity if the number is too large for a double,
-    /// zero if it is too small. Returns false on failure; `at` is then where it went wrong.
+    /// Reads a number-token (sec. 4.3.12). A point must be followed by digits; no unit or percent sign may
+    /// follow the number. The value is infinity if the number is too large for a double, and zero if it is
+    /// too small. Returns false on failure; `at` is then the position of the error.
     bool number(double& value) noexcept {
         const bool negative = peek(at_) == '-';
         if (negative || peek(at_) == '+') ++at_;
@@ -86,8 +83,8 @@ private:
         return at;
     }
 
-    /// For a number that fits no double: whether it is too large rather than too small, judged by
-    /// the power of ten of its first digit.
+    /// Whether a number that std::from_chars rejects is too large rather than too small, decided by the
+    /// power of ten of its first digit.
     static bool is_large(std::string_view token) noexcept {
         constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
         const std::size_t e = (std::min)(token.find_first_of("eE"), token.size());
@@ -106,7 +103,7 @@ private:
 };
 
 /// Compares ignoring case; `lower` must be in lower case.
-inline bool equal_in_any_case(std::string_view text, std::string_view lower) noexcept {
+inline bool equal_ignoring_case(std::string_view text, std::string_view lower) noexcept {
     return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
         return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
     });
@@ -116,6 +113,4 @@ inline BezierCurve unit_curve(double x1, double y1, double x2, double y2) noexce
     return {{{{0, 0}, {x1, y1}, {x2, y2}, {1, 1}}}};
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Checks shared by the importers and exporters of keyframe curves.
+// Checks shared by the importers and exporters of keyframes.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -7,13 +7,14 @@
 
 #include <bit>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Checks as `check` does, and that no handle is farther from its key than two intervals. Beyond
-/// that, time turns back in any case, and the numbers that `check` compares may overflow.
-inline Status sound(const BezierCurve& curve) noexcept {
+/// Returns the status of `check`, or time_not_monotone if a handle is longer than two intervals. Such
+/// handles never give monotone time, and they may overflow in `check`.
+inline Status check_curve(const BezierCurve& curve) noexcept {
     const Status status = check(curve).status;
     if (status != Status::ok) return status;
     const auto& p = curve.points;
@@ -27,7 +28,7 @@ inline Result<KeyInterval> refused(Status status) noexcept {
 }
 
 inline Result<KeyInterval> imported(KeyKind kind, const BezierCurve& curve) noexcept {
-    const Status status = sound(curve);
+    const Status status = check_curve(curve);
     if (status != Status::ok) return refused(status);
     return {{kind, curve}, status};
 }
@@ -38,15 +39,15 @@ inline Status check_fraction(double fraction) noexcept {
     return fraction >= 0 && fraction <= 1 ? Status::ok : Status::handle_not_allowed;
 }
 
-/// Returns the straight line between two keys with its handles at thirds, so that time is linear in
-/// the curve's parameter.
-inline BezierCurve straight(const Vec<double, 2>& first, const Vec<double, 2>& second) noexcept {
+/// Returns the straight line between two keys. Its handles lie at thirds, so time is linear in the
+/// parameter.
+inline BezierCurve straight_line(const Vec<double, 2>& first, const Vec<double, 2>& second) noexcept {
     const Vec<double, 2> third{(second[0] - first[0]) / 3, (second[1] - first[1]) / 3};
     return {{first, first + third, second - third, second}};
 }
 
-inline Result<KeyInterval> held(const Vec<double, 2>& first, double second_time) noexcept {
-    return imported(KeyKind::hold, straight(first, {second_time, first[1]}));
+inline Result<KeyInterval> constant_interval(const Vec<double, 2>& first, double second_time) noexcept {
+    return imported(KeyKind::hold, straight_line(first, {second_time, first[1]}));
 }
 
 inline bool has(WeightedHandles set, WeightedHandles one) noexcept {
@@ -62,24 +63,22 @@ inline double infinite() noexcept {
     return std::bit_cast<double>(std::uint64_t{0x7ff0000000000000});
 }
 
-/// Whether `x` is infinite and not NaN. Tests the bits, as is_finite does.
+/// Whether `x` is infinite and not NaN. Tests the bits, like is_finite, for -ffast-math.
 inline bool is_infinite(double x) noexcept {
     return !is_finite(x) && (std::bit_cast<std::uint64_t>(x) << 12) == 0;
 }
 
-/// Whether a number is finite in single precision, which engines and glTF store; larger ones would
-/// become infinite.
+/// Whether a number is finite in single precision, which engines and glTF store.
 inline bool fits_float(double x) noexcept {
     return is_finite(x) && std::fabs(x) <= double((std::numeric_limits<float>::max)());
 }
 
-/// Whether a fraction of an interval is a third in single precision.
 inline bool is_third(double fraction) noexcept {
     return std::fabs(fraction) < 1 && static_cast<float>(fraction) == 1.0f / 3;
 }
 
-/// Finds the slope of a handle; 0 if it lies on its key. Returns slope_unbounded if it is vertical
-/// or too steep for single precision: an infinite slope would mean a held key.
+/// Computes the slope of a handle; 0 if the handle lies on its key. Returns slope_unbounded if it is
+/// vertical or too steep for single precision, because an infinite slope would mean a hold.
 inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     slope = 0;
     if (handle[0] == 0 && handle[1] == 0) return Status::ok;
@@ -90,17 +89,18 @@ inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     return Status::ok;
 }
 
-/// The handles as fractions of the interval and of the rise between the keys, as CSS and Lottie
-/// store them.
+/// Handles as fractions of the interval and of the difference between the keys' values, as in CSS and
+/// Lottie.
 struct UnitHandles {
     Vec<double, 2> first{0, 0}, second{1, 1};
 };
 
-/// Converts a curve's handles. Fails as `check`; with handle_not_allowed if a handle's time leaves
-/// the interval, or if the keys have the same value and a handle another; with value_not_finite if
-/// a fraction overflows.
+/// Converts a curve's handles to fractions.
+///
+///   fails  as `check`; handle_not_allowed if a handle's time leaves the interval, or if the keys have
+///          equal values and a handle has another; value_not_finite if a fraction overflows
 inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
-    if (const Status status = sound(curve); status != Status::ok) return {{}, status};
+    if (const Status status = check_curve(curve); status != Status::ok) return {{}, status};
     UnitHandles unit;
     Status status = Status::ok;
     const auto& p = curve.points;
@@ -117,25 +117,33 @@ inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
         status = Status::handle_not_allowed;
     }
     for (auto* handle : {&unit.first, &unit.second}) {
-        // A falling curve can give −0, which a text should not show.
+        // Adding 0.0 turns −0, which a falling curve can give, into 0.
         for (std::size_t k = 0; k < 2; ++k) (*handle)[k] += 0.0;
     }
     if (!is_finite(unit.first[1]) || !is_finite(unit.second[1])) status = Status::value_not_finite;
     return {unit, status};
 }
 
-/// Builds the keys of a curve by importing its intervals: interval(n) is the curve from key n to
-/// the next, place(n) the time and value of key n. The keys reproduce the imported intervals of
-/// their kinds bit by bit.
-template <class Interval, class Position>
-Result<std::vector<Key>, ExchangeReport> import_keys(std::size_t count, const Interval& interval,
-                                                     const Position& position) noexcept {
+template <class K>
+Vec<double, 2> position_of(const K& key) noexcept {
+    if constexpr (requires { key.co; })
+        return key.co;
+    else
+        return {key.time, key.value};
+}
+
+/// Imports keys by their intervals; interval(first, second) converts one. The keys reproduce the intervals
+/// bit by bit.
+template <class K, class Interval>
+Result<std::vector<Key>, ExchangeReport> import_keys(std::span<const K> keyframes,
+                                                     const Interval& interval) noexcept {
     Result<std::vector<Key>, ExchangeReport> result;
     result.report.status = guard_memory([&] {
+        const std::size_t count = keyframes.size();
         if (count == 0) return Status::keys_missing;
         std::vector<Key> keys(count);
         for (std::size_t n = 0; n < count; ++n) {
-            const Vec<double, 2> at = position(n);
+            const Vec<double, 2> at = position_of(keyframes[n]);
             keys[n].time = at[0];
             keys[n].value = at[1];
             keys[n].kind = KeyKind::bezier;
@@ -143,17 +151,16 @@ Result<std::vector<Key>, ExchangeReport> import_keys(std::size_t count, const In
             keys[n].out_handle = at;
             if (n + 1 == count) continue;
             result.report.culprit = n;
-            const Result<KeyInterval> imported = interval(n);
+            const Result<KeyInterval> imported = interval(keyframes[n], keyframes[n + 1]);
             if (!imported) return imported.status();
             const auto& [kind, curve] = imported.value;
             keys[n].kind = kind;
             if (kind == KeyKind::bezier) keys[n].out_handle = curve.points[1];
-            keys[n + 1].in_handle = kind == KeyKind::bezier ? curve.points[2] : position(n + 1);
+            keys[n + 1].in_handle = kind == KeyKind::bezier ? curve.points[2] : position_of(keyframes[n + 1]);
             keys[n + 1].arrives_by_handle = kind == KeyKind::bezier;
         }
-        const Vec<double, 2> last = position(count - 1);
         result.report.culprit = count - 1;
-        if (!is_finite(last)) return Status::value_not_finite;
+        if (!is_finite(position_of(keyframes.back()))) return Status::value_not_finite;
         result.report.culprit = 0;
         result.value = std::move(keys);
         return Status::ok;

@@ -1,4 +1,4 @@
-// Checks the arrays of a glTF sampler, and whether curves fit into one.
+// Checks the arrays of a glTF sampler, and whether curves can be stored in one.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -8,12 +8,9 @@
 #include <cstddef>
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// Checks the arrays of a sampler: each key has `rows` values of each component, all numbers are finite, and
-/// times ascend.
+/// Checks that each key has `rows` values of each component, all numbers are finite, and times ascend.
 inline ExchangeReport check_gltf(std::span<const float> times, std::span<const float> values,
                                  std::size_t components, std::size_t rows) noexcept {
     const std::size_t keys = times.size();
@@ -29,7 +26,6 @@ inline ExchangeReport check_gltf(std::span<const float> times, std::span<const f
     return {};
 }
 
-/// The interval of a curve in a sampler, in single precision.
 struct GltfInterval {
     Status status = Status::ok;
     float begin = 0, end = 0;
@@ -42,11 +38,11 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
         result.status = status;
         return result;
     };
-    if (const Status status = sound(curve); status != Status::ok) return refused(status);
+    if (const Status status = check_curve(curve); status != Status::ok) return refused(status);
     for (const auto& point : p) {
         if (!fits_float(point[0]) || !fits_float(point[1])) return refused(Status::value_not_finite);
     }
-    // Far from time zero the thirds lose digits to rounding, which is allowed for.
+    // The tolerance includes the rounding of the thirds of intervals far from time zero.
     const double length = p[3][0] - p[0][0], third = length / 3;
     const double rounding = 4 * epsilon<double> * (std::max)(std::fabs(p[0][0]), std::fabs(p[3][0]));
     const double off =
@@ -59,8 +55,8 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// Whether a curve starts at the value where the previous one ends, within single precision
-/// relative to their largest value.
+/// Whether a curve begins at the value where the previous one ends, to single precision relative to their
+/// largest value.
 inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noexcept {
     double size = 0;
     for (const auto* one : {&before, &curve}) {
@@ -69,6 +65,4 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
     return std::fabs(before.points[3][1] - curve.points[0][1]) <= double(epsilon<float>) * size;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

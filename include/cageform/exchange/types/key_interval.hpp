@@ -12,17 +12,17 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Unreal's ERichCurveTangentWeightMode, which call `in` arrive and `out` leave.
 enum class WeightedHandles : std::uint8_t { none = 0, in = 1, out = 2, both = 3 };
 
-/// An interval between two keys of another program. The curve passes `check`. For a held key the curve is
-/// constant at the first key's value; the second key's value starts the next interval.
+/// An interval between two keys. The curve passes `check`. For a hold the curve is constant at the first
+/// key's value.
 struct KeyInterval {
     KeyKind kind = KeyKind::bezier;
     BezierCurve curve{};
 };
 
-/// How the import or the export of a curve went.
+/// The result of an import or export of a curve.
 struct ExchangeReport {
     Status status = Status::ok;
-    std::size_t culprit = 0; ///< the refused key or curve: the first key of a refused interval
+    std::size_t culprit = 0; ///< index of the key or curve that failed; for an interval, of its first key
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,12 +1,11 @@
-// Strokes and walls on a lattice: interior cells without a cage, on a canvas whose rim gives no
-// data.
+// Strokes and walls on a lattice: interior cells without a cage, on a canvas whose boundary has no data.
 #pragma once
 
 #include <cageform/grid/lattice/simplex_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Gives `SimplexBoundary` the interface of a cage, for cells without an outer boundary.
+/// Cells without an outer boundary, with the interface of a cage for `SimplexBoundary`.
 template <std::size_t D>
 struct OpenCells {
     std::vector<Vec<double, D>> points;
@@ -21,7 +20,7 @@ const InteriorCells<D>& interior_cells(const OpenCells<D>& drawing) noexcept {
     return drawing.cells;
 }
 
-/// Strokes on a canvas. Its rim lies half a cell beyond the last nodes and gives no data.
+/// Strokes on a canvas. Its boundary is half a cell beyond the last nodes and has no data.
 template <std::size_t D>
 class CanvasBoundary : public grid::SimplexBoundary<D> {
     using Base = grid::SimplexBoundary<D>;

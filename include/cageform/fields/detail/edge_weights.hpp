@@ -6,12 +6,9 @@
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
 #include <cageform/fields/types/cotangent_weights.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// Returns the positions of vertices in space; a plane mesh lies in the plane of the first two
-/// axes.
+/// Returns the positions of vertices in 3D; a 2D mesh is in the plane of the first two axes.
 template <class R>
 std::vector<Vec<double, 3>> positions_in_space(const R& vertices) {
     std::vector<Vec<double, 3>> positions(std::size(vertices));
@@ -22,8 +19,7 @@ std::vector<Vec<double, 3>> positions_in_space(const R& vertices) {
     return positions;
 }
 
-/// Returns a power of two; dividing by it makes the longest side of the bounding box at most 2, wherever the
-/// box lies.
+/// Returns a power of two. Division by it makes the longest side of the bounding box at most 2.
 template <Scalar T>
 double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     const auto bounds = bounds_of(vertices);
@@ -35,7 +31,7 @@ double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     return std::ldexp(1.0, (std::min)(exponent, 1023));
 }
 
-/// Whether the corners of a face lie on one line, so that their cotangents would be infinite.
+/// Whether the corners of a face are collinear, so that its cotangents are infinite.
 inline bool has_no_area(const Corners<3>& corner) noexcept {
     constexpr double relative = 1e-12; // relative to the longest side
     const auto& [a, b, c] = corner;
@@ -60,14 +56,13 @@ inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<co
     }
 }
 
-/// Adds the links of a mesh, one for each edge.
 inline void add_links(const IntrinsicMesh& mesh, Result<CotangentWeights, SurfaceReport>& result) {
     result.value.links.reserve(mesh.sides() / 2 + 1);
     for (std::uint32_t side = 0; side < mesh.sides(); ++side) {
         if (mesh.twin(side) != IntrinsicMesh::rim && mesh.twin(side) < side) continue;
         const auto [value, rounding] = mesh.cotangents(side);
         const auto [a, b] = mesh.ends(side);
-        // Flips may create an edge from a vertex to itself; it has no effect.
+        // Flips may create an edge from a vertex to itself, which has no effect.
         if (a == b || std::fabs(value) <= rounding) continue;
         result.value.links.push_back({a, b, 0.5 * value});
         if (value < 0) ++result.report.negative_weights;
@@ -104,6 +99,4 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
     return Status::ok;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

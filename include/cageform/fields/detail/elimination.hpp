@@ -14,10 +14,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The links of every node, stored contiguously (compressed sparse rows).
+/// The links of every node in compressed sparse rows.
 struct Adjacency {
-    std::vector<std::size_t> first{0}; ///< #nodes + 1: where the links of each node begin
-    std::vector<std::uint32_t> node;   ///< the node at the other end
+    std::vector<std::size_t> first{0}; ///< #nodes + 1: begin of each node's links
+    std::vector<std::uint32_t> node;   ///< the node at the other end of each link
     std::vector<double> conductance;
 
     std::size_t nodes() const noexcept { return first.size() - 1; }
@@ -26,9 +26,9 @@ struct Adjacency {
     }
 };
 
-/// An elimination order with little fill-in: Eigen's approximate minimum degree, postordered along
-/// the elimination tree, with nodes grouped into supernodes (Liu, The role of elimination trees in
-/// sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
+/// An elimination order with little fill-in: Eigen's approximate minimum degree, postordered along the
+/// elimination tree, with nodes grouped into supernodes (Liu, The role of elimination trees in sparse
+/// factorization, SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
 class Elimination {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -36,8 +36,7 @@ public:
     /// A supernode: nodes that are eliminated together.
     struct Group {
         std::size_t begin, end; ///< range in `nodes`
-        std::uint32_t parent;   ///< the later group of the first node that this group leaves a link to, or
-                                ///< none
+        std::uint32_t parent;   ///< group of the first later node linked to this group, or none
     };
 
     explicit Elimination(const Adjacency& graph)
@@ -51,13 +50,12 @@ public:
         find_groups();
     }
 
-    /// Returns the groups in elimination order: a postorder, in which every subtree is contiguous
-    /// and precedes its parent.
+    /// Returns the groups in elimination order, a postorder: every subtree is contiguous and precedes its
+    /// parent.
     std::span<const Group> groups() const noexcept { return groups_; }
     std::span<const std::uint32_t> nodes(const Group& group) const noexcept {
         return std::span(nodes_).subspan(group.begin, group.end - group.begin);
     }
-    /// Returns the position of every node in the order.
     std::span<const std::uint32_t> positions() const noexcept { return position_; }
 
 private:
@@ -73,7 +71,7 @@ private:
             *next++ = Index(i); // the ordering expects a diagonal
             for (const std::uint32_t j : graph_.neighbours(i)) *next++ = Index(j);
             std::sort(first, next);
-            next = std::unique(first, next); // merges links that are given more than once
+            next = std::unique(first, next); // merges repeated links
         }
         matrix.outerIndexPtr()[nodes_.size()] = Index(next - matrix.innerIndexPtr());
         matrix.resizeNonZeros(next - matrix.innerIndexPtr());
@@ -89,9 +87,8 @@ private:
             position_[nodes_[position]] = position;
     }
 
-    /// Finds the parent of every position in the elimination tree: the first later position that
-    /// its elimination leaves a link to. Shortcuts in `top` skip subtrees already climbed (path
-    /// compression).
+    /// Finds the parent of every position in the elimination tree: the first later position that is linked
+    /// to it after elimination. `top` has shortcuts over subtrees already visited (path compression).
     void find_parents() {
         std::vector<std::uint32_t> top(nodes_.size(), none);
         parent_.assign(nodes_.size(), none);
@@ -101,14 +98,13 @@ private:
                     const std::uint32_t up = top[below];
                     top[below] = position;
                     if (up == none) parent_[below] = position;
-                    below = up; // `none` exceeds every position, which ends the climb
+                    below = up; // `none` exceeds every position and ends the loop
                 }
             }
         }
     }
 
-    /// Renumbers in postorder: children come right before their parents, the last child adjacent to
-    /// its parent.
+    /// Renumbers in postorder: children directly before their parents.
     void order_by_tree() {
         const auto size = std::uint32_t(nodes_.size());
         std::vector<std::uint32_t> child(size, none), sibling(size, none), moved(size), path, ordered;
@@ -141,8 +137,7 @@ private:
         find_positions();
     }
 
-    /// A group whose parent has not been reached yet, and the later positions that it leaves links
-    /// to.
+    /// A group whose parent has not been reached, and the later positions linked to it.
     struct Open {
         std::uint32_t group;
         std::vector<std::uint32_t> rows;
@@ -160,7 +155,7 @@ private:
                 rows.push_back(row);
             };
             for (const std::uint32_t i : graph_.neighbours(nodes_[position])) add(position_[i]);
-            std::size_t first = open.size(); // of its children
+            std::size_t first = open.size(); // of the position's children
             for (; first > 0 && parent_[groups_[open[first - 1].group].end - 1] == position; --first) {
                 for (const std::uint32_t row : open[first - 1].rows) add(row);
             }
@@ -179,9 +174,9 @@ private:
             open.push_back({group, rows, zeros});
         }
     }
-    /// Whether a node with `rows` later neighbours joins the group of its last child (relaxed
-    /// supernodes): if that stores few zeros, with a larger share allowed for small groups (about
-    /// CHOLMOD's shares).
+    /// Whether a node with `rows` later neighbours joins the group of its last child (relaxed supernodes).
+    /// The fraction of stored zeros must be small; the limit is higher for small groups (similar to
+    /// CHOLMOD).
     bool joins(const Open& last, std::size_t rows, double& zeros) const noexcept {
         const double own = double(groups_[last.group].end - groups_[last.group].begin);
         zeros = last.zeros + own * double(rows + 1 - last.rows.size());
@@ -190,9 +185,9 @@ private:
     }
 
     const Adjacency& graph_;
-    std::vector<std::uint32_t> nodes_;    // in the order
-    std::vector<std::uint32_t> position_; // of every node, its position
-    std::vector<std::uint32_t> parent_;   // of every position, its parent
+    std::vector<std::uint32_t> nodes_;    ///< in elimination order
+    std::vector<std::uint32_t> position_; ///< per node
+    std::vector<std::uint32_t> parent_;   ///< per position
     std::vector<Group> groups_;
 };
 

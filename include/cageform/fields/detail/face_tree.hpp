@@ -5,17 +5,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The faces of a mesh in a tree of boxes. Built in O(n log n); a query usually takes O(log n).
+/// The faces of a mesh in a bounding volume hierarchy. Built in O(n log n); a query usually takes O(log n).
 class FaceTree {
 public:
-    /// Builds the tree. All coordinates must be finite; vertices and faces must outlive the tree.
+    /// All coordinates must be finite; vertices and faces must outlive the tree.
     FaceTree(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces)
         : vertices_(vertices)
         , faces_(faces)
         , boxes_(faces.size(), [&](std::uint32_t f) { return Facet<3>(faces[f], vertices).bounds(); }) {}
 
-    /// Whether the segment from a vertex to another point meets the mesh at most at its ends.
-    /// Exact.
+    /// Whether the segment from a vertex to another point meets the mesh only at its ends. Exact.
     bool is_free(std::uint32_t vertex, const Vec<double, 3>& q) const {
         const auto& p = vertices_[vertex];
         return !boxes_.any_on_segment(p, q, [&](std::uint32_t f) {
@@ -24,7 +23,7 @@ public:
         });
     }
 
-    /// Whether a closed mesh encloses a point that lies on no face. Exact.
+    /// Whether a closed mesh encloses a point that is not on a face. Exact.
     bool encloses(const Vec<double, 3>& p) const { return detail::encloses(boxes_, vertices_, faces_, p); }
 
 private:
@@ -39,7 +38,7 @@ private:
         return segments_touch(s, t, d, e) || segments_touch(s, t, e, f) || segments_touch(s, t, f, d) ||
                (orientation(d, e, s) == side && orientation(e, f, s) == side && orientation(f, d, s) == side);
     }
-    /// Whether the segment from a vertex of a face to q starts out along the face.
+    /// Whether the segment from a vertex of a face to q begins along the face.
     static bool runs_along(const Facet<3>& facet, std::uint32_t vertex, const Vec<double, 3>& q) noexcept {
         const auto& [a, b, c] = facet.corner;
         if (orientation(a, b, c, q) != 0) return false;
@@ -50,7 +49,7 @@ private:
         const int side = orientation(p, d, e);
         return side * orientation(p, d, to) >= 0 && side * orientation(p, to, e) >= 0;
     }
-    /// Projects points of a face's plane to 2D, along an axis not parallel to the plane.
+    /// Projects points of a face's plane to 2D, along an axis that is not parallel to the plane.
     static std::array<Vec<double, 2>, 3> flattened(const Corners<3>& face,
                                                    const Corners<3>& positions) noexcept {
         const auto along = [](std::size_t axis, const Vec<double, 3>& p) {

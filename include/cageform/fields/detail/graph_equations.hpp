@@ -13,12 +13,10 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport& report) {
-    // The ordering stores links in both directions, and its own additions, with 32-bit indices.
+    // The ordering stores links in both directions, and additional entries, with 32-bit indices.
     if (4 * (graph.nodes + graph.links.size()) > std::size_t((std::numeric_limits<std::int32_t>::max)()))
         return Status::out_of_memory;
     for (std::size_t n = 0; n < graph.links.size(); ++n) {
@@ -33,8 +31,8 @@ inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport&
     return Status::ok;
 }
 
-/// The equations of the unknown nodes of a checked graph, and their factors. The values of all
-/// fields at a node are contiguous.
+/// The equations of the unknown nodes of a valid graph, and their factors. The values of all fields at a
+/// node are contiguous.
 class GraphEquations {
 public:
     static constexpr std::int32_t given_node = -1;
@@ -53,8 +51,7 @@ public:
     std::int32_t row(std::size_t node) const noexcept { return rows_[node]; }
     std::size_t bytes() const noexcept { return factors_.bytes(); }
 
-    /// Calls f(row of the unknown node, given node, conductance) for links between unknown and
-    /// given nodes.
+    /// Calls f(row of the unknown node, given node, conductance) for links between unknown and given nodes.
     template <class F>
     void for_each_given_link(const F& f) const {
         for (const GraphLink& link : graph_.links) {
@@ -65,7 +62,7 @@ public:
         }
     }
 
-    /// Returns the first node that no path connects to a given one, or `none`.
+    /// Returns the first node without a path to a given one, or SolverReport::none.
     std::size_t unreached() const {
         DisjointSets components(rows_.size());
         for (const GraphLink& link : graph_.links) {
@@ -109,15 +106,14 @@ public:
         return factors_.factorise(links_, excess_) ? Status::ok : Status::not_converged;
     }
 
-    /// Solves for the fields whose sources are in `values`. With negative conductances pivots
-    /// involve cancellation; then one step of iterative refinement follows, and a large correction
-    /// means not_converged.
+    /// Solves for the fields with sources in `values`. Negative conductances cause cancellation in pivots.
+    /// One step of iterative refinement then follows, and a large correction gives not_converged.
     Status solve(std::vector<double>& values, std::size_t fields) const {
         const std::vector<double> sources = negative_ ? values : std::vector<double>();
         factors_.solve(values, fields);
         if (negative_) {
             constexpr double most = 1e-6; // relative to the largest value
-            std::vector<double> change = left(sources, values, fields);
+            std::vector<double> change = residual(sources, values, fields);
             factors_.solve(change, fields);
             std::vector<double> size(fields), moved(fields);
             for (std::size_t i = 0; i < values.size(); ++i) {
@@ -135,9 +131,9 @@ public:
     }
 
 private:
-    /// Returns the residual: the sources minus the equations' left-hand side at `values`.
-    std::vector<double> left(std::vector<double> sources, std::span<const double> values,
-                             std::size_t fields) const {
+    /// Returns the sources minus the left-hand side of the equations at `values`.
+    std::vector<double> residual(std::vector<double> sources, std::span<const double> values,
+                                 std::size_t fields) const {
         for (std::size_t row = 0; row < nodes_.size(); ++row) {
             for (std::size_t f = 0; f < fields; ++f) {
                 const double here = values[row * fields + f];
@@ -153,13 +149,13 @@ private:
     Graph graph_;
     std::vector<std::int32_t> rows_;
     std::vector<std::size_t> nodes_;
-    Adjacency links_;                          // between unknown nodes
-    std::vector<GraphFactors::Excess> excess_; // of the links to given nodes
+    Adjacency links_;                          ///< between unknown nodes
+    std::vector<GraphFactors::Excess> excess_; ///< of the links to given nodes
     bool negative_ = false;
     GraphFactors factors_;
 };
 
-/// Checks and factorises the equations; returns ok also if nothing is unknown.
+/// Checks and factorises the equations; returns ok if no node is unknown.
 inline Status prepare(GraphEquations& equations, SolverReport& report) {
     report.cells = equations.nodes().size();
     report.culprit = equations.unreached();
@@ -170,6 +166,4 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
     return status;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -9,16 +9,15 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The multifrontal factorisation L D Lᵀ: a front holds the columns of a group of nodes, dense over
-/// their rows (Duff, Reid, The multifrontal solution of indefinite sparse symmetric linear
-/// equations, ACM Trans. Math. Softw. 9 (1983)). No diagonal is stored: a pivot is the remaining e
-/// plus the sum of the remaining conductances. So nothing is ever subtracted if none is negative,
-/// and all numbers are accurate to rounding, however far conductances differ (Alfa, Xue, Ye,
-/// Accurate computation of the smallest eigenvalue of a diagonally dominant M-matrix, Math. Comp.
-/// 71 (2002), sec. 2).
+/// The multifrontal factorisation L D Lᵀ: a front is a dense matrix of the columns of a group of nodes
+/// (Duff, Reid, The multifrontal solution of indefinite sparse symmetric linear equations, ACM Trans. Math.
+/// Softw. 9 (1983)). No diagonal is stored: a pivot is the remaining e plus the sum of the remaining
+/// conductances. Without negative conductances there are no subtractions, so all numbers are accurate to
+/// rounding for any ratio of conductances (Alfa, Xue, Ye, Accurate computation of the smallest eigenvalue
+/// of a diagonally dominant M-matrix, Math. Comp. 71 (2002), sec. 2).
 class GraphFactors {
 public:
-    /// The excess e of a node, and the sum of its terms' absolute values.
+    /// The excess e of a node, and the sum of the absolute values of its terms.
     struct Excess {
         double value = 0, size = 0;
     };
@@ -35,16 +34,16 @@ public:
         fronts_.reserve(groups.size());
         for (std::size_t g = 0; g < groups.size(); ++g) {
             std::size_t children = 0;
-            while (children < waiting_.size() && waiting_[waiting_.size() - 1 - children].parent == g)
+            while (children < pending_.size() && pending_[pending_.size() - 1 - children].parent == g)
                 ++children;
-            const auto updates = std::span(waiting_).last(children);
+            const auto updates = std::span(pending_).last(children);
             Front front = rows_of(graph, order.nodes(groups[g]), updates);
             Matrix matrix = assemble(graph, front, updates);
-            waiting_.resize(waiting_.size() - children);
+            pending_.resize(pending_.size() - children);
             if (!eliminate(front, matrix)) return false;
             const auto own = Eigen::Index(front.own), rest = matrix.rows() - own;
             if (rest > 0)
-                waiting_.push_back({groups[g].parent,
+                pending_.push_back({groups[g].parent,
                                     {front.rows.begin() + own, front.rows.end()},
                                     matrix.bottomRightCorner(rest, rest)});
             fronts_.push_back(std::move(front));
@@ -52,7 +51,6 @@ public:
         return true;
     }
 
-    /// Returns the memory of the factors.
     std::size_t bytes() const noexcept {
         std::size_t sum = 0;
         for (const Front& front : fronts_)
@@ -61,7 +59,7 @@ public:
         return sum;
     }
 
-    /// Solves for several fields: `b` of node i and field f at i · fields + f is replaced by u.
+    /// Solves for several fields. `values` has b of node i and field f at i · fields + f, and receives u.
     void solve(std::span<double> values, std::size_t fields) const {
         const auto width = Eigen::Index(fields);
         Eigen::Map<Rows> all(values.data(), Eigen::Index(values.size() / fields), width);
@@ -100,12 +98,12 @@ private:
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
     struct Front {
-        std::vector<std::uint32_t> rows; ///< nodes: its own, then those of later fronts, in elimination order
+        std::vector<std::uint32_t> rows; ///< its own nodes, then those of later fronts, in elimination order
         std::size_t own = 0;
-        Matrix columns; ///< of L; the diagonal is 1
+        Matrix columns; ///< of L, with diagonal 1
         Vector pivots;
     };
-    /// The update matrix that a front passes to its parent: links between its remaining rows.
+    /// The update matrix of a front for its parent: links between its remaining rows.
     struct Update {
         std::uint32_t parent;
         std::vector<std::uint32_t> rows;
@@ -133,7 +131,7 @@ private:
         return front;
     }
 
-    /// Assembles a front from its own nodes' remaining links and its children's updates.
+    /// Assembles a front from the remaining links of its own nodes and the updates of its children.
     Matrix assemble(const Adjacency& graph, const Front& front, std::span<const Update> updates) {
         const auto size = Eigen::Index(front.rows.size());
         Matrix matrix = Matrix::Zero(size, size);
@@ -155,8 +153,7 @@ private:
         return matrix;
     }
 
-    /// Eliminates a front's own nodes, panel by panel, and distributes their excess e to the other
-    /// rows.
+    /// Eliminates a front's own nodes, panel by panel, and distributes their excess e to the other rows.
     bool eliminate(Front& front, Matrix& matrix) {
         constexpr Eigen::Index panel = 32;
         const Eigen::Index size = matrix.rows(), own = Eigen::Index(front.own);
@@ -196,12 +193,12 @@ private:
         return true;
     }
 
-    std::vector<Front> fronts_;           // in the order of elimination
-    std::vector<Update> waiting_;         // of fronts whose parents come later
-    std::vector<std::uint32_t> position_; // of every node, its position in the order
-    std::vector<std::uint32_t> marked_;   // of every node, the last front that has it
-    std::vector<Eigen::Index> local_;     // of every node, its row in the last front that has it
-    std::vector<Excess> excess_;          // updated during elimination
+    std::vector<Front> fronts_;           ///< in elimination order
+    std::vector<Update> pending_;         ///< of fronts with a later parent
+    std::vector<std::uint32_t> position_; ///< per node, in elimination order
+    std::vector<std::uint32_t> marked_;   ///< per node, the last front with it
+    std::vector<Eigen::Index> local_;     ///< per node, its row in that front
+    std::vector<Excess> excess_;          ///< updated during elimination
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

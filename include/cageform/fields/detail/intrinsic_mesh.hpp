@@ -1,4 +1,4 @@
-// A triangle mesh given only by its edge lengths, and the edge flips that make it Delaunay.
+// A triangle mesh defined by its edge lengths, and the edge flips that make it Delaunay.
 #pragma once
 
 #include <cageform/cage/detail/gaps.hpp>
@@ -12,21 +12,21 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The shape of a triangle. Side k is opposite to corner k.
 struct TriangleShape {
     std::array<double, 3> length{}; ///< of the sides
-    std::array<double, 3> dot{};    ///< at each corner, of the two sides that start there
+    std::array<double, 3> dot{};    ///< per corner, dot product of the two sides from it
     double area2 = 0;               ///< twice the area
 
     double cotangent(std::size_t k) const noexcept { return dot[k] / area2; }
 
-    /// Whether the triangle has an area and its numbers are consistent. The threshold is loose:
+    /// Whether the triangle has an area and its numbers are consistent. The tolerance is loose, because
     /// flips may involve sides that are 1e-10 as long as others.
-    bool is_sound() const noexcept {
+    bool is_valid() const noexcept {
         constexpr double rounding = 1e-6;
-        bool sound = area2 > 0;
+        bool valid = area2 > 0;
         for (std::size_t k = 0; k < 3; ++k) {
             const double product = length[(k + 1) % 3] * length[(k + 2) % 3];
-            sound = sound && std::fabs(std::hypot(dot[k], area2) - product) <= rounding * product;
+            valid = valid && std::fabs(std::hypot(dot[k], area2) - product) <= rounding * product;
         }
-        return sound;
+        return valid;
     }
 
     static TriangleShape of(const Corners<3>& corner) noexcept {
@@ -41,29 +41,28 @@ struct TriangleShape {
     }
 };
 
-/// Two triangles sharing side ab, unfolded into a plane with c above and d below it. For c and d
-/// stores the distance along ab from a (towards b) and from b (towards a), and the height over ab.
+/// Two triangles with the common side ab, unfolded into a plane with c above and d below it. The arrays
+/// have, for c and d, the distance along ab from a (towards b) and from b (towards a), and the height over
+/// ab.
 struct UnfoldedPair {
     std::array<double, 2> from_a, from_b, height;
     double diagonal; ///< length of cd
 
-    /// Takes the triangles `first` = (c, a, b), starting at corner k, and `second` = (d, b, a),
-    /// starting at corner m.
+    /// The triangles are `first` = (c, a, b) from corner k and `second` = (d, b, a) from corner m.
     UnfoldedPair(const TriangleShape& first, std::size_t k, const TriangleShape& second,
                  std::size_t m) noexcept {
         const double ab = first.length[k];
         from_a = {first.dot[(k + 1) % 3] / ab, second.dot[(m + 2) % 3] / ab};
         from_b = {first.dot[(k + 2) % 3] / ab, second.dot[(m + 1) % 3] / ab};
         height = {first.area2 / ab, second.area2 / ab};
-        // Both differences are equal; use the one of the smaller numbers.
+        // Both differences are equal; the one of smaller numbers is more accurate.
         const auto &x = from_a, &y = from_b;
         const bool is_nearer_a = std::fabs(x[0]) + std::fabs(x[1]) <= std::fabs(y[0]) + std::fabs(y[1]);
         diagonal = std::hypot(is_nearer_a ? x[0] - x[1] : y[0] - y[1], height[0] + height[1]);
     }
 
-    /// Returns the triangle (c, x, d), where x is the end of ab from which `from` measures.
-    /// Corners, and therefore sides, are in this order; the lengths of the sides from x to c and d
-    /// are given.
+    /// Returns the triangle (c, x, d), with corners and sides in this order. x is the end of ab that `from`
+    /// is measured from; the lengths of the sides from x to c and d are given.
     TriangleShape half(const std::array<double, 2>& from, double to_c, double to_d) const noexcept {
         const double across = from[0] - from[1], up = height[0] + height[1];
         TriangleShape shape;
@@ -75,14 +74,13 @@ struct UnfoldedPair {
     }
 };
 
-/// A triangle mesh without positions: open or closed, orientable or not. After flips two triangles
-/// may share two edges, and an edge may join a vertex to itself.
+/// A triangle mesh without positions: open or closed, orientable or not. After flips two triangles may have
+/// two common edges, and an edge may connect a vertex to itself.
 class IntrinsicMesh {
 public:
     static constexpr std::uint32_t rim = ~std::uint32_t{0};
 
-    /// Builds the mesh. Vertices must be finite, faces must have an area, and at most two may share
-    /// an edge.
+    /// Vertices must be finite, faces must have an area, and an edge at most two faces.
     template <Scalar T>
     IntrinsicMesh(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                   std::span<const HalfEdge> half_edges)
@@ -97,17 +95,15 @@ public:
     }
 
     std::size_t sides() const noexcept { return twin_.size(); }
-    /// Returns the side of another triangle that is the same edge, or `rim`.
+    /// Returns the side of the other triangle at the same edge, or `rim`.
     std::uint32_t twin(std::uint32_t side) const noexcept { return twin_[side]; }
-    /// Returns the end vertices of a side.
     std::array<std::uint32_t, 2> ends(std::uint32_t side) const noexcept {
         const auto& corner = corner_[side / 3];
         return {corner[(side + 1) % 3], corner[(side + 2) % 3]};
     }
     double cotangent(std::uint32_t side) const noexcept { return shape_[side / 3].cotangent(side % 3); }
 
-    /// The sum of the cotangents of the angles opposite to an edge, with a bound for its rounding
-    /// error.
+    /// The sum of the cotangents of the angles opposite to an edge, with a bound of its rounding error.
     struct Sum {
         double value, rounding;
     };
@@ -116,23 +112,23 @@ public:
         return {here + there, 64 * epsilon<double> * (1 + std::fabs(here) + std::fabs(there))};
     }
 
-    /// Flips edges until the two angles opposite to an edge never exceed π in sum (Bobenko,
-    /// Springborn, A discrete Laplace–Beltrami operator for simplicial surfaces, Discrete Comput.
-    /// Geom. 38 (2007), sec. 2). Each flip decreases the Dirichlet energy, so this terminates;
-    /// usually after few flips. Returns their number.
+    /// Flips edges until no two angles opposite to an edge exceed π in sum (Bobenko, Springborn, A discrete
+    /// Laplace–Beltrami operator for simplicial surfaces, Discrete Comput. Geom. 38 (2007), sec. 2). Each
+    /// flip decreases the Dirichlet energy, so this terminates, usually after few flips. Returns their
+    /// number.
     std::size_t make_delaunay() {
-        std::vector<std::uint32_t> waiting(sides());
-        for (std::uint32_t side = 0; side < sides(); ++side) waiting[side] = side;
+        std::vector<std::uint32_t> pending(sides());
+        for (std::uint32_t side = 0; side < sides(); ++side) pending[side] = side;
         std::size_t flips = 0;
-        // Rounding has never been observed to cause endless flips; the limit guarantees it.
-        for (const std::size_t most = 1000 + 64 * sides(); !waiting.empty() && flips < most;) {
-            const std::uint32_t side = waiting.back();
-            waiting.pop_back();
+        // The limit guards against endless flips by rounding, which have never been observed.
+        for (const std::size_t most = 1000 + 64 * sides(); !pending.empty() && flips < most;) {
+            const std::uint32_t side = pending.back();
+            pending.pop_back();
             const auto [value, rounding] = cotangents(side);
             if (twin_[side] == rim || value >= -rounding || !flip(side)) continue;
             ++flips;
             const std::uint32_t f = side / 3, g = twin_[3 * f + 1] / 3;
-            waiting.insert(waiting.end(), {3 * f, 3 * f + 2, 3 * g, 3 * g + 2});
+            pending.insert(pending.end(), {3 * f, 3 * f + 2, 3 * g, 3 * g + 2});
         }
         return flips;
     }
@@ -170,9 +166,8 @@ private:
         }
     }
 
-    /// Flips side ab of the triangles cab and dba: they become cad and dbc. Returns false and
-    /// changes nothing if rounding would spoil one of the new triangles, or if both sides belong to
-    /// one triangle.
+    /// Flips side ab of the triangles cab and dba, which become cad and dbc. Changes nothing and returns
+    /// false if a new triangle would be degenerate up to rounding, or if both sides belong to one triangle.
     bool flip(std::uint32_t side) noexcept {
         const std::uint32_t f = side / 3, g = twin_[side] / 3;
         if (f == g) return false;
@@ -189,7 +184,7 @@ private:
         for (std::size_t n = 0; n < 4; ++n) length[n] = shape_[before[n] / 3].length[before[n] % 3];
         const TriangleShape at_a = pair.half(pair.from_a, length[1], length[0]);
         TriangleShape at_b = pair.half(pair.from_b, length[2], length[3]);
-        if (!at_a.is_sound() || !at_b.is_sound()) return false;
+        if (!at_a.is_valid() || !at_b.is_valid()) return false;
         std::swap(at_b.length[0], at_b.length[2]); // from (c, b, d) to (d, b, c)
         std::swap(at_b.dot[0], at_b.dot[2]);
 
@@ -219,9 +214,8 @@ private:
 
     std::vector<MeshFace> corner_;
     std::vector<TriangleShape> shape_;
-    std::vector<std::uint32_t> twin_;   // of every side
-    std::vector<std::uint8_t> aligned_; // of every side, whether both triangles run along the edge in the
-                                        // same direction
+    std::vector<std::uint32_t> twin_;   ///< per side
+    std::vector<std::uint8_t> aligned_; ///< per side, whether both triangles have the edge in one direction
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Solves for the weights of bones on a mesh: harmonic ones, and bone heat.
+// Computes bone weights on a mesh: harmonic weights, and bone heat.
 #pragma once
 
 #include <cageform/core/detail/stopwatch.hpp>
@@ -7,18 +7,15 @@
 #include <cageform/fields/types/surface_skin.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// The bones nearest to a point.
 struct NearestBones {
     double distance = std::numeric_limits<double>::infinity();
     std::vector<std::uint32_t> bones; ///< all bones at this distance up to rounding, ascending
 };
 
-/// Computes c / d² for distances d. The largest value is clamped where bones heat so little or so
-/// much that further change has no effect beside the mesh's own weights; this keeps numbers finite.
+/// Computes c / d² for distances d. The largest value is clamped to the range in which it affects the
+/// weights, so that numbers stay finite.
 class HeatScale {
 public:
     HeatScale(double heat, std::span<const NearestBones> nearest) noexcept {
@@ -31,14 +28,14 @@ public:
     }
 
 private:
-    /// Closer than this, the weight is the bone's alone up to rounding.
+    /// Returns a distance of at least 1e-6. For less, the bone determines the weight up to rounding.
     static double at_least(double distance) noexcept { return std::fmax(distance, 1e-6); }
 
     double least_ = std::numeric_limits<double>::infinity();
     double most_ = 0;
 };
 
-/// Computes the weights, in a unit of length in which the mesh has size one.
+/// Computes the weights, in units of the mesh's size.
 class SurfaceSkinner {
 public:
     SurfaceSkinner(std::span<const BoneSegment> bones, const SurfaceSkinOptions& options,
@@ -57,7 +54,7 @@ public:
         for (std::size_t b = 0; b < bones_.size(); ++b) {
             for (auto* end : {&bones_[b].head, &bones_[b].tail}) {
                 *end = scaled(*end);
-                constexpr double most = 1e200; // keeps the squares of distances far from overflow
+                constexpr double most = 1e200; // squares of distances do not overflow
                 if (dot(*end, *end) <= most) continue;
                 report_.solver.culprit = b;
                 return Status::value_not_finite;
@@ -70,7 +67,7 @@ public:
         return Status::ok;
     }
 
-    /// Solves for weights that are 1 and 0 in the groups and harmonic in between.
+    /// Computes weights that are 1 and 0 in the groups and harmonic in between.
     Status solve_harmonic(const Running& running) {
         const std::size_t size = positions_.size();
         std::vector<std::uint32_t> groups(options_.groups.begin(), options_.groups.end());
@@ -94,8 +91,7 @@ public:
         return evaluation.status;
     }
 
-    /// Solves (L + M H) w = M H p: adds a node for each bone, and links from vertices to their
-    /// bones.
+    /// Solves (L + M H) w = M H p on a graph with an additional node per bone, linked to its vertices.
     Status solve_heat(const Running& running) {
         if (!is_finite(options_.heat) || !(options_.heat > 0)) return Status::weights_not_positive;
         std::vector<NearestBones> nearest(positions_.size());
@@ -131,8 +127,8 @@ public:
         return Status::ok;
     }
 
-    /// Returns the weights, contiguous for each vertex. They are normalised, because with negative
-    /// cotangents the sums may be off by 1e-6.
+    /// Returns the weights, contiguous per vertex. They are normalised, because with negative cotangents
+    /// the sums may differ from 1 by 1e-6.
     template <Scalar T>
     std::vector<T> weights() const {
         const std::size_t size = positions_.size(), bones = bones_.size();
@@ -157,7 +153,7 @@ private:
     }
 
     NearestBones nearest_to(const Vec<double, 3>& p) const {
-        constexpr double rounding = 1e-9; // bones at equal distance within this share the vertex
+        constexpr double rounding = 1e-9; // bones at equal distance within this have equal shares
         NearestBones nearest;
         const auto is_near = [&](double distance) {
             return distance <= nearest.distance + rounding * (std::max)(nearest.distance, 1e-6);
@@ -184,10 +180,10 @@ private:
         return groups;
     }
 
-    /// Finds the nearest bones of every vertex and removes those that the vertex does not see.
+    /// Finds the nearest bones of every vertex, without those that are not visible.
     Status find_bones(const Running& running, std::vector<NearestBones>& nearest) {
-        const bool looks = options_.visibility == BoneVisibility::inside;
-        if (looks && report_.mesh.rim_edges > 0) {
+        const bool tests_visibility = options_.visibility == BoneVisibility::inside;
+        if (tests_visibility && report_.mesh.rim_edges > 0) {
             const auto half_edges = half_edges_of(faces_);
             for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
                 const auto [low, high] = edge[0].edge();
@@ -195,13 +191,13 @@ private:
             });
             return report_.mesh.mesh.status;
         }
-        const FaceTree tree(positions_,
-                            looks ? std::span<const MeshFace>(faces_) : std::span<const MeshFace>());
+        const FaceTree tree(positions_, tests_visibility ? std::span<const MeshFace>(faces_)
+                                                         : std::span<const MeshFace>());
         return for_each_block(positions_.size(), running, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (mesh_.unused[i] != 0) continue;
                 nearest[i] = nearest_to(positions_[i]);
-                if (!looks) continue;
+                if (!tests_visibility) continue;
                 std::erase_if(nearest[i].bones, [&](std::uint32_t b) {
                     const auto q = foot(b, positions_[i]);
                     if (q == positions_[i]) return false;
@@ -223,7 +219,7 @@ private:
     CotangentWeights mesh_;
     std::vector<Vec<double, 3>> positions_;
     std::vector<MeshFace> faces_;
-    std::vector<double> values_; // contiguous for each bone
+    std::vector<double> values_; ///< contiguous per bone
 };
 
 template <class R, class F, class Solve>
@@ -241,6 +237,4 @@ surface_skin(const R& points, const F& faces, std::span<const BoneSegment> bones
     return skin;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,18 +1,16 @@
-// The unknown cells of a grid, and the solution for them by multigrid.
+// The unknown cells of a grid, and the solution of their equations.
 #pragma once
 
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/core/types/buffer.hpp>
 #include <cageform/core/view.hpp>
+#include <cageform/fields/detail/field_solver.hpp>
 #include <cageform/fields/types/dirichlet_options.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
-#include <cageform/grid/multigrid/groups.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// The connected components of nodes, as sets of their runs.
+/// The connected components of nodes, as sets of runs.
 template <std::size_t D>
 class NodeComponents {
 public:
@@ -49,16 +47,15 @@ private:
     DisjointSets components_;
 };
 
-/// The unknown cells of a grid as nodes, with their links to given cells or to nothing.
+/// The unknown cells of a grid as nodes, with their links to given cells and out of the domain.
 template <std::size_t D>
 struct UnknownCells {
     std::size_t grid_size;
     grid::NodeRuns<D> nodes;
-    std::vector<std::size_t> cells; ///< of the nodes
-    Buffer<grid::CutLink> cuts;     ///< weight 0 if the link leads nowhere
-    std::vector<std::size_t> given; ///< the cell at the end of each cut link; the node's own cell if it
-                                    ///< leads nowhere
-    std::size_t without_rim = SolverReport::none; ///< the first unknown cell at the end of the grid
+    std::vector<std::size_t> cells; ///< per node
+    Buffer<grid::CutLink> cuts;     ///< weight 0 for a link out of the domain
+    std::vector<std::size_t> given; ///< per cut: the cell at its end; for weight 0 the node's own cell
+    std::size_t without_rim = SolverReport::none; ///< the first unknown cell at the boundary of the grid
 
     UnknownCells(const CellBox<D>& grid, std::span<const Cell> kinds, Rim rim)
         : grid_size(grid.size()) {
@@ -86,13 +83,13 @@ struct UnknownCells {
             const std::size_t step = grid.stride(axis), there = at_rim ? cell
                                                                 : up   ? cell + step
                                                                        : cell - step;
-            const bool nowhere = at_rim || kinds[there] == Cell::outside;
-            cuts.push_back({node, std::uint8_t(direction), nowhere ? 0.0 : 1.0});
-            given.push_back(nowhere ? cell : there);
+            const bool leaves = at_rim || kinds[there] == Cell::outside;
+            cuts.push_back({node, std::uint8_t(direction), leaves ? 0.0 : 1.0});
+            given.push_back(leaves ? cell : there);
         });
     }
 
-    /// Finds components without a given cell: counts their cells and reports the first of these.
+    /// Finds components without a given cell. Reports the first of their cells, and their number.
     void find_unreached(SolverReport& report) const {
         NodeComponents<D> components(nodes);
         std::vector<bool> reached(components.runs(), false);
@@ -107,9 +104,9 @@ struct UnknownCells {
     }
 
 private:
+    /// Returns the last run that begins at or before the node.
     static std::size_t run_of(const NodeComponents<D>& components, std::uint32_t node) noexcept {
-        std::size_t low = 0, high = components.runs(); // binary search for the last run that begins at or
-                                                       // before the node
+        std::size_t low = 0, high = components.runs();
         while (high - low > 1) {
             const std::size_t middle = (low + high) / 2;
             (components[middle].first <= node ? low : high) = middle;
@@ -118,62 +115,23 @@ private:
     }
 };
 
-/// The range of a field's given values next to unknown cells. It is mapped to [−1, 1] for solving.
-struct FieldRange {
-    double middle, half;
-
-    template <Scalar T, std::size_t D>
-    FieldRange(std::span<const T> field, const UnknownCells<D>& unknown) {
-        double low = (std::numeric_limits<double>::max)(), high = -low;
-        for (std::size_t c = 0; c < unknown.cuts.size(); ++c) {
-            if (unknown.cuts[c].weight == 0) continue;
-            low = std::fmin(low, double(field[unknown.given[c]]));
-            high = std::fmax(high, double(field[unknown.given[c]]));
-        }
-        middle = 0.5 * low + 0.5 * high;
-        half = 0.5 * high - 0.5 * low;
-    }
-};
-
-/// Solves for the unknown cells of all fields; writes to `values` only after all are solved.
+/// Solves for the unknown cells of all fields; writes to `values` only on success.
 template <std::size_t D, Scalar T>
-Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const DirichletOptions& options,
-                    SolverReport& report, const Running& running) {
-    const grid::Multigrid<D> multigrid(unknown.nodes, unknown.cuts, {}, running);
-    report.bytes = multigrid.bytes() + multigrid.block_bytes();
-    const auto slots = multigrid.source_slots();
+Status solve_cells(const UnknownCells<D>& unknown, std::span<T> values, const DirichletOptions& options,
+                   SolverReport& report, const Running& running) {
     const std::size_t size = unknown.grid_size, fields = values.size() / size, count = unknown.cells.size();
-    std::vector<FieldRange> ranges;
-    for (std::size_t f = 0; f < fields; ++f)
-        ranges.emplace_back(std::span<const T>(values.subspan(f * size, size)), unknown);
-
-    const auto fill = [&](std::size_t first, std::size_t together, auto& source) {
-        for (std::size_t k = 0; k < together; ++k) {
-            const T* const field = values.data() + (first + k) * size;
-            const auto [middle, half] = ranges[first + k];
-            for (std::size_t c = 0; c < unknown.cuts.size() && half > 0; ++c) {
-                if (unknown.cuts[c].weight > 0)
-                    source[slots[unknown.cuts[c].node]][k] +=
-                        (double(field[unknown.given[c]]) - middle) / half;
-            }
-        }
+    const auto given = [&](std::size_t cut, std::size_t field) {
+        return double(values[field * size + unknown.given[cut]]);
     };
+    std::vector<FieldRange> ranges(fields);
+    for (std::size_t f = 0; f < fields; ++f) {
+        for (std::size_t c = 0; c < unknown.cuts.size(); ++c) {
+            if (unknown.cuts[c].weight > 0) ranges[f].add(given(c, f));
+        }
+    }
     std::vector<T> solved(fields * count);
-    const auto take = [&](std::size_t group, const auto& block) {
-        const std::size_t first = group * multigrid.width;
-        for (std::uint32_t node = 0; node < count; ++node) {
-            const auto value = block.value(node);
-            for (std::size_t k = 0; k < (std::min)(multigrid.width, fields - first); ++k)
-                solved[(first + k) * count + node] =
-                    static_cast<T>(ranges[first + k].middle + ranges[first + k].half * value[k]);
-        }
-    };
-    // Errors refer to values in [−1, 1], whose range is 2.
-    const grid::CycleGoal goal{fields, 2 * options.tolerance, options.max_cycles};
     const Status status =
-        grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
-    report.multigrid.error_estimate *= 0.5;
-    report.multigrid.error_bound *= 0.5;
+        solve_fields<D, T>(unknown.nodes, unknown.cuts, ranges, given, options, solved, report, running);
     if (status != Status::ok) return status;
     for (std::size_t f = 0; f < fields; ++f) {
         for (std::size_t node = 0; node < count; ++node)
@@ -182,6 +140,4 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
     return Status::ok;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

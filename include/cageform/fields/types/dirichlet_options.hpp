@@ -7,23 +7,20 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The role of a grid cell in the problem.
 enum class Cell : std::uint8_t {
     unknown, ///< the mean of its neighbours
     given,   ///< keeps its value
-    outside, ///< not part of the problem, and nobody's neighbour
+    outside, ///< not part of the problem and not a neighbour
 };
 
-/// The boundary condition at the end of the grid.
 enum class Rim : std::uint8_t {
     given,    ///< cells there must not be unknown
-    mirrored, ///< no neighbours beyond, so that nothing flows through the rim
+    mirrored, ///< no neighbours beyond, so there is no flux through the boundary
 };
 
 struct DirichletOptions {
-    double tolerance =
-        1e-6; ///< bound for the estimated error, relative to the range of a field's given values
-    std::size_t max_cycles = 60; ///< not_converged if they do not suffice
+    double tolerance = 1e-6;     ///< maximum estimated error, relative to the range of a field's given values
+    std::size_t max_cycles = 60; ///< then not_converged
     Rim rim = Rim::given;
 };
 

@@ -13,7 +13,7 @@ struct GraphLink {
     double conductance;
 };
 
-/// A graph. Links may be given more than once; their conductances add up.
+/// A graph. The conductances of repeated links are summed.
 struct Graph {
     std::size_t nodes;
     std::span<const GraphLink> links;

@@ -11,8 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bone at rest; a point if both ends coincide. A mesh in the plane lies where the third
-/// coordinate is 0.
+/// A bone at rest; a point if both ends coincide. Meshes in 2D have the third coordinate 0.
 struct BoneSegment {
     Vec<double, 3> head, tail;
 };
@@ -21,16 +20,16 @@ struct BoneSegment {
 inline constexpr std::uint32_t no_bone = ~std::uint32_t{0};
 
 enum class BoneVisibility : std::uint8_t {
-    inside,  ///< a bone heats a vertex if the segment to the bone's nearest point stays inside the mesh
-    ignored, ///< a bone heats the vertices it is nearest to; for open meshes and meshes in the plane
+    inside,  ///< a bone heats a vertex if the segment to the bone's nearest point is inside the mesh
+    ignored, ///< a bone heats all vertices that it is nearest to; for open meshes and 2D
 };
 
 struct SurfaceSkinOptions {
-    /// For bone heat: c > 0, the influence of bones relative to that of neighbours. Dimensionless.
+    /// Bone heat: c > 0, the influence of bones relative to that of neighbours; dimensionless.
     double heat = 1;
     BoneVisibility visibility = BoneVisibility::inside; ///< for bone heat
-    /// For `harmonic_skin`: for every vertex, the bone whose weight is 1 there, or no_bone. If
-    /// empty, a bone gets the vertices whose nearest point on all bones lies in its middle third.
+    /// `harmonic_skin`: per vertex, the bone whose weight is 1 there, or no_bone. If empty, a bone has the
+    /// vertices whose nearest point on all bones is in its middle third.
     std::span<const std::uint32_t> groups{};
 };
 
@@ -38,9 +37,8 @@ struct SurfaceSkinReport {
     Status status = Status::ok;
     SurfaceReport mesh;                  ///< faults of the mesh, flips, negative weights
     SolverReport solver;                 ///< culprit: a vertex (cells_unreached), else a bone or a label
-    std::vector<std::size_t> idle_bones; ///< bones nearest to no vertex that sees them; their weights are
-                                         ///< zero
-    std::size_t hidden = 0;              ///< number of vertices that do not see their nearest bones
+    std::vector<std::size_t> idle_bones; ///< bones that no vertex uses; their weights are zero
+    std::size_t hidden = 0;              ///< number of vertices whose nearest bones are not visible
     double seconds = 0;                  ///< wall-clock time
 };
 

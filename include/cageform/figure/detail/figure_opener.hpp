@@ -169,12 +169,9 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
         result.report.culprit = opened.report.culprit;
         return result;
     };
-    Status status = check_prefix(data, prefix_of(FigureHeader{}), sizeof(FigureHeader), expected.check,
-                                 Status::not_a_figure);
-    if (status != Status::ok) return refused(status);
     FigureHeader header;
-    std::memcpy(&header, data.data(), sizeof(header));
-    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
+    Status status = read_header(data, expected.check, Status::not_a_figure, sizeof(T), D, header);
+    if (status != Status::ok) return refused(status);
     if (header.parts > FigureHeader::most_parts ||
         header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))
         return refused(Status::blob_malformed);

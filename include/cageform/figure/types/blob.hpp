@@ -154,7 +154,10 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
-    if (header.format > std::uint32_t(WeightFormat::int8)) return Status::blob_malformed;
+#define CAGEFORM_DETAIL_ONE(...) +1
+    constexpr std::uint32_t formats = 0 CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_ONE);
+#undef CAGEFORM_DETAIL_ONE
+    if (header.format >= formats) return Status::blob_malformed;
     if (header.points > most || header.handles > most || header.vectors > header.handles)
         return Status::blob_malformed;
     const std::uint64_t blocks = (header.points + lane_count<T> - 1) / lane_count<T>;
@@ -165,10 +168,7 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     if (header.rows > header.bytes) return Status::blob_malformed;
     Status status = Status::ok;
     for_each_blob_array<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes, bool wanted) {
-        const bool there = offset != 0;
-        if (there != wanted || offset % 64 != 0 || (there && offset < sizeof(BlobHeader)) ||
-            offset > header.bytes || (there && bytes > header.bytes - offset))
-            status = Status::blob_malformed;
+        if (!holds_array(header, offset, bytes, wanted)) status = Status::blob_malformed;
     });
     if (status != Status::ok) return status;
 
@@ -212,17 +212,14 @@ Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte>
         result.report.status = status;
         return result;
     };
-    const Status begins = detail::check_prefix(data, detail::prefix_of(BlobHeader{}), sizeof(BlobHeader),
-                                               expected.check, Status::not_a_blob);
-    if (begins != Status::ok) return refused(begins);
     BlobHeader header;
-    std::memcpy(&header, data.data(), sizeof(header));
+    Status status = detail::read_header(data, expected.check, Status::not_a_blob, sizeof(T), D, header);
+    if (status != Status::ok) return refused(status);
     if (header.version == 1) {
         header.handle_kinds = header.handle_faces = header.vectors = header.handle_loops = 0;
         header.loop_numbers = 0;
     }
-    if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
-    const Status status = detail::check_blob<T, D>(data.data(), header);
+    status = detail::check_blob<T, D>(data.data(), header);
     if (status != Status::ok) return refused(status);
     if (expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
         return refused(Status::blob_of_another_cage);
@@ -248,8 +245,7 @@ public:
         header.dimension = D;
         std::uint64_t end = sizeof(BlobHeader);
         for_each_blob_array<T, D>(header, [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
-            offset = wanted ? end : 0;
-            if (wanted) end += (bytes + 63) / 64 * 64;
+            detail::place_array(end, offset, bytes, wanted);
         });
         header.bytes = end;
         memory_.resize(end);

@@ -5,8 +5,8 @@
 //     g + α x + c w + Σ a_k s_k,   s_k = (r/R)^(kπ/ω) sin(kπθ/ω)
 //
 // (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4). Here x is the
-// coordinate along one edge, and w is harmonic with w = 0 on that edge and w = r on the other. The
-// data gives g, α and c; only the coefficients a_k are unknown.
+// coordinate along one edge, and w is harmonic with w = 0 on that edge and w = r on the other. The data
+// gives g, α and c; only the coefficients a_k are unknown.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -17,20 +17,19 @@
 #include <cstddef>
 #include <numbers>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The singular functions of one corner. Lengths are in units of the lattice.
 class Corner {
 public:
-    static constexpr std::size_t most = 8; ///< the largest number of functions s_k
-    /// From this π/ω on, finite differences need no help.
+    static constexpr std::size_t most = 8; ///< maximum number of functions s_k
+    /// From this exponent π/ω on, finite differences are accurate without singular functions.
     static constexpr double smooth_exponent = 2.25;
 
-    /// The corner at `vertex` whose inside runs counter-clockwise from the edge to `after` to the
-    /// edge to `before`. If both are the same edge, the inside is all around it.
+    /// The corner at `vertex`, whose inside extends counter-clockwise from the edge to `after` to the edge
+    /// to `before`. If both are the same edge, the inside is all around it.
     ///
-    ///   radius  R: of the disc about the corner
+    ///   radius  R, the radius of the disc around the corner
     Corner(const Vec<double, 2>& vertex, const Vec<double, 2>& before, const Vec<double, 2>& after,
            double radius)
         : vertex_(vertex)
@@ -45,18 +44,17 @@ public:
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
-        // Keeps as many as the nodes of the disc can tell apart. Finite differences handle r⁴ and
-        // higher powers well.
+        // Limited by what the nodes of the disc can separate. Finite differences are accurate for r⁴ and
+        // higher powers.
         count_ = (std::min)(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
     }
 
     std::size_t count() const noexcept { return count_; } ///< the number of s_k; function 0 is w
-    /// Returns the m whose s_m appears in w: the one with exponent closest to 1. With fewer
-    /// functions the result would depend on which of the two edges is the first.
+    /// Returns the m whose s_m appears in w: the one with exponent closest to 1. With fewer functions the
+    /// result would depend on the choice of the first edge.
     std::size_t least_count() const noexcept { return angle_ < 1.5 * std::numbers::pi ? 1 : 2; }
-    /// Drops all s_k beyond the first `count`.
-    void keep(std::size_t count) noexcept { count_ = (std::min)(count_, count); }
-    /// Tells whether finite differences need no help at this corner.
+    void limit(std::size_t count) noexcept { count_ = (std::min)(count_, count); }
+    /// Whether finite differences are accurate at this corner without singular functions.
     bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
     double radius() const noexcept { return radius_; }
     const Vec<double, 2>& vertex() const noexcept { return vertex_; }
@@ -66,8 +64,8 @@ public:
     /// The radius, enlarged for rounding.
     double reach() const noexcept { return (1 + 1e-9) * radius_; }
     bool reaches(const Vec<double, 2>& p) const noexcept { return distance(p) <= reach(); }
-    /// Tells whether a point lies between the edges, or on one of them up to rounding.
-    bool holds(const Vec<double, 2>& p) const noexcept {
+    /// Whether a point lies between the edges, or on one of them up to rounding.
+    bool contains(const Vec<double, 2>& p) const noexcept {
         constexpr double rounding = 1e-9;
         const auto d = p - vertex_;
         double theta = std::atan2(dot(d, y_), dot(d, x_));
@@ -88,7 +86,7 @@ public:
         const double x = dot(d, x_), y = dot(d, y_), r = std::sqrt(dot(d, d)) / radius_;
         if (!(r > 0)) return f;
         double theta = std::atan2(y, x);
-        // By rounding, the far edge may appear at a small negative angle, and so may the near edge.
+        // Rounding can give both edges a small negative angle.
         if (theta < 0 && theta < 0.5 * angle_ - std::numbers::pi) theta += 2 * std::numbers::pi;
         // The s_k are the imaginary parts of the powers of z = (r e^{iθ})^(π/ω).
         const double size = std::pow(r, exponent_);
@@ -102,7 +100,7 @@ public:
             power_im = power_re * im + power_im * re;
             power_re = next;
         }
-        // w = (y − s_m)/sin ω, which stays bounded even where ω is a multiple of π.
+        // w = (y − s_m)/sin ω, in a form that stays bounded if ω is a multiple of π.
         const double e = double(m) * exponent_;
         if (std::fabs(sine_) > 1e-5) {
             f[0] = (y - radius_ * closest) / sine_;
@@ -122,6 +120,4 @@ private:
     std::size_t count_ = 0;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -1,12 +1,11 @@
-// Estimates the error of a solution next to corners and edges for which the grid is too coarse.
+// Estimates the error of a solution near corners and edges that the grid does not resolve.
 //
-// Next to a corner a solution is the boundary data, continued linearly, plus singular functions
-// (grid/corners/corner.hpp). Within a cell or two, finite differences and interpolation miss a
-// share of the singular functions. So their size is measured: it is the deviation of the solution
-// from the continued data at the nodes around the corner. The constants are fitted to true errors,
-// computed with finer grids, of some 340 binds of random cages: the largest estimate was 1.2 to 18
-// times the largest error in nineteen of twenty, never less, and 65 times at most. Bones have no
-// estimate.
+// Near a corner a solution is the linear extension of the boundary data plus singular functions
+// (grid/corners/corner.hpp). Within one or two cells, finite differences and interpolation miss a fraction
+// of these functions. Their size is measured as the deviation of the solution from the extended data at the
+// nodes around the corner. The constants are fitted to true errors, computed on finer grids, of about 340
+// binds of random cages. The largest estimate was 1.2 to 65 times the largest error, in 19 of 20 binds at
+// most 18 times. Bones have no estimate.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -16,48 +15,43 @@
 #include <cstdint>
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// Estimates the error next to corners in the plane or edges in space. Corners are added one by one
-/// before the solve, each with the nodes to measure the solution at; after the solve `measure`
-/// makes the report. Memory: some 40 bytes a node; lengths are in cells.
+/// Estimates the error near corners in 2D or edges in 3D. Corners are added one by one before the solve,
+/// each with nodes to measure the solution at; after the solve `measure` makes the report. Takes about 40
+/// bytes per node; lengths are in cells.
 template <std::size_t D>
 class CornerErrors {
 public:
-    /// The number of handles that the boundary data next to a corner or an edge depends on.
+    /// Number of handles that determine the boundary data near a corner or edge.
     static constexpr std::size_t data_handles = D + 1;
 
-    /// A node near a corner.
     struct Node {
         std::uint32_t node;
-        /// The weight of each handle in the data, continued to the node.
+        /// The weight of each handle in the extended data at the node.
         std::array<double, data_handles> share;
     };
-    /// How the error at one corner depends on the solution: error = constant + factor · largest
-    /// |solution − continued data| at the nodes, in units of a weight.
+    /// The error at one corner: constant + factor · largest |solution − extended data| at the nodes, in
+    /// units of a weight.
     struct Estimate {
-        /// In the plane the corner and the vertices before and after it. In space the ends of the
-        /// edge and the third vertices of its faces.
+        /// In 2D the corner and the vertices before and after it; in 3D the ends of the edge and the third
+        /// vertices of its faces.
         std::array<std::size_t, data_handles> handles;
         double constant;
         double factor;
-        double order; ///< the error decreases like the spacing to this power
-        /// Distance to the rest of the boundary; the order holds once this is at least one cell.
-        double room = 1;
+        double order;    ///< the error decreases like the spacing to this power
+        double room = 1; ///< distance to the rest of the boundary; the order holds from one cell on
     };
 
-    /// Returns the factor of an untreated corner or edge: the share of its first singular function,
-    /// r^λ sin λθ with λ = π/ω = `exponent`, that finite differences miss. For λ = 1 the function
-    /// is linear and nothing is missed. A share of w, whose slope is 1 per cell, is added
-    /// separately.
+    /// Returns the factor of an untreated corner or edge: the fraction of its first singular function, r^λ
+    /// sin λθ with λ = π/ω = `exponent`, that finite differences miss. It is zero for λ = 1, where the
+    /// function is linear. The fraction missed of w, whose slope is 1 per cell, is added separately.
     static double missed_share(double exponent) noexcept { return std::clamp(6 * (1 - exponent), 0.06, 0.6); }
     static constexpr double missed_of_w = 0.2, treated_order = 2.25;
 
     /// Returns the estimate of a corner or edge that is not treated.
     ///
-    ///   slope_of_w  the largest coefficient of w (grid/corners/corner.hpp) over the handles, per
-    ///               cell
+    ///   slope_of_w  the largest coefficient of w (grid/corners/corner.hpp) over the handles, per cell
     static Estimate untreated(const std::array<std::size_t, data_handles>& handles, const Corner& corner,
                               double slope_of_w) noexcept {
         const bool smooth = corner.is_smooth();
@@ -65,8 +59,7 @@ public:
                 (std::min)(corner.exponent(), 1.0)};
     }
 
-    /// Returns the estimate of a corner in the plane that has little room and is treated, or needs
-    /// no treatment.
+    /// Returns the estimate of a 2D corner with a small free radius that is treated, or needs no treatment.
     static Estimate treated(const std::array<std::size_t, data_handles>& handles, double room) noexcept {
         return {handles, 0, 0.5 * (std::min)(1.0, std::pow(room, -treated_order)), treated_order};
     }
@@ -78,12 +71,12 @@ public:
         ends_.push_back(nodes_.size());
     }
 
-    /// Appends an entry for every corner and edge to `report`: the estimated error of `count`
-    /// functions from `first` on. O(#nodes · count).
+    /// Appends an entry for every corner and edge to `report`: the estimated error of `count` functions
+    /// from `first` on. O(#nodes · count).
     ///
-    ///   block       value(node): the values of sixteen functions, from `first` on
-    ///   count       number of functions, 16 at most
-    ///   resolution  that of the grid, and the largest possible one
+    ///   block       value(node) returns the values of sixteen functions from `first` on
+    ///   count       number of functions, at most 16
+    ///   resolution  the resolution of the grid, and the largest possible one
     template <class Block>
     void measure(std::size_t first, std::size_t count, const Block& block,
                  const std::array<std::size_t, 2>& resolution, std::vector<CornerError>& report) const {
@@ -108,8 +101,8 @@ public:
     }
 
 private:
-    /// Returns a resolution at which the error is no longer notable; 0 if it is not notable now, or
-    /// if no grid is fine enough.
+    /// Returns a resolution at which the error is below CornerError::notable; 0 if it is now, or if no grid
+    /// is fine enough.
     static std::size_t sufficient(const Estimate& estimate, double error,
                                   const std::array<std::size_t, 2>& resolution) noexcept {
         if (error <= CornerError::notable) return 0;
@@ -120,10 +113,8 @@ private:
     }
 
     Buffer<Estimate> estimates_;
-    std::vector<std::size_t> ends_; ///< where the nodes of each end in `nodes_`
+    std::vector<std::size_t> ends_; ///< end of each estimate's nodes in `nodes_`
     Buffer<Node> nodes_;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -1,24 +1,21 @@
-// Adds the singular functions of a polygon's corners to a solution on a grid that cannot resolve
-// them.
+// Adds the singular functions of a polygon's corners to a solution on a grid that does not resolve them.
 //
-// Near a corner the solution contains singular functions s_k and w (grid/corners/corner.hpp).
-// Finite differences approximate s_k badly if its exponent is small, and w if ω is close to π (r
-// log r). So the functions and their *defects* (the difference equations applied to them) are
-// tabulated in a disc around each corner. Between cycles the coefficients a_k are fitted to the
-// solution by least squares, and coefficient · defect is added to the right-hand side, which
-// removes the error. Sampling adds what interpolation misses of each function.
+// Near a corner the solution contains singular functions s_k and w (grid/corners/corner.hpp). Finite
+// differences approximate s_k badly if its exponent is small, and w if ω is close to π (r log r). The
+// functions and their *defects* (the difference equations applied to them) are therefore tabulated in a
+// disc around each corner. Between cycles the coefficients a_k are fitted to the solution by least squares,
+// and coefficient · defect is added to the right-hand side, which cancels the error. Sampling adds the
+// interpolation error of each function.
 #pragma once
 
-#include <cageform/cage/detail/loop_sides.hpp>
-#include <cageform/cage/polygon.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
 #include <cageform/core/types/buffer.hpp>
+#include <cageform/grid/corners/cage_corners.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/multigrid/multigrid.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The corners of a polygon on a lattice, and their corrections to the equations and to sampling.
 class CornerFunctions {
@@ -31,17 +28,17 @@ public:
 
     CornerFunctions() = default;
 
-    /// Prepares the corners of a Polygon or a CellComplex. Corners with too little room for a fit
-    /// are not treated; with `treat` false no corner is.
+    /// Prepares the corners of a Polygon or a CellComplex. Corners whose free radius is too small for a fit
+    /// are not treated; no corner is if `treat` is false.
     template <class Cage>
     CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem,
                     bool treat)
         : vertices_(lattice.in_cells(whole.vertices())) {
-        const auto neighbours = neighbours_of_vertices(whole);
+        const auto neighbours = detail::neighbours_of_vertices(whole, vertices_);
         for (std::size_t i = 0; i < vertices_.size(); ++i) {
             const auto& of_i = neighbours[i];
             if (of_i.empty()) continue;
-            const double radius = room_about(i, whole, lattice.spacing);
+            const double radius = detail::free_radius(i, whole, vertices_, lattice.spacing, most_radius);
             for (std::size_t n = 0; n + 1 < of_i.size(); ++n) {
                 const std::size_t after = of_i[n], before = of_i[n + 1];
                 const Corner corner(vertices_[i], vertices_[before], vertices_[after], radius);
@@ -53,11 +50,11 @@ public:
         }
     }
 
-    /// Returns the error estimates of corners with little room or without treatment.
+    /// Returns the error estimates of corners with a small free radius or without treatment.
     const CornerErrors<2>& errors() const noexcept { return errors_; }
     bool empty() const noexcept { return corners_.empty(); }
 
-    /// Returns the nodes whose equations have a right-hand side; ascending, without repeats.
+    /// Returns the nodes whose equations have a right-hand side, ascending and unique.
     std::vector<std::uint32_t> sources() const {
         std::vector<std::uint32_t> nodes;
         for (const auto& corner : corners_) {
@@ -67,15 +64,15 @@ public:
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
         return nodes;
     }
-    /// Replaces the nodes by their slots in Block::source: slots[node].
+    /// Replaces the nodes by their indices in Block::source: slots[node].
     void set_slots(std::span<const std::uint32_t> slots) {
         for (auto& corner : corners_) {
             for (auto& node : corner.defects.nodes) node = slots[node];
         }
     }
 
-    /// Returns the coefficients of functions first … first + 15 that are known from the data: those
-    /// of w. The others are zero. Adds their defects to `source`.
+    /// Returns the coefficients of functions first … first + 15 that the data determines, those of w; the
+    /// others are zero. Adds their defects to `source`.
     Coefficients start(std::size_t first, std::span<Row> source) const {
         Coefficients all(coefficients_, Row{});
         for (const Treated& t : corners_) {
@@ -115,7 +112,7 @@ public:
         }
         return all;
     }
-    /// Returns the largest difference of two sets of coefficients, and so of a value.
+    /// Returns the largest difference between two sets of coefficients. It bounds the change of a value.
     double difference(const Coefficients& a, const Coefficients& b) const noexcept {
         double largest = 0;
         for (const Treated& t : corners_) {
@@ -126,8 +123,8 @@ public:
         }
         return largest;
     }
-    /// Replaces coefficients by others and updates `source`. Returns the largest change of the
-    /// source for each function.
+    /// Replaces coefficients and updates `source`. Returns the largest change of the source for each
+    /// function.
     Row replace(Coefficients& all, const Coefficients& by, std::span<Row> source) const noexcept {
         Row disturbance;
         disturbance.fill(0.0);
@@ -145,14 +142,14 @@ public:
         return disturbance;
     }
 
-    /// The part of each singular function of one corner that interpolation misses.
+    /// The interpolation error of each singular function of one corner at a point.
     struct Correction {
         static constexpr std::uint32_t none = ~std::uint32_t{0};
-        std::uint32_t first = none; ///< the corner's first entry in Coefficients
+        std::uint32_t first = none; ///< the corner's first index in Coefficients
         std::array<double, Corner::most + 1> missed{};
     };
-    /// Returns what interpolation by `stencil` misses at `p` (in units of the lattice), for the
-    /// nearest corner whose disc contains the stencil.
+    /// Returns the interpolation error of `stencil` at `p` (in units of the lattice) for the nearest corner
+    /// whose disc contains the stencil.
     Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil) const {
         Correction result;
         double nearest = (std::numeric_limits<double>::max)();
@@ -160,7 +157,8 @@ public:
             const auto d = p - discs_[n].centre;
             const double square = dot(d, d);
             if (square > discs_[n].reach_squared || square >= nearest) continue;
-            if (!corners_[n].corner.holds(p) || !interpolate(corners_[n], stencil, result.missed)) continue;
+            if (!corners_[n].corner.contains(p) || !interpolate(corners_[n], stencil, result.missed))
+                continue;
             nearest = square;
             result.first = corners_[n].first;
             const auto here = corners_[n].corner.functions(p);
@@ -181,7 +179,7 @@ public:
 
 private:
     static constexpr double least_radius = 1, most_radius = 24;
-    static constexpr double ample_radius = 10; ///< from here on errors are a few times 1e-4 at most
+    static constexpr double ample_radius = 10; ///< from here on errors are at most a few times 1e-4
 
     using Functions = std::array<double, Corner::most + 1>;
     struct Disc {
@@ -192,30 +190,29 @@ private:
         std::uint32_t node;
         double along, w;
     };
-    /// A table with a row for each of some nodes: the functions w, s_1, … or their defects.
+    /// A table of the functions w, s_1, … or their defects, with one row per node.
     struct NodeRows {
         std::vector<std::uint32_t> nodes{}; ///< ascending
-        std::vector<double> numbers{};      ///< the rows, one after the other
+        std::vector<double> numbers{};      ///< the concatenated rows
 
         void add(std::uint32_t node, const Functions& row, std::size_t count) {
             nodes.push_back(node);
             numbers.insert(numbers.end(), row.begin(), row.begin() + std::ptrdiff_t(count));
         }
-        void shrink() { // the tables live as long as the solver
+        void shrink() { // the tables exist as long as the solver
             nodes.shrink_to_fit();
             numbers.shrink_to_fit();
         }
     };
-    /// A corner that is treated, with its tables.
     struct Treated {
         Corner corner;
         std::array<std::size_t, 3> handles; ///< the vertices at the corner, before it and after it
-        std::uint32_t first = 0;            ///< the first of its Coefficients
-        std::size_t columns = 0;   ///< columns of both tables; some functions may have been dropped later
-        NodeRows functions{};      ///< the functions at the nodes of the disc
-        NodeRows defects{};        ///< their defects there; `nodes` becomes slots
-        Buffer<Around> around{};   ///< the nodes of the fit
-        std::vector<double> fit{}; ///< for each node of the fit, its share in each coefficient
+        std::uint32_t first = 0;            ///< index of its first coefficient
+        std::size_t columns = 0;            ///< of both tables; functions may be dropped later
+        NodeRows functions{};               ///< the functions at the nodes of the disc
+        NodeRows defects{};                 ///< their defects; `nodes` become indices in Block::source
+        Buffer<Around> around{};            ///< the nodes of the fit
+        std::vector<double> fit{};          ///< the fraction of each node of the fit in each coefficient
         Functions largest_defect{};
 
         /// Returns the functions at a node of the disc, or null elsewhere.
@@ -227,7 +224,7 @@ private:
         }
     };
 
-    /// Returns the slopes of a handle's hat along the edges after and before the corner, outwards.
+    /// Returns the slopes of a handle's hat function along the edges after and before the corner, outwards.
     static std::array<double, 2> slopes(const Treated& t, std::size_t handle) noexcept {
         std::array<double, 2> slope{};
         if (handle == t.handles[0]) slope = {-1 / t.corner.length_after(), -1 / t.corner.length_before()};
@@ -244,67 +241,14 @@ private:
         }
     }
 
-    /// Returns the other ends of every vertex's edges, counter-clockwise: a corner of the inside
-    /// lies between consecutive ones. Empty for a vertex without edges.
-    template <class Cage>
-    std::vector<std::vector<std::size_t>> neighbours_of_vertices(const Cage& cage) const {
-        std::vector<std::vector<std::size_t>> all(vertices_.size());
-        const auto& polygon = boundary_of(cage);
-        for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
-            const bool left = detail::inside_is_left(polygon, n);
-            polygon.loops()[n].for_each_edge([&](std::size_t i, std::size_t j) {
-                all[i].insert(left ? all[i].begin() : all[i].end(), j);
-                all[j].insert(left ? all[j].end() : all[j].begin(), i);
-            });
-        }
-        const auto& cells = interior_cells(cage);
-        for (const auto& [i, j] : cells.facets) {
-            add_neighbour(all[i], i, j);
-            add_neighbour(all[j], j, i);
-        }
-        return all;
-    }
-    void add_neighbour(std::vector<std::size_t>& of_i, std::size_t i, std::size_t j) const {
-        // So far it is the end of a chain, and the inside is all around.
-        if (of_i.empty()) {
-            of_i = {j, j};
-            return;
-        }
-        // The angle is counter-clockwise from the first edge, in (0, 2π].
-        const auto angle_to = [&](std::size_t k) {
-            const auto a = vertices_[of_i.front()] - vertices_[i], b = vertices_[k] - vertices_[i];
-            const double angle = std::atan2(cross(a, b), dot(a, b));
-            return of_i.front() == k || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
-        };
-        of_i.insert(std::find_if(of_i.begin() + 1, of_i.end(),
-                                 [&](std::size_t k) { return angle_to(k) > angle_to(j); }),
-                    j);
-    }
-
-    /// Returns the radius of a vertex's disc, which no other feature of the boundary enters.
-    template <class Cage>
-    double room_about(std::size_t i, const Cage& cage, double spacing) const {
-        double radius = most_radius;
-        const auto keep_off = [&](std::size_t j, std::size_t k, double margin) {
-            const auto &p = vertices_[i], &a = vertices_[j], &b = vertices_[k];
-            radius = (std::min)(radius, j == i || k == i ? detail::length(a - b)
-                                                         : detail::distance_to_segment(p, a, b) - margin);
-        };
-        boundary_of(cage).for_each_edge([&](std::size_t j, std::size_t k) { keep_off(j, k, 0); });
-        const auto& cells = interior_cells(cage);
-        for (const auto& [j, k] : cells.facets) keep_off(j, k, 0);
-        for (const auto& bone : cells.bones) keep_off(bone.i, bone.j, bone.radius / spacing);
-        return radius;
-    }
-
-    /// Treats a corner if there are two nodes to fit for each function. Returns whether it does.
+    /// Treats a corner if there are two nodes of the fit per function. Returns whether it is treated.
     bool add(Treated t, const EmbeddedProblem<2>& problem) {
         const double radius = t.corner.radius();
         t.columns = t.corner.count() + 1;
         std::vector<Vec<double, 2>> positions;
         for_each_node_within(t.corner.reach(), t.corner.vertex(), problem.nodes,
                              [&](std::uint32_t node, const auto& p) {
-                                 if (!t.corner.reaches(p) || !t.corner.holds(p)) return;
+                                 if (!t.corner.reaches(p) || !t.corner.contains(p)) return;
                                  t.functions.add(node, t.corner.functions(p), t.columns);
                                  positions.push_back(p);
                              });
@@ -318,7 +262,7 @@ private:
             t.around.push_back({t.functions.nodes[i], t.corner.along(positions[i]), fitted.back()[0]});
         }
         t.defects.shrink();
-        t.corner.keep(t.around.size() / 2);
+        t.corner.limit(t.around.size() / 2);
         if (t.corner.count() < t.corner.least_count()) return false;
         fit_to_nodes(t, fitted);
         t.first = coefficients_;
@@ -332,9 +276,9 @@ private:
         return true;
     }
 
-    /// Adds the error estimate of a corner, which is `treated` or not, where corners are to be
-    /// treated (`treat`) or not. At treated and at smooth corners the error decreases with the room
-    /// about the corner, which a finer grid increases.
+    /// Adds the error estimate of a corner. `treated`: whether the corner is treated; `treat`: whether
+    /// corners are treated at all. At treated and at smooth corners the error decreases with the free
+    /// radius in cells, which a finer grid increases.
     void add_estimate(const Treated& t, bool treated, bool treat, const NodeRuns<2>& nodes) {
         double slope_of_w = 0;
         std::array<double, 3> along{}, w{};
@@ -353,7 +297,7 @@ private:
         Buffer<CornerErrors<2>::Node> around;
         const double reach = std::clamp(room, 1.5, resolved ? 2.5 : 1.5);
         for_each_node_within(reach, vertices_[t.handles[0]], nodes, [&](std::uint32_t node, const auto& p) {
-            if (t.corner.distance(p) > reach || !t.corner.holds(p)) return;
+            if (t.corner.distance(p) > reach || !t.corner.contains(p)) return;
             const double x = t.corner.along(p), f = t.corner.functions(p)[0];
             around.push_back(
                 {node, {1 + along[0] * x + w[0] * f, along[1] * x + w[1] * f, along[2] * x + w[2] * f}});
@@ -361,7 +305,7 @@ private:
         errors_.add(estimate, around);
     }
 
-    /// Calls f(node, position) for the nodes of a square about a point.
+    /// Calls f(node, position) for the nodes of a square around a point.
     template <class F>
     static void for_each_node_within(double reach, const Vec<double, 2>& centre, const NodeRuns<2>& nodes,
                                      F&& f) {
@@ -378,8 +322,8 @@ private:
         }
     }
 
-    /// Fits by least squares: the share of each node in every coefficient is (SᵀS)⁻¹ Sᵀ, where S
-    /// holds the functions at the nodes.
+    /// Least-squares fit: the fraction of each node in every coefficient is (SᵀS)⁻¹ Sᵀ, where S has the
+    /// functions at the nodes.
     static void fit_to_nodes(Treated& t, std::span<const double* const> functions) {
         const std::size_t count = t.corner.count();
         Buffer<Vec<double, Corner::most>> s(functions.size());
@@ -392,8 +336,8 @@ private:
         }
     }
 
-    /// Adds the defects at a node, which are zero for functions that the equation treats exactly.
-    /// Adds nothing if the equation reaches beyond the disc.
+    /// Adds the defects at a node; zero for functions that satisfy the difference equation. Adds nothing if
+    /// the equation extends beyond the disc.
     static void add_defect(Treated& t, std::uint32_t node, const Vec<double, 2>& p,
                            const EmbeddedProblem<2>& problem) {
         auto cut = std::lower_bound(problem.cuts.begin(), problem.cuts.end(), node,
@@ -417,7 +361,7 @@ private:
         t.defects.add(node, defect, t.columns);
     }
 
-    /// Interpolates each function by a stencil; false if it reaches beyond the disc.
+    /// Interpolates each function by a stencil; returns false if the stencil extends beyond the disc.
     bool interpolate(const Treated& t, const CutStencil<2>& stencil, Functions& mean) const noexcept {
         Functions sum{};
         const auto add = [&](const double* f, double share) {
@@ -440,11 +384,9 @@ private:
 
     std::vector<Vec<double, 2>> vertices_;
     std::vector<Treated> corners_;
-    std::vector<Disc> discs_; ///< the discs of corners_, searched first, since few are near a point
+    std::vector<Disc> discs_; ///< the discs of corners_, for a fast search
     CornerErrors<2> errors_;
-    std::uint32_t coefficients_ = 0; ///< the number of coefficients of all corners, for one function
+    std::uint32_t coefficients_ = 0; ///< number of coefficients of all corners per function
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

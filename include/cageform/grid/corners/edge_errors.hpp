@@ -1,5 +1,5 @@
-// Estimates the error next to the edges of a mesh and of faces inside it. In a plane across an edge
-// the solution behaves as around a corner in the plane (grid/corners/corner.hpp).
+// Estimates the error near the edges of a mesh and of its interior faces. In a plane perpendicular to an
+// edge the solution behaves as near a 2D corner (grid/corners/corner.hpp).
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -12,13 +12,12 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Two neighbouring faces at an edge, and the wedge between them. Lengths are in cells.
+/// Two neighbouring faces at an edge and the wedge between them. Lengths are in cells.
 struct EdgeSector {
     using Point = Vec<double, 3>;
 
-    /// A face at the edge.
     struct AdjacentFace {
-        Point across;    ///< unit vector in the face, away from the edge
+        Point across;    ///< unit vector in the face, perpendicular to the edge
         double distance; ///< from the edge's line to the face's third vertex
         double along;    ///< from the edge's first vertex to the foot of that perpendicular
 
@@ -34,13 +33,13 @@ struct EdgeSector {
     Point origin, direction;            ///< the line of the edge
     double length;
     AdjacentFace first, second;
-    grid::Corner corner; ///< the corner in a plane across the edge, from the first face to the second
+    grid::Corner corner; ///< the corner in a perpendicular plane, from the first face to the second
 
-    /// Returns a vector in the frame of `corner`.
+    /// Returns the components of a vector in the frame of `corner`.
     Vec<double, 2> across(const Point& d) const noexcept {
         return {dot(d, first.across), dot(d, cross(direction, first.across))};
     }
-    /// Returns how the data of each handle changes per unit of length across the edge, in a face.
+    /// Returns the derivative of the data of each handle across the edge, in a face.
     std::array<double, 4> slopes(const AdjacentFace& face, std::size_t third) const noexcept {
         std::array<double, 4> slope{};
         slope[third] = 1 / face.distance;
@@ -61,7 +60,7 @@ struct EdgeSector {
             largest = (std::max)(largest, std::fabs(coefficient));
         return largest;
     }
-    /// Returns the weight of each handle in the data, continued to a point.
+    /// Returns the weight of each handle in the extended data at a point.
     std::array<double, 4> shares(const Point& p) const noexcept {
         const auto d = p - origin;
         const auto xy = across(d);
@@ -72,20 +71,20 @@ struct EdgeSector {
         return share;
     }
 
-    /// Calls f(point) for points along the edge, three cells apart; at most 16.
+    /// Calls f(point) for at most 16 points along the edge, at least three cells apart.
     template <class F>
     void for_each_position_along(F&& f) const {
         const double step = (std::max)(3.0, length / 16);
         for (double z = 0.5 * (std::min)(step, length); z < length; z += step) f(origin + z * direction);
     }
-    /// Tells whether a point lies between the faces, at most one and a half cells from the edge,
-    /// and next to `position_along` on the edge.
+    /// Whether a point lies between the faces, at most 1.5 cells from the edge, and next to
+    /// `position_along` on the edge.
     bool holds(const Point& p, const Point& position_along) const noexcept {
         const auto d = p - origin;
         const double z = dot(d, direction);
         if (z < 0 || z > length || std::fabs(z - dot(position_along - origin, direction)) > 0.5) return false;
         const auto xy = across(d);
-        return corner.distance(xy) <= 1.5 && corner.holds(xy);
+        return corner.distance(xy) <= 1.5 && corner.contains(xy);
     }
 };
 
@@ -96,7 +95,7 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
     struct Face {
         std::size_t third;
         EdgeSector::AdjacentFace face;
-        double angle; // about the edge, from the first face
+        double angle; // around the edge, from the first face
     };
     const auto half_edges = detail::half_edges_of(faces);
     detail::for_each_edge(half_edges, [&](std::span<const detail::HalfEdge> about) {
@@ -133,9 +132,8 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
 } // namespace detail
 namespace grid {
 
-/// Returns the estimates of all edges of a TriangleMesh or a CellComplex that have inside between
-/// their faces. No edge is treated. Handles are those of the cage. O(#edges · 16 points · 64 nodes)
-/// at most.
+/// Returns the estimates of all edges of a TriangleMesh or a CellComplex with inside between their faces.
+/// Handles are those of the cage. At most O(#edges · 16 points · 64 nodes).
 template <class Cage>
 CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
                             const EmbeddedProblem<3>& problem) {
@@ -161,7 +159,7 @@ CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
                 if (node != NodeRuns<3>::none) nodes.push_back({node, sector.shares(p)});
             }
         });
-        if (nodes.empty()) return; // nothing inside between these faces
+        if (nodes.empty()) return; // no node between these faces
         errors.add(CornerErrors<3>::untreated(sector.handles, sector.corner, sector.slope_of_w()), nodes);
     });
     return errors;

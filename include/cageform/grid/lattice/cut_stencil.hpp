@@ -1,5 +1,4 @@
-// A stencil that gives the value at a point from nodes and boundary values, and the rays that find
-// its ends.
+// The stencil of a point over nodes and boundary values, and the rays that find the boundary.
 #pragma once
 
 #include <cageform/cage/types/boundary_value.hpp>
@@ -8,24 +7,22 @@
 
 #include <optional>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The value at a point as a weighted sum of values at nodes and on the boundary. Serves any number
-/// of fields.
+/// The value at a point as a weighted sum of values at nodes and on the boundary, for any function.
 template <std::size_t D>
 struct CutStencil {
     struct Node {
         std::uint32_t node;
         double share;
     };
-    struct BoundaryPoint { ///< a point on the boundary
+    struct BoundaryPoint {
         BoundaryValue<D> value;
         double share;
     };
     static constexpr std::size_t corners = std::size_t{1} << D; ///< of a cell
-    /// Enough for the boundary points that D orders of the axes can meet, in the plane also for a
-    /// harmonic mean (grid/tree/harmonic_mean.hpp), plus the nearest point of the boundary.
+    /// Boundary points for D orders of the axes, in 2D also for a harmonic mean
+    /// (grid/tree/harmonic_mean.hpp), and the nearest point of the boundary.
     static constexpr std::size_t most_nodes = D == 2 ? 32 : corners,
                                  most_boundary_points = 1 + (D == 2 ? 32 : D * corners);
 
@@ -50,28 +47,24 @@ struct CutStencil {
     }
 };
 
-/// A ray from a point along an axis, up or down. In units of the lattice.
+/// A ray from a point along an axis, in units of the lattice.
 template <std::size_t D>
 struct AxisRay {
     Vec<double, D> from;
     std::size_t axis;
     bool up;
-    double length; ///< the ray meets nothing farther than this
+    double length; ///< maximum distance
 
-    /// Returns how far ahead of the start a coordinate of the axis lies; negative if it lies on the
-    /// other side.
+    /// Returns the signed distance of a coordinate from the start, in the direction of the ray.
     double distance(double position) const noexcept {
         return up ? position - from[axis] : from[axis] - position;
     }
 };
 
-/// The point where a ray meets a boundary.
 template <std::size_t D>
 struct Hit {
     double position; ///< on the ray's axis
     BoundaryValue<D> value;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

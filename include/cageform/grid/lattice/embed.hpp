@@ -1,11 +1,10 @@
-// Places a boundary on a lattice without moving it.
+// Embeds a boundary in a lattice without moving it.
 //
-// Its crossings with the lattice lines decide which nodes are inside. They also give every link
-// that ends on the boundary its length and its data. This header depends on no cage and no solver.
+// The crossings of the boundary with lattice lines decide which nodes are inside. They also give every link
+// that ends on the boundary its length and its data. This header is independent of cages and solvers.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
-#include <cageform/grid/lattice/cut_link.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 
@@ -14,7 +13,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The unknown nodes of a boundary value problem, and their links to the data.
+/// The unknown nodes of a boundary value problem, and their links to the boundary data.
 template <std::size_t D>
 struct EmbeddedProblem {
     NodeRuns<D> nodes;
@@ -47,12 +46,12 @@ std::pair<std::int32_t, std::int32_t> nodes_between(const grid::Crossing<D>& a,
             std::int32_t(std::ceil(b.position - grid::on_boundary_distance))};
 }
 
-/// The nodes of a line next to a crossing, which lies on a node or between two.
-struct NodesAbout {
+/// The nodes next to a crossing, which lies on a node or between two.
+struct NodesAround {
     std::int32_t below, above; ///< the nearest nodes on both sides of the crossing
-    bool on_node;              ///< whether it lies on a node, which is then `below` + 1
+    bool on_node;              ///< whether the crossing lies on a node, which is then `below` + 1
 
-    explicit NodesAbout(double position) noexcept {
+    explicit NodesAround(double position) noexcept {
         const double nearest = std::round(position);
         on_node = std::fabs(position - nearest) <= grid::on_boundary_distance;
         below = std::int32_t(on_node ? nearest - 1 : std::floor(position));
@@ -60,7 +59,6 @@ struct NodesAbout {
     }
 };
 
-/// Does the work of `embed`, step by step.
 template <grid::EmbeddableBoundary B>
 class Embedding {
 public:
@@ -90,7 +88,7 @@ public:
     }
 
 private:
-    struct RowPosition { ///< the position of a node
+    struct RowPosition {
         std::uint32_t row;
         std::int32_t x;
 
@@ -106,7 +104,7 @@ private:
     static bool before_node(const grid::FixedNode<D>& a, const grid::FixedNode<D>& b) noexcept {
         return a.index < b.index;
     }
-    /// Orders by link, and crossings of one link by length, the shortest first.
+    /// Orders by link, and crossings of one link by distance.
     static bool before(const Cut& a, const Cut& b) noexcept {
         if (a.link.node != b.link.node) return a.link.node < b.link.node;
         if (a.link.direction != b.link.direction) return a.link.direction < b.link.direction;
@@ -119,37 +117,37 @@ private:
         return {std::uint32_t(nodes_.row(index)), index[0]};
     }
 
-    /// Returns the nodes that are no unknowns: fixed nodes, and nodes that the lines of the other
-    /// axes find on the boundary. Sorted.
-    Buffer<RowPosition> no_unknowns() const {
+    /// Returns the nodes that are not unknowns, sorted: fixed nodes, and nodes on the boundary according to
+    /// the lines of the other axes.
+    Buffer<RowPosition> known_nodes() const {
         Buffer<RowPosition> all;
         all.reserve(fixed_.size());
         for (const auto& fixed : fixed_) all.push_back(row_position(fixed.index));
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {
-                const NodesAbout about(crossing.position);
-                if (about.on_node)
+                const NodesAround around(crossing.position);
+                if (around.on_node)
                     all.push_back(
-                        row_position(boundary_.lattice().on_line(axis, crossing.line, about.below + 1)));
+                        row_position(boundary_.lattice().on_line(axis, crossing.line, around.below + 1)));
             }
         }
         std::sort(all.begin(), all.end());
         return all;
     }
 
-    /// Finds the nodes inside by the even-odd rule along the rows, which are the lines of axis 0.
+    /// Finds the nodes inside by the even-odd rule along the rows (the lines of axis 0).
     void find_nodes() {
-        const auto left_out = no_unknowns();
+        const auto known = known_nodes();
         std::uint32_t row = 0;
-        auto next = left_out.begin();
+        auto next = known.begin();
         for_each_inner_interval<D>(
             crossings_[0], [&](const grid::Crossing<D>& a, const grid::Crossing<D>& b) {
                 for (; row < a.line; ++row) nodes_.end_row();
                 auto [x, end] = nodes_between(a, b);
                 x = (std::max)(x, 0);
                 end = (std::min)(end, nodes_.size()[0]);
-                next = std::lower_bound(next, left_out.end(), RowPosition{a.line, x});
-                for (; next != left_out.end() && *next < RowPosition{a.line, end}; ++next) {
+                next = std::lower_bound(next, known.end(), RowPosition{a.line, x});
+                for (; next != known.end() && *next < RowPosition{a.line, end}; ++next) {
                     nodes_.add_run(x, next->x);
                     x = next->x + 1;
                 }
@@ -158,9 +156,9 @@ private:
         for (; row < nodes_.rows(); ++row) nodes_.end_row();
     }
 
-    /// Cuts the links that the boundary crosses. Their weights are those of Shortley and Weller (J.
-    /// Appl. Phys. 9 (1938), p. 334): 1/θ, where θ is the fraction of the link up to the boundary.
-    /// If a link has several crossings, the nearest counts.
+    /// Cuts the links that the boundary crosses, with the weights of Shortley and Weller (J. Appl. Phys. 9
+    /// (1938), p. 334): 1/θ, where θ is the fraction of the link before the boundary. If a link has several
+    /// crossings, the nearest is used.
     void cut_links_at_crossings() {
         for (std::size_t axis = 0; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {
@@ -170,19 +168,19 @@ private:
                     if (node != grid::NodeRuns<D>::none)
                         cuts_.push_back({{node, direction, 1 / theta}, crossing.value});
                 };
-                const NodesAbout about(crossing.position);
+                const NodesAround around(crossing.position);
                 if (crossing.from_below)
-                    cut(about.below, true, about.on_node ? 1.0 : crossing.position - double(about.below));
+                    cut(around.below, true, around.on_node ? 1.0 : crossing.position - double(around.below));
                 if (crossing.from_above)
-                    cut(about.above, false, about.on_node ? 1.0 : double(about.above) - crossing.position);
+                    cut(around.above, false, around.on_node ? 1.0 : double(around.above) - crossing.position);
             }
         }
         std::sort(cuts_.begin(), cuts_.end(), before);
         cuts_.erase_from(std::unique(cuts_.begin(), cuts_.end(), same_link));
     }
 
-    /// Cuts the remaining links to nodes that are no unknowns: to fixed nodes, or where the lines
-    /// of different axes disagree by rounding.
+    /// Cuts the remaining links to nodes that are not unknowns: fixed nodes, or where the lines of
+    /// different axes disagree by rounding.
     void cut_links_to_other_nodes() {
         Buffer<Cut> more;
         nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
@@ -214,36 +212,36 @@ private:
 } // namespace detail
 namespace grid {
 
-/// Returns the unknowns and their links to the boundary: nodes inside by the even-odd rule along
-/// axis 0, and links cut along all axes.
+/// Returns the unknowns and their links to the boundary: nodes inside by the even-odd rule along axis 0,
+/// and links cut along all axes.
 ///
-///   crossings  those of the boundary
-///   cost       O(#crossings log #crossings + #rows); nodes outside cost nothing
+///   crossings  the crossings of the boundary
+///   cost       O(#crossings log #crossings + #rows); nodes outside have no cost
 template <EmbeddableBoundary B>
 EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimension>& crossings) {
     return detail::Embedding<B>(boundary, crossings).make();
 }
 
-/// Tells which handles the grid resolves: those with data on a link of some inner node.
+/// Returns which handles the grid resolves: those with data on a link of an inner node.
 ///
-///   for_each_handle  for_each_handle(value, f) calls f(handle) for every handle with weight in a
+///   for_each_handle  for_each_handle(value, f) calls f(handle) for every handle with non-zero weight in a
 ///                    boundary value
 template <std::size_t D, class ForEachHandle>
-std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handles,
-                               const ForEachHandle& for_each_handle) {
-    std::vector<bool> seen(handles);
-    const auto see = [&](const BoundaryValue<D>& value) {
-        for_each_handle(value, [&](std::uint32_t handle) { seen[handle] = true; });
+std::vector<bool> resolved_handles(const Crossings<D>& crossings, std::size_t handles,
+                                   const ForEachHandle& for_each_handle) {
+    std::vector<bool> resolved(handles);
+    const auto mark = [&](const BoundaryValue<D>& value) {
+        for_each_handle(value, [&](std::uint32_t handle) { resolved[handle] = true; });
     };
     for (const auto& along : crossings) {
         detail::for_each_inner_interval<D>(along, [&](const Crossing<D>& a, const Crossing<D>& b) {
             const auto [begin, end] = detail::nodes_between(a, b);
             if (begin >= end) return;
-            see(a.value);
-            see(b.value);
+            mark(a.value);
+            mark(b.value);
         });
     }
-    return seen;
+    return resolved;
 }
 
 } // namespace grid

@@ -1,5 +1,4 @@
-// The interface between a boundary and a grid: what embedding and sampling need to know of a
-// boundary.
+// The interface of a boundary on a grid, for embedding and sampling.
 #pragma once
 
 #include <cageform/cage/types/boundary_value.hpp>
@@ -13,19 +12,16 @@
 #include <optional>
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// A point where a lattice line meets the boundary. In units of the lattice: node i of an axis lies
-/// at i.
+/// A point where a lattice line meets the boundary, in units of the lattice: node i of an axis is at i.
 template <std::size_t D>
 struct Crossing {
-    std::uint32_t line; ///< the number of the line; see CellBox::line
-    bool separates;     ///< whether inside and outside change here (not where the line only touches)
+    std::uint32_t line; ///< index of the line (CellBox::line)
+    bool separates;     ///< whether inside and outside change here; false where the line only touches
     double position;    ///< along the line
     BoundaryValue<D> value;
-    /// Whether the value is that of links from below, from above.
-    bool from_below = true, from_above = true;
+    bool from_below = true, from_above = true; ///< whether the value applies to links from that side
 };
 
 /// The crossings along each axis, sorted by line and position.
@@ -39,25 +35,22 @@ void sort_along_lines(Buffer<Crossing<D>>& crossings) {
     });
 }
 
-/// A node nearer to a crossing than this (in spacings) counts as on the boundary and is no unknown.
+/// A node closer to a crossing than this (in spacings) is on the boundary and not an unknown.
 inline constexpr double on_boundary_distance = 1e-9;
 
-/// A node whose value is given.
 template <std::size_t D>
 struct FixedNode {
     typename NodeRuns<D>::Index index;
     BoundaryValue<D> value;
 };
 
-/// A boundary that `embed` can place on a lattice. All positions and distances are in units of the
-/// lattice.
+/// A boundary that `embed` can place on a lattice. All positions and distances are in units of the lattice.
 ///
-///   lattice()        a node for each of its cells, the first at its origin
-///   crossings()      the crossings with the lattice lines, sorted; on every line an even number of
-///                    them has `separates` set
+///   lattice()        has a node for each of its cells, the first at its origin
+///   crossings()      the crossings with the lattice lines, sorted; on every line an even number of them
+///                    has `separates` set
 ///   nearest(node)    the data of the boundary point nearest to a node
-///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order; a vector or
-///                    buffer
+///   fixed_nodes()    nodes that are not unknowns, each at most once, in any order; a vector or buffer
 ///   too_thin_bone()  a handle of a bone for which the lattice is too coarse
 template <class B>
 concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns<B::dimension>::Index& node) {
@@ -68,24 +61,21 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 
-/// Where a point lies.
 template <std::size_t D>
 struct Located {
     PointState state;       ///< inside, outside, on_boundary
-    BoundaryValue<D> value; ///< the boundary data there, if it is on the boundary
+    BoundaryValue<D> value; ///< the boundary data there if the point is on the boundary
 };
 
-/// A boundary that supports sampling between the nodes. In units of the lattice.
+/// A boundary that supports sampling between the nodes, in units of the lattice.
 ///
-///   index_cells(slack)                  prepares the other functions; cells within `slack` of the
-///                                       boundary count as cut
-///   locate(p, tolerance, nodes)         where a point of the lattice lies: on the boundary if it
-///                                       is within the tolerance; none if the boundary in its cell
-///                                       does not decide that
-///   sample(p, nodes)                    the stencil of a point strictly inside, exact for linear
-///                                       functions
-///   free_distance(p, axis, up, limit)   the distance from `p` along an axis, up or down, to the
-///                                       boundary; at most `limit`
+///   index_cells(slack)                  prepares the other functions; cells within `slack` of the boundary
+///                                       are cut
+///   locate(p, tolerance, nodes)         the location of a point of the lattice: on the boundary within the
+///                                       tolerance; nullopt if the boundary in its cell does not decide
+///   sample(p, nodes)                    the stencil of a point strictly inside, exact for linear functions
+///   free_distance(p, axis, up, limit)   the distance from `p` along an axis to the boundary, at most
+///                                       `limit`
 template <class B>
 concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<double, B::dimension>& p,
                                    const NodeRuns<B::dimension>& nodes, double length) {
@@ -95,10 +85,8 @@ concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<dou
     { boundary.free_distance(p, std::size_t{0}, true, length) } -> std::same_as<double>;
 };
 
-/// A boundary that a solver on a grid can use.
+/// A boundary that grid solvers support.
 template <class B>
 concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -1,4 +1,4 @@
-// The unknown nodes of a lattice, stored as runs along the rows, so other nodes cost nothing.
+// The unknown nodes of a lattice, stored as runs along the rows, and their links to the boundary.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -12,11 +12,10 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The nodes, numbered row by row (rows run along axis 0). Converts between the number and the
-/// position of a node.
+/// The unknown nodes, numbered row by row (rows are parallel to axis 0). Converts between the index in this
+/// order and the position on the lattice.
 template <std::size_t D>
 class NodeRuns {
 public:
@@ -56,7 +55,7 @@ public:
         return index;
     }
 
-    /// Adds a run to the current row. Runs must be added in order; runs that touch are merged.
+    /// Adds a run to the current row. Runs must be added in order; adjacent runs are merged.
     void add_run(std::int32_t begin, std::int32_t end) {
         if (begin >= end) return;
         if (runs_.size() > row_begin_.back() && runs_.back().end == begin) {
@@ -72,13 +71,13 @@ public:
     const Run* row_runs(std::size_t row) const noexcept { return runs_.data() + row_begin_[row]; }
     const Run* row_runs_end(std::size_t row) const noexcept { return runs_.data() + row_begin_[row + 1]; }
 
-    /// Returns the number of the first node of a row or, if it is empty, of a later row; `count` if
+    /// Returns the index of the first node of this row or of the next row that is not empty; `count` if
     /// there is none.
     std::uint32_t first_of_row(std::size_t row) const noexcept {
         return row < rows() && row_begin_[row] < runs_.size() ? runs_[row_begin_[row]].first : count_;
     }
 
-    /// Returns the number of the node at `index`, which may lie outside the lattice, or `none`.
+    /// Returns the node at `index`, which may lie outside the lattice, or `none`.
     std::uint32_t find(const Index& index) const noexcept {
         for (std::size_t k = 0; k < D; ++k) {
             if (index[k] < 0 || index[k] >= size_[k]) return none;
@@ -91,7 +90,6 @@ public:
                                                     : none;
     }
 
-    /// Returns the position of a node.
     Index index(std::uint32_t number) const noexcept {
         const auto run = std::partition_point(runs_.begin(), runs_.end(),
                                               [&](const Run& a) { return a.first <= number; }) -
@@ -106,7 +104,6 @@ public:
         return index;
     }
 
-    /// Calls f(index, number) for every node in order.
     template <class F>
     void for_each(F&& f) const {
         for_each_of_rows(0, rows(), f);
@@ -123,7 +120,7 @@ public:
         }
     }
 
-    /// Calls f(index, number, direction) for every link of a node that leads to no node. The
+    /// Calls f(index, number, direction) for every link of a node to a position without a node. The
     /// direction is 2·axis, + 1 towards larger indices.
     template <class F>
     void for_each_end(F&& f) const {
@@ -134,7 +131,7 @@ public:
     }
 
 private:
-    /// Finds the links of a row that have no node in one of the rows beside it.
+    /// Finds the links of a row to positions without a node in one of the adjacent rows.
     template <class F>
     void ends_across(std::size_t r, std::size_t direction, F& f) const {
         Index index = row_index(r), other = index;
@@ -147,7 +144,7 @@ private:
             for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
                 while (beside != end && beside->end <= index[0]) ++beside;
                 if (beside != end && beside->begin <= index[0]) {
-                    // Skips to the end of the shorter run.
+                    // skip to the end of the shorter run
                     index[0] = (std::min)(beside->end, run->end) - 1;
                 } else {
                     f(index, run->first + std::uint32_t(index[0] - run->begin), direction);
@@ -155,8 +152,7 @@ private:
             }
         }
     }
-    /// Finds the links along a row that lead to no node: those at the ends of its runs, since
-    /// touching runs are merged.
+    /// Finds the links along a row to positions without a node: those at the ends of its runs.
     template <class F>
     void ends_along(std::size_t r, F& f) const {
         Index index = row_index(r);
@@ -174,6 +170,11 @@ private:
     std::uint32_t count_ = 0;
 };
 
-} // namespace grid
+/// A link that the boundary cuts before the neighbouring node.
+struct CutLink {
+    std::uint32_t node;     ///< index of the unknown
+    std::uint8_t direction; ///< 2·axis, + 1 towards larger indices
+    double weight;          ///< 1/θ, where θ in (0, 1] is the fraction of the link before the boundary
+};
 
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

@@ -1,9 +1,8 @@
-// Facets of a boundary (edges in the plane, triangles in space) on a lattice: their crossings with
-// lattice lines, rays and cells.
+// Facets of a boundary (edges in 2D, triangles in 3D) on a lattice: their crossings with lattice lines,
+// rays and cells.
 //
-// Each dimension has a rule for which lattice lines cross a facet, such that every line crosses a
-// closed boundary an even number of times: half-open edges in the plane, integer arithmetic in
-// space.
+// Every lattice line must cross a closed boundary an even number of times. The crossing rules guarantee it:
+// half-open edges in 2D, integer arithmetic in 3D.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -15,7 +14,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// A facet in units of the lattice.
 template <std::size_t D>
 struct PlacedFacet : Facet<D> {
-    using Weights = std::array<double, D>; ///< barycentric coordinates: of the corners, with sum 1
+    using Weights = std::array<double, D>; ///< barycentric coordinates
 
     PlacedFacet(const std::array<std::uint32_t, D>& of, std::span<const Vec<double, D>> vertices,
                 bool separating, std::uint32_t offset_at_back = 0)
@@ -23,8 +22,8 @@ struct PlacedFacet : Facet<D> {
         , separates(separating)
         , back_offset(offset_at_back) {}
 
-    bool separates; ///< whether it separates inside from outside; false for a wall
-    /// Added to its handles on the back side, away from the normal; 0: both sides share handles.
+    bool separates; ///< whether the facet separates inside from outside; false for a wall
+    /// Added to the handles for the back side, opposite to the normal; 0 if both sides share handles.
     std::uint32_t back_offset;
 
     Vec<double, D> position(const Weights& weights) const noexcept {
@@ -33,7 +32,7 @@ struct PlacedFacet : Facet<D> {
         return p;
     }
     double coordinate(const Weights& weights, std::size_t axis) const noexcept {
-        if constexpr (D == 2) { // exact if the edge is at right angles to the axis
+        if constexpr (D == 2) { // exact if the edge is perpendicular to the axis
             return this->corner[0][axis] + weights[1] * (this->corner[1][axis] - this->corner[0][axis]);
         } else {
             double sum = 0;
@@ -43,7 +42,7 @@ struct PlacedFacet : Facet<D> {
     }
 };
 
-/// Returns a vector at right angles to a facet.
+/// Returns a normal of a facet, not normalised.
 inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
     const auto along = edge.corner[1] - edge.corner[0];
     return {-along[1], along[0]};
@@ -52,16 +51,15 @@ inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
     return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
 }
 
-/// Returns the data at a point of a facet for an observer who looks along an axis, up or down: the
-/// data of the front side, which the normal points to, or of the back side. In the plane a facet
-/// that is seen edge-on shows the mean of both.
+/// Returns the data at a point of a facet seen along an axis: the data of the front side, which the normal
+/// points to, or of the back side. In 2D a facet seen edge-on gives the mean of both.
 template <std::size_t D>
-BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
-                            std::size_t axis, bool up) noexcept {
+BoundaryValue<D> value_from_side(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
+                                 std::size_t axis, bool up) noexcept {
     auto value = value_on_facet(facet.vertex, weights);
     if (facet.back_offset == 0) return value;
     const double along = normal_of(facet)[axis];
-    if (D == 2 && along == 0) { // at an end, where one vertex has all the weight
+    if (D == 2 && along == 0) { // at an end, where one weight is 1
         const std::uint32_t end = facet.vertex[weights[0] > 0 ? 0 : 1];
         value.handle[0] = end;
         value.handle[1] = end + facet.back_offset;
@@ -72,8 +70,8 @@ BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double
     return value;
 }
 
-/// Returns where a ray of unlimited length meets an edge. If the edge lies along the ray, it is the
-/// end that the ray meets first.
+/// Returns the intersection of a ray of unlimited length with an edge; the nearer end if the edge is on the
+/// ray.
 inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
                                                             const grid::AxisRay<2>& ray) noexcept {
     const auto &a = edge.corner[0], &b = edge.corner[1];
@@ -90,8 +88,8 @@ inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>
     return std::array<double, 2>{1 - s, s};
 }
 
-/// Returns where the line along `axis` through the position (x, y) across it meets a face's plane,
-/// as barycentric coordinates, negative beyond an edge. None if the face is seen edge-on.
+/// Returns the intersection of the line along `axis` through the position (x, y) with a face's plane, as
+/// barycentric coordinates; nullopt if the face is seen edge-on.
 inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& face, std::size_t axis, double x,
                                                        double y) noexcept {
     const auto [u, v] = other_axes[axis];
@@ -103,7 +101,7 @@ inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& fac
     for (std::size_t k = 0; k < 3; ++k) w[k] = cross(c[(k + 1) % 3], c[(k + 2) % 3]) / area;
     return w;
 }
-/// Moves a point that rounding put beyond the rim of a facet onto the rim.
+/// Moves a point outside a facet by rounding onto its boundary.
 template <std::size_t D>
 std::array<double, D> onto_facet(std::array<double, D> w) noexcept {
     double sum = 0;
@@ -112,17 +110,16 @@ std::array<double, D> onto_facet(std::array<double, D> w) noexcept {
     return w;
 }
 
-/// Returns where a ray of unlimited length meets a face.
+/// Returns the intersection of a ray of unlimited length with a face.
 inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>& face,
                                                             const grid::AxisRay<3>& ray) noexcept {
-    constexpr double rim = 1e-9; // a margin, so that no ray slips between two faces
+    constexpr double margin = 1e-9; // no ray passes between two faces
     const auto [u, v] = other_axes[ray.axis];
     const auto w = weights_at(face, ray.axis, ray.from[u], ray.from[v]);
-    if (!w || (*w)[0] < -rim || (*w)[1] < -rim || (*w)[2] < -rim) return std::nullopt;
+    if (!w || (*w)[0] < -margin || (*w)[1] < -margin || (*w)[2] < -margin) return std::nullopt;
     return onto_facet(*w);
 }
 
-/// Returns where a ray meets a facet.
 template <std::size_t D>
 std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay<D>& ray) noexcept {
     const auto weights = meeting_weights(facet, ray);
@@ -130,11 +127,10 @@ std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay
     const double position = facet.coordinate(*weights, ray.axis);
     const double distance = ray.distance(position);
     if (distance < 0 || distance > ray.length) return std::nullopt;
-    return grid::Hit<D>{position, value_seen(facet, *weights, ray.axis, ray.up)};
+    return grid::Hit<D>{position, value_from_side(facet, *weights, ray.axis, ray.up)};
 }
 
-/// Returns the barycentric coordinates of a point on a facet's line or plane, negative beyond its
-/// rim.
+/// Returns the barycentric coordinates of a point on a facet's line or plane.
 inline std::array<double, 2> weights_in_plane(const PlacedFacet<2>& edge, const Vec<double, 2>& p) noexcept {
     const auto along = edge.corner[1] - edge.corner[0];
     const double s = dot(p - edge.corner[0], along) / dot(along, along);
@@ -147,8 +143,8 @@ inline std::array<double, 3> weights_in_plane(const PlacedFacet<3>& face, const 
     return {u, v, 1 - u - v};
 }
 
-/// Tells whether the segment between two points crosses a facet. None if rounding might decide:
-/// near its rim, and if an end is near its line or plane.
+/// Whether the segment between two points crosses a facet; nullopt if rounding might decide, which is near
+/// the facet's boundary and if an end is near its line or plane.
 template <std::size_t D>
 std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& from,
                             const Vec<double, D>& to) noexcept {
@@ -164,23 +160,23 @@ std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& f
     return least > 0;
 }
 
-/// Adds a crossing at a point of a facet, or one for each side if the sides differ.
+/// Adds a crossing at a point of a facet, or one per side if the sides differ.
 template <std::size_t D>
 void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weights, std::size_t axis,
                   grid::Crossing<D> crossing, Buffer<grid::Crossing<D>>& out) {
-    crossing.value = value_seen(facet, weights, axis, true);
+    crossing.value = value_from_side(facet, weights, axis, true);
     if (facet.back_offset != 0) {
         crossing.from_above = false;
         out.push_back(crossing);
-        crossing.value = value_seen(facet, weights, axis, false);
+        crossing.value = value_from_side(facet, weights, axis, false);
         std::swap(crossing.from_below, crossing.from_above);
     }
     out.push_back(crossing);
 }
 
-/// Adds the crossings of the lattice lines along an axis with an edge. An edge includes its lower
-/// end but not its upper one. So a line through a common end of two edges crosses both, one, or
-/// neither, depending on whether it changes sides.
+/// Adds the crossings of the lattice lines along an axis with an edge. An edge includes its lower end but
+/// not its upper one, so a line through a common end of two edges has an odd number of crossings only if it
+/// changes sides.
 inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
                           Buffer<grid::Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
@@ -198,7 +194,7 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
             add(line, edge.separates && line < high, (line - from) / (to - from));
             continue;
         }
-        // The edge lies along the line: it crosses at its ends and at every node on it.
+        // The edge is on the line: it crosses at its ends and at every node.
         const auto add_at = [&, first = edge.corner[0][axis], second = edge.corner[1][axis]](double x) {
             const double s = (x - first) / (second - first);
             const std::array<double, 2> weights{1 - s, s};
@@ -210,13 +206,13 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     }
 }
 
-/// A face seen along an axis, with its corners rounded to 2⁻²⁰ of a cell, so that integers decide
-/// which lattice lines cross it. A line through an edge or a vertex is treated as if all lines were
-/// shifted slightly, in the same direction for all faces.
+/// A face projected along an axis, with its corners rounded to 2⁻²⁰ of a cell, so that integers decide
+/// which lattice lines cross it. A line through an edge or a vertex is treated like a line shifted by an
+/// infinitesimal offset, equal for all faces.
 class FaceAcross {
 public:
-    /// `fraction` is the number of fractional bits of a coordinate. With the integer bits there are
-    /// at most 30, since products then need 61.
+    /// `fraction` is the number of fractional bits of a coordinate. A coordinate has at most 30 bits, so
+    /// that products fit into 61.
     FaceAcross(const PlacedFacet<3>& face, std::size_t axis, int fraction = 20) noexcept
         : face_(face)
         , fraction_(fraction) {
@@ -228,18 +224,18 @@ public:
         area_ = side(corners_[0], corners_[1], corners_[2]);
     }
 
-    /// Whether it is seen edge-on, so that no line crosses it.
+    /// Whether the projection is degenerate, so that no line crosses the face.
     bool is_edge_on() const noexcept { return area_ == 0; }
     bool crosses_line(std::int64_t x, std::int64_t y) const noexcept {
         return crosses({x * one(), y * one()});
     }
-    /// Tells whether the line at a position in multiples of 2^-fraction crosses the face.
+    /// Whether the line at a position in multiples of 2^-fraction crosses the face.
     bool crosses(const std::array<std::int64_t, 2>& p) const noexcept {
         const bool left = area_ > 0;
         return is_left(0, 1, p) == left && is_left(1, 2, p) == left && is_left(2, 0, p) == left;
     }
-    /// Returns a range [first, last] of lines along one of the axes across, of `count`, that
-    /// contains all lines which cross the face.
+    /// Returns a range [first, last], within `count` lines along an axis of the projection, of all lines
+    /// that cross the face.
     std::pair<std::int64_t, std::int64_t> lines(std::size_t k, std::size_t count) const noexcept {
         const auto [low, high] = std::minmax({corners_[0][k], corners_[1][k], corners_[2][k]});
         return {std::max<std::int64_t>((low + one() - 1) >> fraction_, 0),
@@ -254,15 +250,15 @@ private:
     static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
         return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     }
-    /// Tells on which side of the edge from corner k to corner l a line lies. Both faces of the
-    /// edge compute it in the same direction.
+    /// Whether the edge from corner k to corner l has a line on its left. Both faces of the edge compute it
+    /// in the same direction.
     bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
         const bool reversed = face_.vertex[k] > face_.vertex[l];
         const auto &a = corners_[reversed ? l : k], &b = corners_[reversed ? k : l];
         std::int64_t s = side(a, b, p);
-        // A wall includes its rim, on all sides.
+        // A wall includes its boundary on all sides.
         if (s == 0 && !face_.separates) return area_ > 0;
-        // On the edge: decides as for a line shifted along u far more than along v.
+        // On the edge: the line is shifted along u far more than along v.
         if (s == 0) s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0];
         return (s > 0) != reversed;
     }
@@ -294,7 +290,7 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
     }
 }
 
-/// Calls f(lower corner) for the cells that an edge passes, or comes as near to as `slack`.
+/// Calls f(lower corner) for the cells within `slack` of an edge.
 template <class F>
 void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
     const auto &a = edge.corner[0], &b = edge.corner[1];
@@ -316,7 +312,7 @@ void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
     }
 }
 
-/// Calls f(lower corner) for the cells that a face passes, or comes as near to as `slack`.
+/// Calls f(lower corner) for the cells within `slack` of a face, and some others in its bounds.
 template <class F>
 void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
     const auto& [a, b, c] = face.corner;

@@ -1,7 +1,5 @@
-// A polygon or a closed mesh, with the cells inside it, as the boundary of a problem on a lattice.
-//
-// It finds the crossings with the lattice lines, and interpolates between the nodes right up to the
-// boundary.
+// A polygon or a closed mesh with its interior cells as the boundary of a problem on a lattice: crossings
+// with lattice lines, and interpolation between the nodes up to the boundary.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -13,8 +11,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// An index of which facets and bones pass which cells of a lattice, which has fewer than 2²⁰ cells
-/// a side.
+/// The facets and bones that intersect each cell of a lattice of fewer than 2²⁰ cells per axis.
 template <std::size_t D>
 class ElementsByCell {
 public:
@@ -29,7 +26,7 @@ public:
     void sort() { std::sort(passes_.begin(), passes_.end()); }
     void clear() noexcept { passes_.clear(); }
 
-    /// Returns those that pass the cell with this lower corner. O(log #passes).
+    /// Returns the elements in the cell with this lower corner. O(log #passes).
     std::span<const Pass> find(const Index& low) const noexcept {
         const auto cell = key(low);
         const auto first = std::lower_bound(passes_.begin(), passes_.end(), Pass{cell, 0});
@@ -53,18 +50,17 @@ private:
 } // namespace detail
 namespace grid {
 
-/// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most
-/// 1024 cells a side (in the plane 16384). An element of it is a facet or, numbered after the facets, a
-/// bone.
+/// The edges of a polygon or the triangles of a mesh, and the interior cells, on a lattice of at most 1024
+/// cells per axis (16384 in 2D). Its *elements* are the facets, then the bones.
 template <std::size_t D>
 class SimplexBoundary {
 public:
     static constexpr std::size_t dimension = D;
     using Index = typename NodeRuns<D>::Index;
 
-    /// Takes a Polygon, a TriangleMesh or a CellComplex. It also takes cells in the open
-    /// (fields/strokes.hpp), whose facets may have other handles on the back side: `back_offset` is
-    /// added to their handles there.
+    /// Takes a Polygon, a TriangleMesh or a CellComplex. It also takes cells without a boundary
+    /// (fields/strokes.hpp), whose facets may have other handles on the back side: `back_offset` is added
+    /// to the handles there.
     template <class Cage>
     SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice, std::uint32_t back_offset = 0)
         : lattice_(lattice)
@@ -80,8 +76,7 @@ public:
 
     const Lattice<double, D>& lattice() const noexcept { return lattice_; }
 
-    /// Returns the crossings with the lattice lines. O(facets + lines they meet, and the logarithm
-    /// of that).
+    /// Returns the crossings with the lattice lines. O(n log n) for n facets and lines that they meet.
     Crossings<D> crossings() const {
         Crossings<D> all;
         for (std::size_t axis = 0; axis < D; ++axis) {
@@ -110,8 +105,8 @@ public:
         return bone ? bone->value : value;
     }
 
-    /// Returns the distance from a point along an axis to the boundary. O(cells on the way · elements
-    /// that pass them).
+    /// Returns the distance from a point along an axis to the boundary. O(cells on the way · elements in
+    /// them).
     double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         AxisRay<D> ray{p, axis, up, limit};
         Index low;
@@ -124,7 +119,7 @@ public:
         return ray.length;
     }
 
-    /// Builds the index of cells that free_distance, locate and sample need.
+    /// Builds the cell index for free_distance, locate and sample.
     void index_cells(double slack) {
         elements_.clear();
         std::uint32_t element = 0;
@@ -136,7 +131,7 @@ public:
         for (std::size_t n = 0; n < bones_.size(); ++n, ++element) bones_.for_each_cell(n, add);
         elements_.sort();
     }
-    /// Returns where a point lies. If elements pass its cell, returns none next to bones and where
+    /// Returns the location of a point. In a cell with elements, returns nullopt near bones and where
     /// rounding might decide. O(elements in the cell).
     std::optional<Located<D>> locate(const Vec<double, D>& p, double tolerance,
                                      const NodeRuns<D>& nodes) const noexcept {
@@ -145,7 +140,7 @@ public:
         const auto elements = elements_.find(low);
         const bool at_node = nodes.find(low) != NodeRuns<D>::none;
         if (elements.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
-        // Positions in units of the lattice are rounded by less than half of it.
+        // Positions are rounded by less than half of the tolerance.
         double least = 2 * tolerance;
         std::optional<Located<D>> result;
         for (const Pass& pass : elements) {
@@ -153,7 +148,7 @@ public:
             const Facet& facet = facets_[pass.element];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
             const double distance = detail::length(facet.position(weights) - p);
-            // If two are equally near, the first counts.
+            // Of two equally near facets, the first is used.
             if (distance > least || (result && distance == least)) continue;
             least = distance;
             result = {PointState::on_boundary, value_on_facet(facet.vertex, weights)};
@@ -169,9 +164,9 @@ public:
         return std::nullopt;
     }
 
-    /// Returns a stencil: multilinear, or where the boundary passes the cell the mean over D orders
-    /// of the axes. It is a mean, so it never exceeds the values that it is made of. Beyond the
-    /// last nodes, where there is no boundary, it mirrors.
+    /// Returns a stencil: multilinear, or in cells cut by the boundary the mean over D orders of the axes.
+    /// The value is a mean, so it never exceeds the values of the stencil. Beyond the last nodes, without a
+    /// boundary, it mirrors.
     CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};
@@ -197,12 +192,12 @@ private:
     struct Cell {
         const NodeRuns<D>& nodes;
         Index low;
-        std::span<const Pass> elements;  ///< those that pass the cell
-        std::array<std::size_t, D> axes; ///< in the order of interpolation
+        std::span<const Pass> elements;  ///< in the cell
+        std::array<std::size_t, D> axes; ///< in order of interpolation
         CutStencil<D>& stencil;
     };
 
-    /// Returns where a ray meets an element, and shortens the ray to end there.
+    /// Returns the intersection of a ray with an element, and shortens the ray to it.
     std::optional<Hit<D>> shorten_to(std::uint32_t element, AxisRay<D>& ray) const noexcept {
         const auto hit = element < facets_.size() ? detail::hit(facets_[element], ray)
                                                   : bones_.hit(element - facets_.size(), ray);
@@ -217,8 +212,8 @@ private:
         return first;
     }
 
-    /// Tells whether exactly one of two points of a cell is inside, by the facets that pass the
-    /// cell. None if rounding might decide.
+    /// Whether exactly one of two points of a cell is inside, by the facets in the cell; nullopt if
+    /// rounding might decide.
     std::optional<bool> are_separated(std::span<const Pass> elements, const Vec<double, D>& from,
                                       const Vec<double, D>& to) const noexcept {
         bool separated = false;
@@ -231,8 +226,8 @@ private:
         return separated;
     }
 
-    /// Adds the multilinear stencil of a cell that nothing passes and whose corners are all
-    /// unknowns. The corners along axis 0 are neighbours in a run.
+    /// Adds the multilinear stencil of a cell without elements, whose corners are all unknowns. Corners
+    /// along axis 0 are neighbours in a run.
     static void add_corners(const Index& low, const Vec<double, D>& p, const NodeRuns<D>& nodes,
                             CutStencil<D>& stencil) noexcept {
         for (std::size_t row = 0; row < CutStencil<D>::corners / 2; ++row) {
@@ -252,9 +247,9 @@ private:
         }
     }
 
-    /// Adds a share of the value at `p` to the cell's stencil, by linear interpolation along one
-    /// axis after the other; `done` axes are finished. If the boundary comes before an end of the
-    /// cell, its value replaces whatever lies beyond.
+    /// Adds a share of the value at `p` to the cell's stencil, by linear interpolation along one axis after
+    /// the other; `done` axes are finished. If the boundary is nearer than an end of the cell, its value
+    /// replaces the value there.
     void gather(Cell& cell, const Vec<double, D>& p, double share, std::size_t done = 0) const noexcept {
         if (done == D) {
             Index index;

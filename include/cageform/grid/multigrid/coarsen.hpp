@@ -1,10 +1,10 @@
 // Makes the equations of the next coarser level by Dendy's black box multigrid (J. Comput. Phys. 48
 // (1982)).
 //
-// The coarse nodes are every second node. The interpolation P is made from the equations: a node
-// between coarse nodes takes the value that its own equation gives, collapsed onto the line, face
-// or cell of coarse nodes that it lies in. The coarse operator is Galerkin's, Pᵀ A P. Features of
-// the domain that are one node wide are preserved on every level.
+// Every second node is a coarse node. The interpolation P is derived from the equations: a node between
+// coarse nodes takes the value given by its own equation, collapsed onto the line, face or cell of coarse
+// nodes that contains it. The coarse operator is the Galerkin product Pᵀ A P. Parts of the domain that are
+// one node wide are preserved on every level.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -18,9 +18,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The interpolation of a node from the coarse cell that it lies in: a weight for each corner (see
-/// `corner_offset`). The cell's lower corner is coarse node ⌊index / 2⌋. Along an axis on which the
-/// node's index is even, it lies at that corner, and the cell's upper corners have weight 0.
+/// The interpolation of a node from its coarse cell: a weight for each corner (`corner_offset`). The lower
+/// corner of the cell is coarse node ⌊index / 2⌋. Along an axis with an even index, the upper corners have
+/// weight 0.
 template <std::size_t D>
 using CornerWeights = std::array<double, power(2, D)>;
 
@@ -29,7 +29,7 @@ template <std::size_t D>
 struct Coarsening {
     using Index = typename grid::NodeRuns<D>::Index;
 
-    std::vector<std::uint32_t> slot; ///< by node: an index into `irregular`, or none for multilinear
+    std::vector<std::uint32_t> slot; ///< per node: index into `irregular`, or none for multilinear
     Buffer<CornerWeights<D>> irregular;
     Equations<D> coarse;
 
@@ -47,7 +47,7 @@ struct Coarsening {
     }
 
 private:
-    /// By the set of axes along which a node lies between coarse ones.
+    /// Indexed by the set of axes along which a node lies between coarse nodes.
     static constexpr auto multilinear = [] {
         std::array<CornerWeights<D>, power(2, D)> all{};
         for (std::size_t odd = 0; odd < all.size(); ++odd) {
@@ -60,7 +60,7 @@ private:
     }();
 };
 
-/// Returns the Galerkin stencil of a coarse node whose surroundings are all regular.
+/// Returns the Galerkin stencil of a coarse node with regular surroundings.
 template <std::size_t D>
 typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D>::Stencil& a) noexcept {
     using P = StencilPositions<D>;
@@ -82,7 +82,7 @@ typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D
     return coarse;
 }
 
-/// Makes a `Coarsening`: first its nodes, then P, then Pᵀ A P.
+/// Makes a `Coarsening`: the coarse nodes, then P, then Pᵀ A P.
 template <std::size_t D>
 class Coarsener {
 public:
@@ -103,11 +103,11 @@ private:
     static std::size_t slab_rows(const grid::NodeRuns<D>& nodes) noexcept {
         return nodes.rows() / std::size_t(nodes.size()[D - 1]);
     }
-    /// Calls body(begin, end), possibly in parallel, for ranges of rows that are whole slabs and
+    /// Calls body(begin, end), possibly in parallel, for ranges of rows that consist of whole slabs and
     /// cover all rows.
     template <class Body>
     void for_slabs(const grid::NodeRuns<D>& nodes, const Body& body) const {
-        constexpr std::size_t worth_a_thread = 4096; // nodes, which take a millisecond
+        constexpr std::size_t worth_a_thread = 4096; // nodes, which take about a millisecond
         if (nodes.rows() == 0) return;
         const std::size_t slabs = std::size_t(nodes.size()[D - 1]), rows = slab_rows(nodes);
         const std::size_t grain = slabs * worth_a_thread / (nodes.count() + 1) + 4;
@@ -136,8 +136,8 @@ private:
         for (const auto x : index) n += std::size_t(x & 1);
         return n;
     }
-    /// Makes P for nodes on coarse lines first, then on faces, then in cells: each uses those made
-    /// before. A node with regular surroundings keeps the multilinear interpolation.
+    /// Makes P for nodes on coarse lines first, then on faces, then in cells, because each depends on the
+    /// previous ones. A node with regular surroundings keeps multilinear interpolation.
     void make_interpolation() {
         out_.slot.assign(fine_.nodes.count(), none);
         const auto is_near = near_irregular();
@@ -158,7 +158,7 @@ private:
             });
         }
     }
-    /// Finds the nodes that have an irregular one among their 3^D. A missing neighbour always has
+    /// Returns the nodes with an irregular node among their 3^D neighbours. A missing neighbour always has
     /// an irregular node next to it.
     std::vector<bool> near_irregular() const {
         std::vector<bool> is_near(fine_.nodes.count());
@@ -173,8 +173,8 @@ private:
         });
         return is_near;
     }
-    /// Returns Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes
-    /// along which it lies between coarse nodes, and solved for the node.
+    /// Returns Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along
+    /// which the node lies between coarse nodes, and solved for the node.
     CornerWeights<D> interpolate(std::uint32_t node, const Index& index,
                                  Neighbours<D>& around) const noexcept {
         const auto collapsed = collapsed_equation(node, index);
@@ -189,7 +189,7 @@ private:
         for (std::size_t p = 0; p < P::count; ++p) {
             const auto n = collapsed[p] != 0 ? around.at(p) : none;
             if (n == none) continue;
-            // Along each axis its coarse cell begins where ours does, or where ours ends.
+            // Along each axis the neighbour's coarse cell begins where this cell begins or ends.
             std::size_t upper = 0;
             for (std::size_t k = 0; k < D; ++k) upper |= P::offset(p)[k] > 0 ? std::size_t{1} << k : 0u;
             const auto& from = out_.of(n, shifted<D>(index, P::offset(p)));
@@ -199,8 +199,7 @@ private:
         }
         return result;
     }
-    /// Returns the negated off-diagonal entries of A, summed along the axes on which the index is
-    /// even.
+    /// Returns the negated off-diagonal entries of A, summed along the axes with an even index.
     typename Equations<D>::Stencil collapsed_equation(std::uint32_t node, const Index& index) const noexcept {
         const auto& a = fine_.stencil(node);
         typename Equations<D>::Stencil collapsed{};
@@ -216,18 +215,17 @@ private:
 
     // ---- the coarse operator --------------------------------------------------------------------
 
-    /// Makes Pᵀ A P. It is computed only for coarse nodes near something irregular; the others
-    /// share one stencil.
+    /// Makes Pᵀ A P. It is computed only for coarse nodes near irregular ones; the others share one
+    /// stencil.
     void make_galerkin_operator() {
         auto& coarse = out_.coarse;
         coarse.regular = regular_coarse_stencil<D>(fine_.regular);
         choose_irregular();
         for_slabs(coarse.nodes, [&](std::size_t begin, std::size_t end) { add_to_coarse_rows(begin, end); });
-        for (auto& equation : coarse.irregular) share_out_row_sum(equation);
+        for (auto& equation : coarse.irregular) distribute_row_sum(equation);
     }
-    /// Adds up the equations of the coarse nodes in rows begin … end − 1, which are whole slabs.
-    /// Contributions are added in the order of the fine nodes, so the result does not depend on the
-    /// threads.
+    /// Sums the equations of the coarse nodes in rows begin … end − 1, which are whole slabs. Contributions
+    /// are added in the order of the fine nodes, so the result does not depend on the threads.
     void add_to_coarse_rows(std::size_t begin, std::size_t end) noexcept {
         auto& coarse = out_.coarse;
         const std::uint32_t first = coarse.nodes.first_of_row(begin), last = coarse.nodes.first_of_row(end);
@@ -252,8 +250,8 @@ private:
         fine_.nodes.for_each_of_rows(fine_slab * (low > 0 ? low - 1 : 0),
                                      (std::min)(fine_slab * high, fine_.nodes.rows()), add);
     }
-    /// Chooses the irregular coarse nodes: those with irregular interpolation within two fine
-    /// nodes, or an irregular equation within one.
+    /// Selects the irregular coarse nodes: those with irregular interpolation within two fine nodes, or an
+    /// irregular equation within one.
     void choose_irregular() {
         auto& coarse = out_.coarse;
         std::vector<bool> is_near(coarse.nodes.count());
@@ -277,7 +275,7 @@ private:
             coarse.irregular.push_back({});
         }
     }
-    /// Returns a node's row of A P, by positions around the lower corner of its coarse cell.
+    /// Returns a node's row of A P, indexed by positions around the lower corner of its coarse cell.
     typename Equations<D>::Stencil row_of_ap(std::uint32_t node, const Index& index,
                                              Neighbours<D>& around) const noexcept {
         typename Equations<D>::Stencil row{};
@@ -295,8 +293,8 @@ private:
         }
         return row;
     }
-    /// Adds a node's row of A P to the equations of the coarse nodes that it interpolates from.
     using CoarseRows = std::array<std::uint32_t, power(2, D)>; ///< into `coarse.irregular`, or none
+    /// Adds a node's row of A P to the equations of the coarse nodes of its interpolation.
     void add_restricted(const CornerWeights<D>& weights, const typename Equations<D>::Stencil& row,
                         const CoarseRows& to) noexcept {
         std::array<std::size_t, P::count> positions;
@@ -312,9 +310,9 @@ private:
                 stencil[positions[n] - P::corner_step(corner)] += weights[corner] * row[positions[n]];
         }
     }
-    /// Divides the row sum among the axes. The row sum is the weight of the data in the equation of
-    /// a node. It goes in equal shares to the axes on which the node has no neighbour on one side.
-    static void share_out_row_sum(typename Equations<D>::Irregular& equation) noexcept {
+    /// Distributes the row sum, the weight of the data in a node's equation, in equal parts to the axes on
+    /// which the node lacks a neighbour on one side.
+    static void distribute_row_sum(typename Equations<D>::Irregular& equation) noexcept {
         const auto& a = equation.a;
         double row_sum = 0;
         for (const double entry : a) row_sum += entry;
@@ -326,8 +324,8 @@ private:
                 if (P::offset(p)[k] < 0) down += std::fabs(a[p]);
                 if (P::offset(p)[k] > 0) up += std::fabs(a[p]);
             }
-            // The regular neighbours of one side have at least a sixth of the diagonal; rounding
-            // leaves 1e-15.
+            // Regular neighbours on one side have at least a sixth of the diagonal; rounding errors are
+            // 1e-15.
             misses[k] = std::fmin(down, up) < 1e-3 * a[P::centre];
             count += misses[k] ? 1 : 0;
         }

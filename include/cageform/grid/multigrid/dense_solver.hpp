@@ -1,4 +1,4 @@
-// Solves the equations of the coarsest level directly, by a Cholesky factorisation.
+// Solves the equations of the coarsest level by a Cholesky factorisation.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -11,7 +11,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A dense Cholesky factorisation of a level's matrix.
 class DenseSolver {
 public:
     DenseSolver() = default;
@@ -29,8 +28,7 @@ public:
         if (factorise(matrix.data(), n)) store(matrix.data(), n);
     }
 
-    /// Tells whether there are no factors: default-constructed, or the matrix is not positive
-    /// definite.
+    /// Whether there are no factors: default-constructed, or the matrix is not positive definite.
     bool empty() const noexcept { return factor_.empty(); }
 
     /// Computes u = A⁻¹ b by forward and backward substitution.
@@ -39,7 +37,7 @@ public:
         const float* factor = factor_.data();
         const auto substitute = [&](const NodeRow& right, std::size_t begin,
                                     std::size_t end) CAGEFORM_DETAIL_INLINE {
-            Vector sum(0.0f), other(0.0f); // two independent sums hide the latency of an addition
+            Vector sum(0.0f), other(0.0f); // two independent sums hide the latency of additions
             for (; begin + 1 < end; begin += 2, factor += 2) {
                 sum = sum + Vector(factor[0]) * Vector::load(u[begin]);
                 other = other + Vector(factor[1]) * Vector::load(u[begin + 1]);
@@ -54,9 +52,9 @@ public:
     std::size_t bytes() const noexcept { return factor_.size() * sizeof(float); }
 
 private:
-    /// Factorises A = L Lᵀ, and stores L over the lower half of A, row by row. Returns false if A
-    /// is not positive definite. Each column is subtracted from the remaining matrix at once, so
-    /// that no sum has to wait for itself.
+    /// Factorises A = L Lᵀ, and stores L row by row over the lower half of A. Returns false if A is not
+    /// positive definite. Subtracts each column from the remaining matrix at once, which avoids dependent
+    /// sums.
     static bool factorise(double* a, std::size_t n) {
         std::vector<double> column(n);
         for (std::size_t k = 0; k < n; ++k) {
@@ -85,8 +83,8 @@ private:
         }
     }
 
-    /// The rows of L, then its columns from the last to the first, in the order in which `solve`
-    /// reads them.
+    /// The rows of L, then its columns from the last to the first, in the order in which `solve` reads
+    /// them.
     std::vector<float> factor_;
 };
 

@@ -1,33 +1,30 @@
-// The equations A u = b of one level while the multigrid is built.
+// The equations A u = b of one level while the multigrid is built. Most nodes share one regular stencil;
+// the others, called irregular, have their own.
 //
-// Most nodes share one regular stencil; the others, called irregular, have their own.
-//
-// The finest equations follow Shortley and Weller (J. Appl. Phys. 9 (1938), p. 334): a link that is
-// cut at the fraction θ of its length has the weight 1/θ instead of 1. Their factor 2/(θ₋ + θ₊) of
-// each axis is left out. Then A stays symmetric, and linear functions stay exact (Gibou, Fedkiw,
-// Cheng and Kang, J. Comput. Phys. 176 (2002), sec. 2).
+// The finest equations follow Shortley and Weller (J. Appl. Phys. 9 (1938), p. 334): a link that is cut at
+// the fraction θ of its length has the weight 1/θ instead of 1. Their factor 2/(θ₋ + θ₊) of each axis is
+// omitted, which makes A symmetric and keeps linear functions exact (Gibou, Fedkiw, Cheng and Kang, J.
+// Comput. Phys. 176 (2002), sec. 2).
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
-#include <cageform/grid/lattice/cut_link.hpp>
 #include <cageform/grid/multigrid/stencil.hpp>
 
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The rows of A, and the nodes that are the unknowns.
 template <std::size_t D>
 struct Equations {
     using Stencil = std::array<double, StencilPositions<D>::count>; ///< a row of A
     struct Irregular {
         Stencil a{};
-        std::array<double, D> row_sum{}; ///< of A, divided among the axes; zero at regular nodes
+        std::array<double, D> row_sum{}; ///< of A, distributed to the axes; zero at regular nodes
     };
 
     grid::NodeRuns<D> nodes;
     Stencil regular{};
-    std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none
+    std::vector<std::uint32_t> slot; ///< per node: index into `irregular`, or none
     Buffer<Irregular> irregular;
 
     bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != grid::NodeRuns<D>::none; }

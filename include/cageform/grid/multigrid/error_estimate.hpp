@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The largest residuals |b − A u| of a level. Nodes next to data have a positive row sum (at least
-/// 1, since θ is at most 1); their residuals are divided by it.
+/// The largest residuals |b − A u| of a level. Nodes next to data have a positive row sum (at least 1,
+/// since θ is at most 1); their residuals are divided by it.
 struct Residual {
     Simd<float> interior{0.0f}, beside_data{0.0f};
 
@@ -28,54 +28,52 @@ struct Residual {
 
 /// The error of a solution: an estimate and a bound for each function.
 struct SolveError {
-    /// The residual times the largest ratio of correction to residual so far, with a safety factor
-    /// of 2 to 4. It is not a bound, but almost always above the error.
+    /// The residual times the largest ratio of correction to residual so far, with a safety factor of 2 to
+    /// 4. It is almost always above the error, but not a bound.
     NodeValues estimate;
-    /// A bound from the residual alone, by the maximum principle: never less than the error, up to
-    /// rounding.
+    /// An upper bound from the residual alone, by the maximum principle, up to rounding.
     NodeValues bound;
 };
 
-/// Learns from cycle to cycle how much error a residual means.
+/// Estimates the error from the residual and the corrections of previous cycles.
 ///
-/// The correction that a cycle finds on the coarse grid is the error before it, except for the
-/// share that relaxation removes. The ratio of correction to residual is called the gain:
-///     estimate = caution · max(gain, 1) · residual
+/// The correction of a cycle on the coarse grid is the error before it, except for the part that relaxation
+/// removes. The ratio of correction to residual is called the gain:
+///     estimate = safety · max(gain, 1) · residual
 class ErrorEstimator {
 public:
     void reset() noexcept {
         Vector(0.0f).store(gain_);
         Vector(0.0f).store(residual_);
-        Vector(margin).store(caution_);
+        Vector(margin).store(safety_);
     }
     /// Updates the gain from a cycle's correction on the first coarse level.
-    void learn(const Buffer<NodeRow>& correction) noexcept {
+    void update_gain(const Buffer<NodeRow>& correction) noexcept {
         Vector largest(0.0f);
         for (const NodeRow& row : correction) largest = max<float>(largest, abs<float>(Vector::load(row)));
         const Vector residual = Vector::load(residual_), last = Vector::load(gain_), tiny(smallest);
         const Vector now =
             select<float>(Vector(0.0f) < residual, largest / max<float>(residual, tiny), Vector(0.0f));
         const Vector gain = max<float>(last, now);
-        // Residuals become smoother from cycle to cycle, and a smooth residual means a larger
-        // error. A gain that has grown may grow again, though hardly more than twofold. After the
-        // first cycle its growth is unknown.
+        // Residuals become smoother from cycle to cycle, and a smooth residual has a larger error. A gain
+        // that has grown may grow again, but rarely more than twofold. The growth after the first cycle is
+        // unknown.
         const Vector growth = min<float>(gain / max<float>(last, tiny), Vector(2.0f));
         const Vector expected = select<float>(Vector(0.0f) < last, growth, Vector(2.0f));
-        (Vector(margin) * expected).store(caution_);
+        (Vector(margin) * expected).store(safety_);
         gain.store(gain_);
     }
     /// Returns the error of a solution with this residual.
     ///
     ///   reach  the largest error of an interior node for a residual of 1 everywhere
-    SolveError judge(const Residual& residual, double reach) noexcept {
+    SolveError estimate(const Residual& residual, double reach) noexcept {
         const Vector largest = max<float>(residual.interior, residual.beside_data);
         largest.store(residual_);
-        // A gain below 1 would rely on relaxation. Before the first cycle, 4 is a guess on the high
-        // side.
+        // A gain below 1 would rely on relaxation. Before the first cycle, 4 is a conservative guess.
         const Vector known = Vector::load(gain_);
         const Vector gain =
             select<float>(Vector(0.0f) < known, max<float>(Vector(1.0f), known), Vector(4.0f));
-        return {widened(Vector::load(caution_) * gain * largest),
+        return {widened(Vector::load(safety_) * gain * largest),
                 widened(Vector(float(reach)) * residual.interior + residual.beside_data)};
     }
     /// Adds a change of the right-hand side to the residual.
@@ -85,8 +83,8 @@ public:
 
 private:
     using Vector = Simd<float>;
-    /// The safety factor of the estimate. Even so, in the worst of 1000 random domains the estimate
-    /// is a seventh too low (tests/grid/multigrid.cpp).
+    /// The safety factor of the estimate. In the worst of 1000 random domains the estimate is still a
+    /// seventh too low (tests/grid/multigrid.cpp).
     static constexpr float margin = 2;
     static constexpr float smallest = (std::numeric_limits<float>::min)(); ///< avoids 0/0
 
@@ -100,8 +98,7 @@ private:
 
     NodeRow gain_;     ///< the largest gain so far; 0 while unknown
     NodeRow residual_; ///< the residual after the last cycle
-    /// The safety factor of the next estimate, 2 to 4.
-    NodeRow caution_;
+    NodeRow safety_;   ///< the safety factor of the next estimate, 2 to 4
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

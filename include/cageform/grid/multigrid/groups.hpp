@@ -1,5 +1,4 @@
-// Solves functions by multigrid, sixteen at a time, with cycles until the error of each is small
-// enough.
+// Solves functions by multigrid, sixteen at a time, until the error of each is below the tolerance.
 #pragma once
 
 #include <cageform/grid/multigrid/multigrid.hpp>
@@ -7,23 +6,19 @@
 
 #include <functional>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// Tells when the cycles end.
 struct CycleGoal {
-    /// The number of functions.
     std::size_t functions;
-    double tolerance; ///< the allowed error of each function, by its estimate
+    double tolerance; ///< maximum error of each function, by its estimate
     std::size_t max_cycles;
 };
 
 /// Solves a block whose source is set.
 ///
-///   goal     for the first functions of the block; others are ignored
-///   between  between() is called before every cycle and after the last. It may change the source,
-///            and returns how much that changes the solution. The goal is met only if this change
-///            is within the tolerance too
+///   goal     applies to the first goal.functions functions of the block; others are ignored
+///   between  between() is called before every cycle and after the last. It may change the source, and
+///            returns by how much that changes the solution, which must be within the tolerance too
 ///   fails    not_converged, cancelled
 template <std::size_t D>
 Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,
@@ -42,7 +37,7 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
             report.multigrid.convergence_factor =
                 (std::max)(report.multigrid.convergence_factor, report.multigrid.error_estimate / before);
         const double change = between();
-        // Before the first cycle it is not known how much error a residual means.
+        // The gain is unknown before the first cycle.
         if (report.multigrid.cycles > 0 && block.is_refined() &&
             (std::max)(report.multigrid.error_estimate, change) <= goal.tolerance)
             return Status::ok;
@@ -58,11 +53,11 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
     }
 }
 
-/// A solver for solve_groups, of functions given by their right-hand sides.
+/// A solver of functions given by their right-hand sides, for solve_groups.
 ///
 ///   goal  for all functions
-///   fill  fill(first, count, source) adds the right-hand sides of functions first … first + count
-///         − 1 to the block's source, which is zero
+///   fill  fill(first, count, source) adds the right-hand sides of functions first … first + count − 1 to
+///         the block's source, which is zero
 template <std::size_t D, class Fill>
 struct MultigridGroups {
     using Block = typename Multigrid<D>::Block;
@@ -87,6 +82,4 @@ struct MultigridGroups {
 template <std::size_t D, class Fill>
 MultigridGroups(const Multigrid<D>&, CycleGoal, Fill) -> MultigridGroups<D, Fill>;
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

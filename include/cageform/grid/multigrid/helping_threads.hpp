@@ -1,8 +1,8 @@
-// Lets threads that have no group left to solve help those that have one.
+// Threads without a group of their own help to solve the groups of others.
 //
-// It is unknown how many threads a caller's parallel_for has and whether they run at the same time.
-// So no work may wait for a thread that has not started. The owner of a group offers pieces of a
-// pass to threads that are idle at that moment, and does the pieces itself that no one has begun.
+// The number of threads of a caller's parallel_for is unknown, and so is whether they run at the same time.
+// Work must therefore never wait for a thread that has not started. The owner of a group offers pieces of a
+// pass to threads that are idle at that moment, and processes the pieces that no thread has begun itself.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -17,7 +17,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Waits a moment, at first without giving up the processor, since most waits are short.
+/// Waits briefly. Spins first, because most waits are short, and yields the processor later.
 class Waiting {
 public:
     void reset() noexcept { spins_ = 0; }
@@ -43,17 +43,17 @@ private:
 
 /// The threads of one solve.
 class HelpingThreads {
-    /// The pieces of one pass. They are begun in order.
+    /// The pieces of one pass, begun in order.
     struct Job {
         void (*call)(const void* body, std::size_t chunk, std::size_t chunks) noexcept;
         const void* body;
         std::size_t chunks;
         std::atomic<std::size_t> next{0};
     };
-    /// A slot in which an owner offers a job.
+    /// A slot for an owner's job.
     struct Offer {
-        std::atomic<bool> in_use{false}; ///< whether an owner uses this slot
-        std::atomic<bool> open{false};   ///< pieces are left, or were a moment ago
+        std::atomic<bool> in_use{false}; ///< whether an owner has this slot
+        std::atomic<bool> open{false};   ///< whether pieces may be left
         std::atomic<Job*> job{nullptr};
         std::atomic<unsigned> inside{0}; ///< number of threads that may access the job
 
@@ -78,15 +78,14 @@ class HelpingThreads {
     };
 
 public:
-    /// Divides the work of a group among threads. One that is default-constructed does not divide
-    /// it.
+    /// Distributes the work of a group to threads. A default-constructed Share does not.
     class Share {
     public:
         Share() noexcept = default;
 
-        /// Calls body(chunk, chunks) for every piece, begun in order, on this thread and on idle
-        /// ones. There are as many pieces as such threads, and at most `most`. body must not throw
-        /// and may wait for earlier pieces.
+        /// Calls body(chunk, chunks) for every piece, begun in order, on this thread and on idle ones.
+        /// There is one piece per thread, at most `most`. body must not throw and may wait for earlier
+        /// pieces.
         template <class Body>
         void split(std::size_t most, const Body& body) const noexcept {
             const std::size_t others = threads_ != nullptr && most > 1 ? threads_->reserve(most - 1) : 0;
@@ -102,8 +101,8 @@ public:
             for (Waiting waiting; offer_->inside.load() != 0;) waiting.wait();
             threads_->idle_ += int(others);
         }
-        /// Calls body(begin, end) for ranges that cover [0, count) exactly once; a small count
-        /// gives few ranges.
+        /// Calls body(begin, end) for ranges that cover [0, count) exactly once, each of about `grain` or
+        /// more.
         template <class Body>
         void for_ranges(std::size_t count, std::size_t grain, const Body& body) const noexcept {
             split(std::clamp<std::size_t>(count / grain, 1, 16), [&](std::size_t chunk, std::size_t chunks) {
@@ -117,7 +116,7 @@ public:
         Offer* offer_ = nullptr;
     };
 
-    /// While it exists, its thread solves groups and may be helped.
+    /// Marks its thread as solving groups, so that other threads may help.
     class Owner {
     public:
         explicit Owner(HelpingThreads& threads) noexcept
@@ -159,8 +158,7 @@ public:
     }
 
 private:
-    /// Reserves idle threads: an owner's fair share, at most `wanted`. The caller must release
-    /// them.
+    /// Reserves idle threads: an owner's fair share, at most `wanted`. The caller must release them.
     std::size_t reserve(std::size_t wanted) noexcept {
         const int owners = (std::max)(owners_.load(), 1), fair = (helping_.load() + owners - 1) / owners;
         const int most = (std::min)(fair, int(wanted));
@@ -171,13 +169,13 @@ private:
         return 0;
     }
 
-    std::array<Offer, 16> offers_; ///< further owners are not helped
+    std::array<Offer, 16> offers_; ///< more owners than this get no help
     std::atomic<int> owners_{0}, helping_{0}, idle_{0};
 };
 
 using WorkShare = HelpingThreads::Share;
 
-/// Returns solver.helpers(), or 0 if the solver has no such function.
+/// Returns solver.helpers(), or 0 without such a function.
 template <class S>
 std::size_t helpers_of(const S& solver) noexcept {
     if constexpr (requires { solver.helpers(); }) return solver.helpers();

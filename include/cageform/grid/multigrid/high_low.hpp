@@ -1,5 +1,4 @@
-// A solution stored as the sum of a high and a low float, in the layout that the cycles use. It has
-// about twice float's digits.
+// A solution stored as the sum of a high and a low float, which has about twice float's digits.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -8,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The sum of all float solutions found so far.
+/// The sum of all float solutions so far.
 class HighLow {
 public:
     std::size_t bytes() const noexcept { return (high_.capacity() + low_.capacity()) * sizeof(NodeRow); }
@@ -17,8 +16,7 @@ public:
         low_.clear();
     }
 
-    /// Adds a float solution. The contents of `u` are unspecified afterwards. The low part is
-    /// allocated by the second call.
+    /// Adds a float solution. `u` is unspecified afterwards. The second call allocates the low part.
     void add(Buffer<NodeRow>& u, const WorkShare& share) {
         if (high_.empty()) {
             std::swap(u, high_);
@@ -33,7 +31,6 @@ public:
         });
     }
 
-    /// Adds factor · value at a node to `sum`.
     void add_to(NodeValues& sum, std::uint32_t node, double factor) const noexcept {
         for (const auto* half : {&high_, &low_}) {
             if (half->empty()) return;
@@ -69,7 +66,7 @@ private:
         }
     }
 
-    Buffer<NodeRow> high_, low_; ///< an entry for each node of the finest level, or empty
+    Buffer<NodeRow> high_, low_; ///< per node of the finest level, or empty
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,5 +1,5 @@
-// One level of the multigrid in the layout that the cycles read: row by row, regular nodes in runs
-// and irregular ones in a list.
+// One level of the multigrid in the layout of the cycles: row by row, regular nodes in runs and irregular
+// nodes in a list.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -9,20 +9,19 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Consecutive nodes of a row that have the regular stencil and multilinear interpolation. The
-/// nodes of the neighbouring rows, fine and coarse, lie at constant distances in memory.
+/// Consecutive nodes of a row with the regular stencil and multilinear interpolation. The nodes of the
+/// neighbouring rows, fine and coarse, are at constant distances in memory.
 template <std::size_t D>
 struct RegularRun {
-    std::uint32_t first = 0;        ///< its first node
-    std::uint32_t count = 0;        ///< the number of nodes
-    std::int32_t x = 0;             ///< index of the first node along axis 0
-    std::uint32_t first_colour = 0; ///< the parity of the sum of the first node's indices
-    /// From a node to the same x of each neighbouring row.
-    std::array<std::int32_t, power(3, D - 1)> row{};
-    std::array<std::uint32_t, power(2, D - 1)> coarse{}; ///< number of coarse node X = coarse + X
+    std::uint32_t first = 0;                             ///< index of the first node
+    std::uint32_t count = 0;                             ///< number of nodes
+    std::int32_t x = 0;                                  ///< position of the first node along axis 0
+    std::uint32_t first_colour = 0;                      ///< parity of the sum of the first node's indices
+    std::array<std::int32_t, power(3, D - 1)> row{};     ///< distance of each neighbouring row
+    std::array<std::uint32_t, power(2, D - 1)> coarse{}; ///< coarse node X has index coarse + X
     std::uint32_t coarse_rows = 0;
 
-    /// Returns the first node of a colour, counted from `first`.
+    /// Returns the first node of a colour, relative to `first`.
     std::uint32_t first_of(std::uint32_t colour) const noexcept { return first_colour ^ colour; }
     /// Returns the distances in memory from a node to its 2·D nearest neighbours.
     std::array<std::ptrdiff_t, 2 * D> nearest() const noexcept {
@@ -35,18 +34,16 @@ struct RegularRun {
     }
 };
 
-/// The equations and the interpolation of one level.
 template <std::size_t D>
 struct Level {
     struct Entry {
         std::uint32_t node;
         float weight;
     };
-    /// A node with an irregular stencil or interpolation.
     struct Irregular {
         std::uint32_t node;
-        std::uint32_t entries_end; ///< in `entries`; they begin where those of the node before end
-        std::uint32_t coarse_end;  ///< in `from_coarse`, likewise
+        std::uint32_t entries_end; ///< end in `entries`; the begin is the end of the node before
+        std::uint32_t coarse_end;  ///< likewise in `from_coarse`
         double diagonal;
         float inverse; ///< 1/diagonal
         float row_sum; ///< of A; zero except next to data
@@ -59,10 +56,10 @@ struct Level {
         std::uint32_t runs, irregular;
     };
 
-    std::uint32_t count = 0;                ///< the number of nodes
+    std::uint32_t count = 0;                ///< number of nodes
     float diagonal = 1;                     ///< of the regular stencil
-    std::array<float, D + 1> by_distance{}; ///< the negated other entries, by `StencilPositions::distance`
-    std::size_t slab_rows = 1;              ///< rows of a slab: the nodes with one index along the last axis
+    std::array<float, D + 1> by_distance{}; ///< its negated other entries, by `StencilPositions::distance`
+    std::size_t slab_rows = 1;              ///< rows of a slab: the nodes of one index along the last axis
     Buffer<Row> rows;                       ///< all rows, and one entry for their end
     Buffer<RegularRun<D>> runs;
     Buffer<Irregular> irregular;
@@ -70,7 +67,6 @@ struct Level {
     Buffer<Entry> from_coarse; ///< the interpolation of irregular nodes
 
     std::size_t slabs() const noexcept { return (rows.size() - 1) / slab_rows; }
-    /// Returns the runs of consecutive rows.
     std::span<const RegularRun<D>> runs_of(Range r) const noexcept {
         return {runs.data() + rows[r.begin].runs, runs.data() + rows[r.end].runs};
     }
@@ -157,17 +153,17 @@ private:
         if (coarsening_ != nullptr) find_coarse_rows(index, run);
         level_.runs.push_back(run);
     }
-    /// Finds the coarse rows that the run interpolates from: two along each axis on which its index
-    /// is odd, one where it is even.
+    /// Finds the coarse rows of the run's interpolation: two along each axis with an odd index, one along
+    /// the others.
     void find_coarse_rows(Index index, RegularRun<D>& run) const {
         std::size_t odd = 0;
         for (std::size_t k = 1; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
-        ++index[0]; // rounds up, to a coarse node that all of these rows have
+        ++index[0]; // rounds up to a coarse node that is in all of these rows
         for (std::size_t corner = 0; corner < power(2, D); corner += 2) {
             if ((corner & ~odd) != 0) continue;
             const Index at = coarsening_->corner_index(index, corner);
             const auto n = coarsening_->coarse.nodes.find(at);
-            CAGEFORM_ASSERT(n != none, "regular interpolation takes from all coarse nodes around");
+            CAGEFORM_ASSERT(n != none, "regular interpolation uses all coarse nodes around");
             run.coarse[run.coarse_rows++] = n - std::uint32_t(at[0]);
         }
     }
@@ -180,8 +176,8 @@ private:
                                     std::uint32_t(level_.from_coarse.size()), diagonal, float(1 / diagonal),
                                     float(row_sum)});
     }
-    /// Adds the entries of an irregular node and returns their row sum. Pads them with entries of
-    /// weight 0: to 2·D on the finest level, and to an even number on the others.
+    /// Adds the entries of an irregular node and returns their row sum. Pads with entries of weight 0, on
+    /// the finest level to 2·D entries, on the others to an even number.
     double add_entries(const Index& index, std::uint32_t node) {
         auto& entries = level_.entries;
         const std::size_t begin = entries.size();

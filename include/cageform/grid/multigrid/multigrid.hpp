@@ -1,46 +1,44 @@
-// Solves the Laplace equation on the nodes of a lattice by multigrid, sixteen right-hand sides at
-// once.
+// Solves the Laplace equation on the nodes of a lattice by multigrid, sixteen right-hand sides at once.
 //
-// The method is Dendy's black box multigrid (J. Comput. Phys. 48 (1982)); one code serves two and
-// three dimensions. To learn it read this page, then relax.hpp, transfer.hpp and coarsen.hpp.
+// The method is Dendy's black box multigrid (J. Comput. Phys. 48 (1982)) in two and three dimensions. Read
+// this comment first, then relax.hpp, transfer.hpp and coarsen.hpp.
 //
-// The idea: a few sweeps of relaxation remove the rough part of the error. The remaining error e is
-// smooth and satisfies A e = r, where r = b − A u is the residual. So r is restricted to a lattice
-// of every second node, e is found there in the same way, and prolonged back as a correction of u.
-// On the coarsest level the equations are solved directly.
+// A few sweeps of relaxation remove the high frequencies of the error. The remaining error e is smooth and
+// satisfies A e = r, where r = b − A u is the residual. So r is restricted to a lattice of every second
+// node, e is computed there by the same method, and prolonged back as a correction of u. On the coarsest
+// level the equations are solved directly.
 //
-// Before a cycle (`cycle`) the residual of level 0, the finest, has been restricted to level 1.
+// At the start of a cycle (`cycle`) the residual of level 0, the finest, is already restricted to level 1.
 //
-//   1. `w_cycle` solves level 1 for the correction, from zero: relax, restrict the residual,
-//      w_cycle of the next level, prolong, relax, and all of that once more.
-//   2. `finish` prolongs the correction to level 0, relaxes five (plane) or seven (space) sweeps,
+//   1. `w_cycle` computes the correction on level 1, from zero: relax, restrict the residual,
+//      w_cycle of the next level, prolong, relax, and the same again.
+//   2. `finish` prolongs the correction to level 0, relaxes five (2D) or seven (3D) sweeps,
 //      restricts the new residual, and estimates the error from it.
 //
-// `start` is an F-cycle with W-cycles inside: on the way down each level from 1 on relaxes once and
-// restricts its residual; on the way up each adds the correction and runs the second half of a
-// W-cycle. groups.hpp repeats cycles until they have refined (below), which takes two, and
-// the error estimate is within the tolerance. The error bound is only reported.
+// `start` is an F-cycle of W-cycles: on the way down each level from 1 on relaxes once and restricts its
+// residual; on the way up each adds the correction and runs the second half of a W-cycle. groups.hpp
+// repeats cycles until they have refined (below), which takes two, and the error estimate is within the
+// tolerance. The error bound is only reported.
 //
-// Irregular nodes, such as those at cut links, have a stencil or interpolation of their own. A run
-// is consecutive regular nodes of a row; a slab is all nodes of one index along the last axis. Data
-// are boundary values; they are part of the source, the right-hand side that the caller sets. Reach
-// is the largest error of an interior node for a residual of 1.
+// Irregular nodes, such as those at cut links, have their own stencil or interpolation. A run consists of
+// consecutive regular nodes of a row; a slab of all nodes of one index along the last axis. Data are
+// boundary values; they are part of the source, the right-hand side set by the caller. The reach is the
+// largest error of an interior node for a residual of 1.
 //
 //   equations        the finest equations: Shortley and Weller's, made symmetric (Gibou et al.)
 //   coarsen          P from the equations, and the coarse equations Pᵀ A P
-//   level            a level in the layout that the cycles read
+//   level            a level in the layout of the cycles
 //   relax            Gauss–Seidel, red-black on the finest level, and the pass that fuses all steps
 //   transfer         restriction and prolongation
 //   dense_solver     Cholesky factors for the coarsest level
-//   error_estimate   the error estimate, which stops the cycles, and the error bound
-//   high_low         the solution to twice float's digits
-//   tridiagonal      elimination in one dimension, where no levels are needed
+//   error_estimate   the error estimate, which is the stopping criterion, and the error bound
+//   high_low         the solution with twice float's digits
+//   tridiagonal      elimination in one dimension, without levels
 //
-// Cycles work in float; a row of sixteen functions fills a cache line. Every second cycle begins
-// with iterative refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): u is
-// added to a solution that is kept as a high and a low float, and its residual, computed in double,
-// becomes the new right-hand side. The sum reaches the accuracy of double. Denormal numbers are
-// flushed to zero.
+// Cycles use float; a row of sixteen functions fills a cache line. Every second cycle begins with iterative
+// refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): u is added to a solution
+// stored as a high and a low float, and its residual, computed in double, becomes the new right-hand side.
+// The sum has the accuracy of double. Denormal numbers are flushed to zero.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -50,23 +48,21 @@
 #include <cageform/grid/multigrid/relax.hpp>
 #include <cageform/grid/multigrid/tridiagonal.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The levels for one set of unknowns. They serve any number of right-hand sides and threads.
+/// The levels for one set of unknowns, for any number of right-hand sides and threads.
 template <std::size_t D>
 class Multigrid {
 public:
-    /// Right-hand sides solved at once.
+    /// Number of right-hand sides solved at once.
     static constexpr std::size_t width = detail::functions_together;
-    using Values = detail::NodeValues; ///< one number for each right-hand side
+    using Values = detail::NodeValues; ///< one number per right-hand side
     using Error = detail::SolveError;
     using Row = detail::NodeRow;
 
-    /// The solution of sixteen right-hand sides and the memory to compute it. The caller writes
-    /// `source`, also between cycles.
+    /// The solution of sixteen right-hand sides and the working memory. The caller writes `source`, also
+    /// between cycles.
     struct Block {
-        /// Returns the solution at a node.
         Values value(std::uint32_t node) const noexcept {
             if constexpr (D == 1) return exact_[node];
             Values v;
@@ -76,8 +72,8 @@ public:
         }
         bool empty() const noexcept { return fields_.empty() && exact_.empty(); }
 
-        /// Tells whether residuals have been computed in double. Before that, until the second
-        /// cycle, the error bound ignores the rounding of float.
+        /// Whether residuals have been computed in double, which is after the second cycle. Before that,
+        /// the error bound ignores the rounding of float.
         bool is_refined() const noexcept { return refined_; }
         std::size_t bytes() const noexcept {
             std::size_t rows = irregular_b_.capacity();
@@ -89,11 +85,11 @@ public:
     private:
         friend class Multigrid;
         detail::ErrorEstimator error_;
-        std::vector<detail::Fields> fields_; ///< one for each level
+        std::vector<detail::Fields> fields_; ///< per level
         Buffer<Row> irregular_b_;            ///< b at the irregular nodes of the finest level
-        detail::HighLow base_;               ///< the solution is this + u of the finest level
+        detail::HighLow base_;               ///< the solution is base_ + u of the finest level
         Buffer<Values> refined_source_;      ///< A · base_, parallel to `source`
-        Buffer<Values> exact_;               ///< the solution, in one dimension
+        Buffer<Values> exact_;               ///< the solution in one dimension
         std::size_t cycles_ = 0;
         detail::WorkShare share_; ///< of the current call
 
@@ -101,21 +97,20 @@ public:
         Buffer<Values> source; ///< right-hand sides of the nodes that may have one (`source_node`)
 
     private:
-        bool refined_ = false; ///< whether b of the finest level is set at every node
-        /// Whether u of the finest level counts as zero, whatever the memory holds.
-        bool u_is_zero_ = true;
+        bool refined_ = false;  ///< whether b of the finest level is set at every node
+        bool u_is_zero_ = true; ///< whether u of the finest level counts as zero, regardless of its contents
     };
 
     /// Makes the levels.
     ///
-    ///   cuts     every link of an unknown that does not end on an unknown
-    ///   sources  further nodes that have a right-hand side of their own
+    ///   cuts     every link of an unknown that does not end at an unknown
+    ///   sources  further nodes with a right-hand side
     ///   running  its parallel_for makes the levels
     Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts, std::span<const std::uint32_t> sources,
               const Running& running = {})
         : unknowns_(nodes.count()) {
-        // −∇²(R² − |x|²)/2D = 1. So in a ball of radius R about the nodes, an error is at most
-        // R²/2D times the largest residual.
+        // −∇²(R² − |x|²)/2D = 1. So in a ball of radius R around the nodes, an error is at most R²/2D times
+        // the largest residual.
         double squares = 0;
         for (const auto n : nodes.size()) squares += 0.25 * (double(n) + 1) * (double(n) + 1);
         reach_ = squares / (2.0 * double(D));
@@ -134,18 +129,17 @@ public:
 
     std::uint32_t unknowns() const noexcept { return unknowns_; }
 
-    /// The nodes that may have a right-hand side, those with cut links first. Parallel to
-    /// `Block::source`.
+    /// The nodes that may have a right-hand side, those with cut links first. Parallel to `Block::source`.
     std::size_t source_count() const noexcept { return source_nodes_.size(); }
     std::uint32_t source_node(std::size_t slot) const noexcept { return source_nodes_[slot]; }
 
-    /// Returns how many additional threads can share the work of a block; see `start`.
+    /// Returns how many additional threads can share the work of a block (`start`).
     std::size_t helpers() const noexcept {
         constexpr std::uint32_t a_millisecond = 20000; // nodes that take a millisecond in a pass
         return D == 1 || unknowns_ < a_millisecond ? 0 : 3;
     }
 
-    /// Returns for every node its slot in `Block::source`, or 0 if it has no right-hand side.
+    /// Returns for every node its index in `Block::source`, or 0 if it has no right-hand side.
     std::vector<std::uint32_t> source_slots() const {
         std::vector<std::uint32_t> slots(unknowns_);
         for (std::size_t s = 0; s < source_count(); ++s) slots[source_nodes_[s]] = std::uint32_t(s);
@@ -169,10 +163,9 @@ public:
         return block;
     }
 
-    /// Computes a first solution by an F-cycle (see above), for the `source` of the block.
+    /// Computes a first solution for the `source` of the block by an F-cycle (see above).
     ///
-    ///   share  threads that take part in the work; the result does not depend on them by a single
-    ///          bit
+    ///   share  threads that take part in the work; the result does not depend on them
     Error start(Block& block, const detail::WorkShare& share = {}) const {
         const detail::FlushDenormals flush;
         if constexpr (D == 1) return solve_in_one_dimension(block);
@@ -185,8 +178,8 @@ public:
         return finish(block);
     }
 
-    /// Runs one more cycle. The pass that ended the last cycle has restricted the residual already,
-    /// so this one begins on level 1.
+    /// Runs one more cycle. The previous pass has already restricted the residual, so the cycle begins on
+    /// level 1.
     Error cycle(Block& block, const detail::WorkShare& share = {}) const {
         const detail::FlushDenormals flush;
         if constexpr (D == 1) return solve_in_one_dimension(block);
@@ -197,11 +190,11 @@ public:
         return finish(block);
     }
 
-    /// Call this after changing `source` between cycles, with the largest change of each right-hand
+    /// Call this after a change of `source` between cycles, with the largest change of each right-hand
     /// side.
     static void disturb(Block& block, const Values& change) noexcept { block.error_.disturb(change); }
 
-    /// Returns the bytes of the levels, without blocks.
+    /// Returns the memory of the levels, without blocks.
     std::size_t bytes() const noexcept {
         std::size_t n = coarsest_solver_.bytes() + tridiagonal_.bytes() +
                         source_nodes_.size() * sizeof(std::uint32_t) +
@@ -209,8 +202,8 @@ public:
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
-    /// Returns the most bytes of a block. With fewer than four cycles the low part is not
-    /// allocated, which saves one row for each unknown.
+    /// Returns the maximum memory of a block. With fewer than four cycles the low part is not allocated,
+    /// which saves one row per unknown.
     std::size_t block_bytes() const noexcept {
         if constexpr (D == 1) return (unknowns_ + source_count()) * sizeof(Values);
         std::size_t rows = levels_[0].irregular.size() + 2 * std::size_t(unknowns_);
@@ -257,11 +250,10 @@ private:
 
     // ---- cycles ---------------------------------------------------------------------------------
 
-    /// Runs a W-cycle on a coarse level, from zero: pre-relax, compute the residual, restrict,
-    /// recurse, prolong, post-relax, and all of it a second time. The post-relaxation of the first
-    /// half and the pre-relaxation of the second are one pass of two sweeps. A V-cycle would do
-    /// less work, but these levels are small, and thin features of the domain need them solved
-    /// well.
+    /// Runs a W-cycle on a coarse level, from zero: pre-relax, restrict the residual, recurse, prolong,
+    /// post-relax, and all of it a second time. The post-relaxation of the first half and the
+    /// pre-relaxation of the second are one pass of two sweeps. A V-cycle would need less work, but these
+    /// levels are small, and thin parts of the domain need accurate corrections.
     void w_cycle(Block& block, std::size_t l) const noexcept {
         if (l == coarsest()) return solve_coarsest(block);
         pre_relax_and_restrict(block, l);
@@ -274,12 +266,12 @@ private:
         prolong_and_post_relax(block, l);
     }
 
-    // Each of these is one pass over the level that fuses the steps (multigrid/relax.hpp).
+    // Each of these is one pass over the level with fused steps (multigrid/relax.hpp).
     void pre_relax_and_restrict(Block& block, std::size_t l) const noexcept {
         detail::set_zero(block.fields_[l].u, block.share_);
         pass(block, l, {.sweeps = 1, .restrict_residual = true});
     }
-    /// Joins the post-relaxation of one half of a cycle and the pre-relaxation of the next.
+    /// Combines the post-relaxation of one half of a cycle and the pre-relaxation of the next.
     void prolong_relax_and_restrict(Block& block, std::size_t l) const noexcept {
         pass(block, l, {.prolong = Prolong::add, .sweeps = 2, .restrict_residual = true});
     }
@@ -291,8 +283,8 @@ private:
         const std::size_t l = coarsest();
         auto& [u, b] = block.fields_[l];
         if (coarsest_solver_.empty()) {
-            // The level is large but too thin for a coarser one. Then data is near every node, and
-            // relaxation converges quickly.
+            // The level is large, but too thin for a coarser level. Then data is near every node, and
+            // relaxation converges fast.
             detail::set_zero(u, block.share_);
             pass(block, l, {.sweeps = 8});
             return;
@@ -302,15 +294,15 @@ private:
         coarsest_solver_.solve(b, u);
     }
 
-    /// Does the finest level's share of a cycle, and judges the error by its residual.
+    /// Completes a cycle on the finest level, and estimates the error from its residual.
     Error finish(Block& block) const {
-        if (coarsest() == 0) return block.error_.judge(residual(block), reach_);
-        block.error_.learn(block.fields_[1].u);
+        if (coarsest() == 0) return block.error_.estimate(residual(block), reach_);
+        block.error_.update_gain(block.fields_[1].u);
         const auto prolong = block.u_is_zero_ ? Prolong::set : Prolong::add;
         block.u_is_zero_ = false;
         const auto largest =
             pass(block, 0, {.prolong = prolong, .sweeps = finest_sweeps, .restrict_residual = true});
-        return block.error_.judge(largest, reach_);
+        return block.error_.estimate(largest, reach_);
     }
 
     detail::Residual pass(Block& block, std::size_t l, const detail::Pass& pass) const noexcept {
@@ -328,7 +320,7 @@ private:
         auto* const coarser = l < coarsest() ? &block.fields_[l + 1] : nullptr;
         return {levels_[l], u.data(), b.data(), block.irregular_b_.data(), coarser};
     }
-    /// Tells whether regular nodes of the finest level have a right-hand side.
+    /// Whether regular nodes of the finest level have a right-hand side.
     bool has_source(const Block& block) const noexcept {
         return block.refined_ || !inner_neighbours_.empty();
     }
@@ -345,8 +337,8 @@ private:
         if (coarsest() == 0 || !inner_neighbours_.empty()) detail::set_zero(block.fields_[0].b, block.share_);
         set_right_hand_side(block);
     }
-    /// Restricts the residual of u = 0 on the finest level. If regular nodes have a right-hand side
-    /// too, relaxes first.
+    /// Restricts the residual of u = 0 on the finest level. If regular nodes have a right-hand side too,
+    /// relaxes first.
     void restrict_source(Block& block) const noexcept {
         if (coarsest() == 0) return;
         if (has_source(block)) {
@@ -359,7 +351,7 @@ private:
         for (std::size_t j = 0; j < block.irregular_b_.size(); ++j)
             finest.restrict_irregular(j, detail::Simd<float>::load(block.irregular_b_[j]));
     }
-    /// Sets b = source − A · base, at the nodes that may have a source.
+    /// Sets b = source − A · base at the nodes that may have a source.
     void set_right_hand_side(Block& block) const noexcept {
         const std::size_t irregular = block.irregular_b_.size();
         block.share_.for_ranges(block.source.size(), few_nodes, [&](std::size_t begin, std::size_t end) {
@@ -370,8 +362,7 @@ private:
             }
         });
     }
-    /// Adds u to the base. The residual of the base, computed in double, becomes
-    /// the right-hand side.
+    /// Adds u to the base. The residual of the base, computed in double, becomes the right-hand side.
     void refine(Block& block) const {
         const auto& level = levels_[0];
         auto& base = block.base_;
@@ -388,7 +379,7 @@ private:
         set_right_hand_side(block);
     }
 
-    /// Sets sum = A · base, at a node that may have a source.
+    /// Sets sum = A · base at a node that may have a source.
     void apply_a(const detail::HighLow& base, std::size_t j, Values& sum) const noexcept {
         const auto& level = levels_[0];
         sum.fill(0.0);
@@ -412,14 +403,11 @@ private:
 
     /// A level of at most this many unknowns is solved directly.
     static constexpr std::uint32_t dense_unknowns = 160;
-    /// Sweeps on the finest level. With five sweeps or seven, eight figures of the plane at 256²,
-    /// 512² and 1024² took the same number of cycles, except for one more in three of these cases
-    /// and one less in one.
+    /// Sweeps on the finest level. In 2D, five and seven sweeps took the same number of cycles for eight
+    /// figures at 256², 512² and 1024², except for one more in three cases and one less in one.
     static constexpr std::size_t finest_sweeps = D == 2 ? 5 : 7;
-    /// Fewer are not worth another thread.
-    static constexpr std::size_t few_nodes = 2048, few_runs = 64;
-    /// Refine before cycles 2, 4, …: float gains no more in between.
-    static constexpr std::size_t refine_every = 2;
+    static constexpr std::size_t few_nodes = 2048, few_runs = 64; ///< fewer are not worth another thread
+    static constexpr std::size_t refine_every = 2; ///< cycles 2, 4, … refine; float gains no more in between
 
     std::uint32_t unknowns_;
     double reach_ = 1;                      ///< the largest error of an interior node for a residual of 1
@@ -430,6 +418,4 @@ private:
     Buffer<Nearest> inner_neighbours_; ///< parallel to the last source nodes, those without cut links
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

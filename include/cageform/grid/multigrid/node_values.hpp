@@ -1,4 +1,4 @@
-// The values at one node: sixteen functions that are solved together.
+// The values of sixteen functions at one node.
 #pragma once
 
 #include <cageform/core/types/blocks.hpp>
@@ -10,9 +10,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-using NodeRow = Lanes<float>; ///< as the cycles use them: a cache line
+using NodeRow = Lanes<float>; ///< in the cycles: a cache line
 inline constexpr std::size_t functions_together = lane_count<float>;
-using NodeValues = std::array<double, functions_together>; ///< as the caller writes and reads them
+using NodeValues = std::array<double, functions_together>; ///< in the interface
 
 /// The unknowns u and right-hand sides b of one level, A u = b.
 struct Fields {

@@ -1,13 +1,12 @@
-// One pass over a level: prolongation, sweeps of relaxation, and restriction of the residual,
-// fused.
+// One fused pass over a level: prolongation, sweeps of relaxation, and restriction of the residual.
 //
-// The finest level is relaxed by Gauss–Seidel in red-black order: its regular stencil couples a
-// node only with nodes of the other colour. The half sweep of colour 0 also relaxes the irregular
-// nodes of both colours. Coarser levels have all 3^D neighbours and are relaxed by Gauss–Seidel
-// along the rows. The irregular nodes of a range of rows come before its regular ones.
+// The finest level is relaxed by red-black Gauss–Seidel: its regular stencil couples a node only with nodes
+// of the other colour. The half sweep of colour 0 also relaxes the irregular nodes of both colours. Coarser
+// levels have 3^D-point stencils and are relaxed by Gauss–Seidel along the rows. In each range of rows,
+// irregular nodes are relaxed before regular ones.
 //
-// A `Pass` names the steps. `run` at the end of this file executes them in a single walk through
-// memory: each step follows the one before it at the distance that the stencil requires.
+// A `Pass` selects the steps. `run` at the end of this file executes them in a single traversal of memory:
+// each step follows the one before it at the distance that the stencil requires.
 #pragma once
 
 #include <cageform/grid/multigrid/error_estimate.hpp>
@@ -32,8 +31,8 @@ struct FinestLevel {
                             [](NodeRow& u, const Vector& sum) { (sum * Vector(1 / diagonal)).store(u); });
         }
     }
-    /// Restricts the residual. Regular nodes of the second colour have none, because they have just
-    /// been relaxed.
+    /// Restricts the residual. Regular nodes of the second colour have no residual, because they were
+    /// relaxed last.
     void restrict_residual(Rows rows, Residual& largest) const noexcept {
         for (const auto& run : fields.level.runs_of(rows)) {
             const std::uint32_t begin = run.first_of(0);
@@ -83,7 +82,7 @@ private:
         for (NodeRow* here = first + begin; here < end; here += 2) {
             const Vector after = Vector::load(here[1]);
             Vector sum = before + after;
-            before = after; // it has the other colour and does not change
+            before = after; // has the other colour and does not change
             if constexpr (HasSource) sum = sum + Vector::load(b[here - first]);
             for (std::size_t k = 1; k < D; ++k)
                 sum = sum + (Vector::load(here[to[2 * k]]) + Vector::load(here[to[2 * k + 1]]));
@@ -92,7 +91,6 @@ private:
     }
 };
 
-/// The steps on any coarser level.
 template <std::size_t D>
 struct CoarseLevel {
     using Vector = Simd<float>;
@@ -146,7 +144,7 @@ private:
         return distance;
     }();
 
-    /// Sums of u over the neighbouring rows at one x, by the distance of a row minus one.
+    /// Sums of u over the neighbouring rows at one x, indexed by the distance of a row minus one.
     using Column = std::array<Vector, D - 1>;
     static Column column(const NodeRow* at, const std::array<std::ptrdiff_t, row_count>& to) noexcept {
         Column sum;
@@ -157,9 +155,9 @@ private:
         }
         return sum;
     }
-    /// Calls body(u, sum, before) for every node of a run. `sum` is factor · (b minus the
-    /// off-diagonal part of A u), and `before` is the node's old value. body returns the value that
-    /// the next node's sum shall use for this node.
+    /// Calls body(u, sum, before) for every node of a run. `sum` is factor · (b minus the off-diagonal part
+    /// of A u), and `before` is the node's old value. body returns the value of this node for the sum of
+    /// the next node.
     template <class Body>
     void for_each_node(const RegularRun<D>& run, float factor, Body body) const noexcept {
         std::array<std::ptrdiff_t, row_count> to{};
@@ -169,7 +167,7 @@ private:
         const Vector one(factor);
         NodeRow* at = fields.u + run.first;
         const NodeRow* const b = fields.b + run.first;
-        // Columns are reused: the column ahead of this node is the column of the next one.
+        // The column ahead of this node is the column of the next one.
         Column before = column(at - 1, to), here = column(at, to);
         Vector left = Vector::load(at[-1]), middle = Vector::load(at[0]);
         const std::uint32_t count = run.count;
@@ -179,7 +177,7 @@ private:
             Vector sum = one * Vector::load(b[n]);
             for (std::size_t d = 1; d < D; ++d)
                 sum = sum + (weight[d] * here[d - 1] + weight[d + 1] * (before[d - 1] + ahead[d - 1]));
-            // The newest value comes last, so that the other terms need not wait for it.
+            // The newest value is added last, so that the other terms do not depend on it.
             sum = (sum + weight[1] * right) + weight[1] * left;
             left = body(*at, sum, middle);
             middle = right;
@@ -213,19 +211,16 @@ void restrict_irregular(const AnyLevel& level, typename AnyLevel::Rows rows, Res
     }
 }
 
-/// The steps of one pass over a level, in this order.
+/// The steps of one pass over a level, in order.
 struct Pass {
     enum class Prolong : std::uint8_t { none, add, set };
-    /// Whether to add the correction of the next level, or to set u to it.
-    Prolong prolong = Prolong::none;
-    std::size_t sweeps = 0; ///< sweeps of relaxation
-    /// Whether to restrict the residual to the next level, as its right-hand side.
-    bool restrict_residual = false;
+    Prolong prolong = Prolong::none; ///< adds the correction of the next level, or sets u to it
+    std::size_t sweeps = 0;          ///< of relaxation
+    bool restrict_residual = false;  ///< the restricted residual is the next level's right-hand side
 };
 
-/// Synchronises the threads of a pass: records how far each chunk has come, for the chunk that
-/// follows it.
-class ChunkProgress {
+/// Synchronises the threads of a pass: counts the completed steps of each chunk for the next chunk.
+class WavefrontCounter {
 public:
     static constexpr std::size_t most_chunks = 8;
 
@@ -237,13 +232,13 @@ public:
     }
 
 private:
-    struct alignas(64) Steps { // a cache line each, so that threads do not share one
+    struct alignas(64) Steps { // one cache line each, against false sharing
         std::atomic<std::size_t> done{0};
     };
     std::array<Steps, most_chunks> steps_;
 };
 
-/// The stages of a pass in their order: prolongation, half sweeps, restriction.
+/// The stages of a pass in order: prolongation, half sweeps, restriction.
 template <class AnyLevel>
 struct Stages {
     const AnyLevel& level;
@@ -252,15 +247,14 @@ struct Stages {
     std::size_t relaxations = AnyLevel::colours * pass.sweeps;
     std::size_t count = prolongs + relaxations + (pass.restrict_residual ? 1 : 0);
 
-    void work(std::size_t stage, typename AnyLevel::Rows rows, Residual& largest) const noexcept {
+    void run(std::size_t stage, typename AnyLevel::Rows rows, Residual& largest) const noexcept {
         if (stage < prolongs && pass.prolong == Pass::Prolong::add) return prolong<false>(level.fields, rows);
         if (stage < prolongs) return prolong<true>(level.fields, rows);
         stage -= prolongs;
         if (stage < relaxations) return level.relax(rows, std::uint32_t(stage % AnyLevel::colours));
         level.restrict_residual(rows, largest);
     }
-    /// Returns the first stage of a chunk. Stages are divided evenly, counting a transfer as two
-    /// half sweeps.
+    /// Returns the first stage of a chunk. Stages are divided evenly; a transfer counts as two half sweeps.
     std::size_t first_of(std::size_t chunk, std::size_t chunks) const noexcept {
         if (chunk == 0) return 0;
         if (chunk == chunks) return count;
@@ -269,9 +263,9 @@ struct Stages {
     }
 };
 
-/// Cuts every slab into tiles. The working set of a pass, one tile for each stage, then stays in
-/// the cache. The tiles of each stage lie one row below those of the stage before, because stencils
-/// reach one row (time skewing: Wonnacott, Int. J. Parallel Program. 30 (2002)).
+/// Divides every slab into tiles, so that the working set of a pass, one tile per stage, stays in the
+/// cache. The tiles of each stage are shifted down by one row from those of the stage before, because
+/// stencils extend by one row (time skewing: Wonnacott, Int. J. Parallel Program. 30 (2002)).
 template <std::size_t D>
 struct Tiles {
     using Rows = typename Level<D>::Range;
@@ -295,21 +289,21 @@ struct Tiles {
     std::size_t slab_rows, height = 1, count = 1;
 };
 
-/// Runs all stages in a single pass over memory: each works on the slab that the stage before has
-/// just left, tile by tile. With several threads, each does some of the stages and follows the
-/// thread before it through the slabs. Dependent work keeps its order, so the result is the same to
-/// the last bit. Returns the residual if it is restricted.
+/// Runs all stages in a single pass over memory: each processes the slab that the previous stage has just
+/// left, tile by tile. With several threads, each runs some of the stages and follows the thread before it
+/// through the slabs. Dependent work keeps its order, so the result does not depend on the threads. Returns
+/// the residual if it is restricted.
 template <class AnyLevel>
 Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) noexcept {
-    constexpr std::size_t worth_sharing = 4096; // nodes, which take tens of microseconds
+    constexpr std::size_t worth_sharing = 4096; // nodes, about tens of microseconds
     const std::size_t slabs = level.fields.level.slabs();
     const Stages<AnyLevel> stages{level, pass};
     const Tiles tiles(level.fields.level, stages.count);
     Residual largest;
     if (pass.restrict_residual) set_zero(level.fields.coarser->b, share);
-    const std::size_t most =
-        level.fields.level.count < worth_sharing ? 1 : (std::min)(stages.count, ChunkProgress::most_chunks);
-    ChunkProgress progress;
+    std::size_t most = (std::min)(stages.count, WavefrontCounter::most_chunks);
+    if (level.fields.level.count < worth_sharing) most = 1;
+    WavefrontCounter progress;
     share.split(most, [&](std::size_t chunk, std::size_t chunks) {
         const std::size_t first = stages.first_of(chunk, chunks), end = stages.first_of(chunk + 1, chunks);
         for (std::size_t tile = 0; tile < tiles.count; ++tile) {
@@ -318,7 +312,7 @@ Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) no
                 if (chunk > 0) progress.wait_for(chunk - 1, done + (std::min)(step + 1, slabs + first - 1));
                 for (std::size_t stage = first; stage < end; ++stage) {
                     const std::size_t slab = step - stage; // wraps around before the first slab
-                    if (slab < slabs) stages.work(stage, tiles.rows(tile, stage, slab), largest);
+                    if (slab < slabs) stages.run(stage, tiles.rows(tile, stage, slab), largest);
                 }
                 progress.report(chunk, done + step + 1);
             }

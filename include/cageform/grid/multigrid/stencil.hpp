@@ -1,4 +1,4 @@
-// The 3^D positions of a stencil, and fast access to the nodes at them.
+// The 3^D positions of a stencil, and fast access to their nodes.
 #pragma once
 
 #include <cageform/grid/lattice/node_runs.hpp>
@@ -24,8 +24,8 @@ struct StencilPositions {
         for (std::size_t k = D; k-- > 0;) n = 3 * n + std::size_t(o[k] + 1);
         return n;
     }
-    /// Returns the step from a position to another: the one that relates to it as a corner of a
-    /// cell relates to the cell's lowest corner (see `corner_offset`).
+    /// Returns the difference in position between a corner of a cell (`corner_offset`) and its lowest
+    /// corner.
     static constexpr std::size_t corner_step(std::size_t corner) noexcept { return steps[corner]; }
     /// Returns the number of axes along which a position is off centre.
     static constexpr std::size_t distance(std::size_t position) noexcept {
@@ -52,8 +52,8 @@ private:
     }();
 };
 
-/// Returns a corner of the cell above a node as an offset. Bit k of its number is set at the upper
-/// end along axis k.
+/// Returns a corner of the cell above a node as an offset. Bit k of `corner` is set at the upper end of
+/// axis k.
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> corner_offset(std::size_t corner) noexcept {
     std::array<std::int32_t, D> o{};
@@ -61,7 +61,6 @@ constexpr std::array<std::int32_t, D> corner_offset(std::size_t corner) noexcept
     return o;
 }
 
-/// Returns index + factor · by.
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
                                               const std::array<std::int32_t, D>& by,
@@ -70,8 +69,8 @@ constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
     return index;
 }
 
-/// The numbers of the nodes around an index that moves along the rows in order, as in
-/// `NodeRuns::for_each`. Each look-up takes constant time, while `NodeRuns::find` has to search.
+/// The nodes around an index that moves along the rows in order, as in `NodeRuns::for_each`. A look-up
+/// takes constant time; `NodeRuns::find` has to search.
 template <std::size_t D>
 class Neighbours {
 public:

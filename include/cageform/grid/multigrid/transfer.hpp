@@ -1,5 +1,5 @@
-// Restriction of the residual to the next coarser level, and prolongation of the correction back.
-// Restriction is Pᵀ and prolongation is P (coarsen.hpp).
+// Restriction Pᵀ of the residual to the next coarser level, and prolongation P of the correction
+// (coarsen.hpp).
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -8,16 +8,15 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A level, and the arrays that a pass over it reads and writes.
+/// A level, and the arrays of a pass over it.
 template <std::size_t D>
 struct LevelFields {
     const Level<D>& level;
-    /// A u = b. At irregular nodes of the finest level `irregular_b` is read instead of b.
-    NodeRow *u, *b;
+    NodeRow *u, *b;             ///< A u = b; at irregular nodes of the finest level `irregular_b` replaces b
     const NodeRow* irregular_b; ///< parallel to `level.irregular`
     Fields* coarser;            ///< the next level's correction u and restricted residual b
 
-    /// Adds Pᵀ r to b of the next level, for the residual r of irregular node j.
+    /// Adds Pᵀ r to b of the next level for the residual r of irregular node j.
     void restrict_irregular(std::size_t j, const Simd<float>& r) const noexcept {
         NodeRow* const coarse = coarser->b.data();
         for (const auto& entry : level.interpolation_of(j)) {
@@ -27,8 +26,8 @@ struct LevelFields {
     }
 };
 
-/// Applies Pᵀ along a run, whose residuals arrive in order. Contributions to one coarse node are
-/// summed before they are written.
+/// Applies Pᵀ along a run. Residuals are added in order; contributions to one coarse node are summed before
+/// they are written.
 template <std::size_t D>
 class RunRestriction {
     using Vector = Simd<float>;
@@ -42,7 +41,6 @@ public:
         , between_((x & 1) != 0)
         , share_(1.0f / float(run.coarse_rows)) {}
 
-    /// Adds the residual of the next node.
     CAGEFORM_DETAIL_INLINE void add(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {
@@ -52,7 +50,7 @@ public:
         }
         between_ = !between_;
     }
-    /// Adds the residual of the node after the next; that of the node between is zero.
+    /// Adds the residual of the node after the next; the node between has no residual.
     CAGEFORM_DETAIL_INLINE void add_second(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {
@@ -62,7 +60,7 @@ public:
             ++x_;
         }
     }
-    /// Writes the remaining sum to the last coarse node. Nothing remains if the run ends before it.
+    /// Writes the remaining sum to the last coarse node, if the run reaches it.
     void finish() const noexcept {
         if (2 * x_ <= run_.x + std::int32_t(run_.count)) give(gathered_);
     }
@@ -83,13 +81,13 @@ private:
 
     const RegularRun<D>& run_;
     NodeRow* coarse_;
-    std::int32_t x_; ///< the coarse node that receives the next residual, or the lower one of two
-    bool between_;   ///< whether two coarse nodes receive it
-    Vector share_;   ///< the equal share of each coarse row
+    std::int32_t x_; ///< the coarse node of the next residual, or the lower one of two
+    bool between_;   ///< whether the next residual goes to two coarse nodes
+    Vector share_;   ///< fraction of each coarse row
     Vector gathered_{0.0f};
 };
 
-/// Adds P · correction to u at the nodes of some rows. With `Set` it sets u to it.
+/// Adds P · correction to u at the nodes of some rows; if `Set`, sets u to it.
 template <bool Set, std::size_t D>
 void prolong(const LevelFields<D>& fields, typename Level<D>::Range rows) noexcept {
     using Vector = Simd<float>;

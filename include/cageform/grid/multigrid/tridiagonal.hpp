@@ -1,5 +1,4 @@
-// Solves the equations in one dimension, which are tridiagonal, by elimination (the Thomas
-// algorithm).
+// Solves the tridiagonal equations in one dimension by elimination (the Thomas algorithm).
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -8,7 +7,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The eliminated equations.
 class TridiagonalSolver {
 public:
     TridiagonalSolver() = default;

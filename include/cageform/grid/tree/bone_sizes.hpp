@@ -1,14 +1,14 @@
-// Chooses the largest allowed cell size about bones.
+// The largest allowed cell size near bones.
 #pragma once
 
 #include <cageform/grid/tree/cut_tree.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The allowed cell size about bones. At the surface of a bone `per_radius` cells fit along its
-/// radius. If a facet is nearer than the radius, as many cells fit along that distance, but at most
-/// four times as many along the radius. Farther away the size grows with the distance from the
-/// bone's axis, because functions vary less there.
+/// The allowed cell size near bones. At the surface of a bone `per_radius` cells fit along its radius. If a
+/// facet is nearer than the radius, they fit along that distance instead, limited to a quarter of the
+/// radius. Farther away the size grows with the distance from the bone's axis, because functions vary less
+/// there.
 template <std::size_t D>
 class BoneSizes {
 public:
@@ -29,8 +29,7 @@ public:
         }
     }
 
-    /// Returns the largest size that bones allow for a cell, in units. Infinity if there are no
-    /// bones. O(bones).
+    /// Returns the largest size that bones allow for a cell, in units; infinity without bones. O(bones).
     double size_of(const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         const auto middle = cell.middle();
@@ -44,7 +43,7 @@ public:
     }
 
 private:
-    /// Points along a bone at which the distance to facets is measured.
+    /// Number of intervals along a bone for the distance to facets.
     static constexpr int samples = 8;
 
     const GridBones<D>& bones_;

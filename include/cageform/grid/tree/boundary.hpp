@@ -1,5 +1,5 @@
-// The facets and bones of a cage in the units of a tree: which cells they pass, and where rays and
-// axis lines meet them.
+// The facets and bones of a cage in units of a tree: the cells that they intersect, and their intersections
+// with rays and axis lines.
 #pragma once
 
 #include <cageform/cage/detail/box_tree.hpp>
@@ -11,8 +11,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Tells whether a facet meets a box with a given middle and half side: they do if no axis
-/// separates them (Gottschalk, Lin, Manocha 1996; for triangles Akenine-Möller 2001).
+/// Whether a facet intersects a box given by its middle and half side, by the separating axis test
+/// (Gottschalk, Lin, Manocha 1996; for triangles Akenine-Möller 2001).
 inline bool passes(const PlacedFacet<2>& edge, const Vec<double, 2>& middle, double half) noexcept {
     const auto a = edge.corner[0] - middle, b = edge.corner[1] - middle, along = b - a;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -31,7 +31,7 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
     if (std::fabs(dot(n, c[0])) > half * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]))) return false;
     for (std::size_t e = 0; e < 3; ++e) {
         const auto along = c[(e + 1) % 3] - c[e];
-        // The axis at right angles to the edge and a coordinate axis.
+        // The axis perpendicular to the edge and a coordinate axis.
         for (const auto& [u, v] : other_axes) {
             const double side = along[u] * c[e][v] - along[v] * c[e][u];
             const auto& opposite = c[(e + 2) % 3];
@@ -43,9 +43,9 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
     return true;
 }
 
-/// Returns where an axis line crosses a facet, if it does. The position of the line is given in
-/// multiples of 2^-fraction units. Integer arithmetic decides the crossings, so every line crosses
-/// a closed boundary an even number of times.
+/// Returns the position where an axis line crosses a facet, if it does. The line is given in multiples of
+/// 2^-fraction units. Integer arithmetic decides, so every line crosses a closed boundary an even number of
+/// times.
 inline std::optional<double> crossing(const PlacedFacet<2>& edge, std::size_t axis,
                                       const std::array<std::int64_t, 2>& line, int fraction) noexcept {
     const std::size_t across = 1 - axis;
@@ -69,10 +69,9 @@ inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t ax
 } // namespace detail
 namespace grid {
 
-/// The boundary of a cage, in units of the tree. It consists of elements: first the facets of the
-/// boundary and of interior cells (walls), then the bones, whose inside is not in the domain. The
-/// facets' vertices are rounded to 2⁻³⁰ of the cube that the tree divides, so that integer
-/// arithmetic can decide what is inside.
+/// The boundary of a cage in units of the tree. Its elements are the facets of the boundary and of interior
+/// cells (walls), then the bones, whose inside is not in the domain. The vertices of facets are rounded to
+/// 2⁻³⁰ of the tree's cube, so that integer arithmetic can decide what is inside.
 template <std::size_t D>
 class TreeBoundary {
 public:
@@ -81,7 +80,7 @@ public:
 
     /// The cage must pass `check`.
     ///
-    ///   tolerance  an element this near to a cell counts as passing it; in the units of the cage
+    ///   tolerance  an element this close to a cell counts as intersecting it; in units of the cage
     ///   scale      the side of the cube, in multiples of the cage's longest side; at least 1
     template <class Cage>
     TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0, double scale = 1)
@@ -121,35 +120,33 @@ public:
     }
 
     unsigned depth() const noexcept { return depth_; }
-    double unit() const noexcept { return unit_; } ///< the side of a unit, in the units of the cage
-    /// The side of the cube, in multiples of the cage's longest side.
-    double scale() const noexcept { return scale_; }
+    double unit() const noexcept { return unit_; }   ///< in units of the cage
+    double scale() const noexcept { return scale_; } ///< side of the cube / longest side of the cage
     int fraction() const noexcept { return fraction_; }
     Vec<double, D> in_units(const Vec<double, D>& p) const noexcept { return (1 / unit_) * (p - origin_); }
     Vec<double, D> in_cage(const Vec<double, D>& p) const noexcept { return origin_ + unit_ * p; }
 
     std::size_t elements() const noexcept { return facets_.size() + bones_.size(); }
-    /// Tells whether an element is a facet that separates inside from outside, and not a wall.
+    /// Whether an element is a facet that separates inside from outside, not a wall.
     bool separates(std::size_t element) const noexcept {
         return element < size() && facets_[element].separates;
     }
     const GridBones<D>& bones() const noexcept { return bones_; }
-    std::size_t size() const noexcept { return facets_.size(); } ///< the number of facets
+    std::size_t size() const noexcept { return facets_.size(); } ///< number of facets
     const Facet& operator[](std::size_t facet) const noexcept { return facets_[facet]; }
-    /// With its vertices not rounded.
+    /// Returns a facet with unrounded vertices.
     const Facet& exact(std::size_t facet) const noexcept { return exact_[facet]; }
-    /// Returns the unit normal. It points outward; for a wall either way. It is zero if the facet
-    /// has no area.
+    /// Returns the unit normal, outward except at walls; zero if the facet has no area.
     const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
-    /// Calls visit(facet) for all facets that the segment from `from` to from + length · direction may
-    /// meet, exact or rounded. visit returns the length to continue with.
+    /// Calls visit(facet) for all facets, exact or rounded, that the segment from `from` to from + length ·
+    /// direction may meet. visit returns the new length.
     template <class Visit>
     void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
                          const Visit& visit) const {
         boxes_.for_each_on_ray(from, direction, length, rounding + std::ldexp(1.0, -fraction_), visit);
     }
 
-    /// Calls visit(facet) for all facets whose boxes are at most so far from a point.
+    /// Calls visit(facet) for all facets whose boxes are within a distance from a point.
     template <class Visit>
     void for_each_within(const Vec<double, D>& p, double distance, const Visit& visit) const {
         boxes_.for_each_near(p, distance * distance, [&](std::uint32_t facet) {
@@ -158,16 +155,15 @@ public:
         });
     }
 
-    /// Tells whether an element passes a cell or comes as near to it as the tolerance. For a bone the
-    /// test is conservative.
+    /// Whether an element intersects a cell or comes within the tolerance of it. Conservative for bones.
     bool passes(std::size_t element, const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         const auto middle = cell.middle();
         if (element < size()) return detail::passes(facets_[element], middle, half + slack_);
         return bones_[element - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
     }
-    /// Returns where a ray from inside meets an element: a wall, a bone, or a facet by which it would
-    /// leave the domain.
+    /// Returns the intersection of a ray from inside with an element: a wall, a bone, or a facet where the
+    /// ray leaves the domain.
     ///
     ///   rounded  whether facets are rounded or exact
     std::optional<Hit<D>> hit(std::size_t element, const AxisRay<D>& ray,
@@ -178,7 +174,7 @@ public:
         if (facet.separates && !(along > 0)) return std::nullopt;
         return detail::hit(facet, ray);
     }
-    /// Returns the nearest hit of a ray among some elements.
+    /// Returns the nearest intersection of a ray with some elements.
     std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> elements, AxisRay<D> ray) const noexcept {
         std::optional<Hit<D>> first;
         for (const std::uint32_t element : elements) {
@@ -190,8 +186,7 @@ public:
         return first;
     }
 
-    /// Returns the distance along a ray from inside to the exact boundary, at most the ray's
-    /// length.
+    /// Returns the distance along a ray from inside to the exact boundary, at most the ray's length.
     double free_distance(AxisRay<D> ray) const noexcept {
         Vec<double, D> direction{};
         direction[ray.axis] = ray.up ? 1 : -1;
@@ -211,15 +206,15 @@ public:
         double fraction; ///< the fraction of the segment before it, in [0, 1]
         BoundaryValue<D> value;
     };
-    /// Returns where the segment from `from`, which is inside, to `from + along` first leaves the
-    /// domain or meets a wall, among some rounded facets.
+    /// Returns the first point of the segment from `from`, which is inside, to `from + along` on a wall or
+    /// where it leaves the domain, among some rounded facets.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along,
                                      std::span<const std::uint32_t> facets) const noexcept {
         Met met;
         for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
         return meeting_of(met, from, along);
     }
-    /// Returns the same among all facets, not rounded.
+    /// Returns the same among all exact facets.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
         for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
@@ -233,15 +228,15 @@ public:
     struct Nearest {
         double distance; ///< negative within a bone
         BoundaryValue<D> value;
-        Vec<double, D> position; ///< only for a facet
+        Vec<double, D> position; ///< only for facets
     };
-    /// Returns the nearest point of some elements, with facets rounded or exact.
+    /// Returns the nearest point of some elements, with rounded or exact facets.
     Nearest nearest(std::span<const std::uint32_t> elements, const Vec<double, D>& p,
                     bool rounded = true) const noexcept {
         Nearest best{std::numeric_limits<double>::infinity(), {}, {}};
         for (const std::uint32_t n : elements) {
             if (n >= size()) {
-                // At joints bones overlap, so the search covers all bones.
+                // Bones overlap at joints, so the search covers all bones.
                 const auto bone = bones_.nearest(p, best.distance);
                 if (bone) best = {bone->distance, bone->value, {}};
                 continue;
@@ -260,17 +255,17 @@ private:
         double fraction = 1;
         const Facet* facet = nullptr; ///< null: none yet
     };
-    /// Replaces the facet met so far if this one is met earlier.
+    /// Replaces the facet met so far if the segment meets this one earlier.
     static void meet(const Facet& facet, const Vec<double, D>& outward, const Vec<double, D>& from,
                      const Vec<double, D>& along, Met& met) noexcept {
-        constexpr double rim = 1e-9; // a margin for rounding, in barycentric coordinates
+        constexpr double margin = 1e-9; // for rounding, in barycentric coordinates
         const double leaves = dot(along, outward);
         if (facet.separates ? !(leaves > 0) : leaves == 0) return;
         const double fraction = dot(facet.corner[0] - from, outward) / leaves;
         if (fraction < 0 || !(fraction < met.fraction || (met.facet == nullptr && fraction <= met.fraction)))
             return;
         const auto w = detail::weights_in_plane(facet, from + fraction * along);
-        if (*std::min_element(w.begin(), w.end()) < -rim) return;
+        if (*std::min_element(w.begin(), w.end()) < -margin) return;
         met = {fraction, &facet};
     }
     static std::optional<Meeting> meeting_of(const Met& met, const Vec<double, D>& from,
@@ -280,15 +275,15 @@ private:
         return Meeting{met.fraction, value_on_facet(met.facet->vertex, detail::onto_facet(w))};
     }
 
-    /// Makes the normals of each shell point outward. The facets of a shell are oriented alike, so
-    /// they vote, weighted by area.
+    /// Makes the normals of each shell point outward, by a vote of its facets weighted by area. Facets of a
+    /// shell are oriented consistently.
     void orient_normals_outward(std::size_t vertices) {
         detail::DisjointSets shells(vertices);
         for (const Facet& facet : facets_) {
             if (!facet.separates) continue;
             for (const std::uint32_t v : facet.vertex) shells.join(facet.vertex[0], v);
         }
-        std::vector<double> votes(vertices); // NOLINT(misc-const-correctness): votes are added
+        std::vector<double> votes(vertices); // NOLINT(misc-const-correctness): modified below
         for (std::size_t n = 0; n < facets_.size(); ++n)
             votes[shells.find(facets_[n].vertex[0])] += vote(facets_[n], normals_[n]);
         for (std::size_t n = 0; n < facets_.size(); ++n) {
@@ -296,9 +291,9 @@ private:
                 normals_[n] = -1.0 * normals_[n];
         }
     }
-    /// Returns the area of a facet, negated if its normal points inside. Counts the crossings above
-    /// the facet's middle, along the axis that sees most of the facet: after an even number of
-    /// crossings the upper side is outside. Returns 0 if other facets lie at the same position.
+    /// Returns the area of a facet, negated if its normal points inside. Counts the crossings above the
+    /// facet's centroid along the main axis of its normal: after an even number of crossings the upper side
+    /// is outside. Returns 0 if other facets are at the same position.
     double vote(const Facet& facet, const Vec<double, D>& normal) const {
         std::size_t axis = 0;
         for (std::size_t k = 1; k < D; ++k) {
@@ -310,7 +305,7 @@ private:
         std::array<std::int64_t, D> line{};
         for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(middle[k], fraction_));
         const auto from = detail::crossing(facet, axis, line, fraction_);
-        if (!from) return 0; // a sliver between the lines that integers can tell apart
+        if (!from) return 0; // a sliver between two integer lines
         middle[axis] = *from;
         up[axis] = 1;
         bool inside_above = false, apart = true;

@@ -1,8 +1,7 @@
-// Chooses the largest allowed cell size at each point.
+// The largest allowed cell size at each point.
 //
-// The size depends on the thickness of the domain, on the altitudes of its facets, and on the
-// vertices and edges where functions are singular (grid/tree/features.hpp).
-// grid/tree/refinement.hpp splits cells accordingly.
+// It depends on the thickness of the domain, the altitudes of its facets, and the vertices and edges where
+// functions are singular (grid/tree/features.hpp). grid/tree/refinement.hpp splits cells accordingly.
 #pragma once
 
 #include <cageform/grid/tree/bone_sizes.hpp>
@@ -16,29 +15,26 @@ namespace grid {
 
 struct RefinementOptions {
     double across = 6; ///< cells across the thickness of the domain
-    /// In space: an acceptable error of the functions, or 0. Between two facets, far from their edges,
-    /// functions are nearly linear. If this is not 0, `across` applies only near edges, where the kinks
-    /// of functions would otherwise cause errors larger than this.
+    /// 3D: acceptable error of the functions, or 0. Between two facets, far from their edges, functions are
+    /// nearly linear. If this is not 0, `across` applies only near edges where the kinks of functions would
+    /// cause larger errors.
     double small_error = 0;
-    /// Cells along the least altitude of a facet. In the plane that is the length of an edge.
-    double per_facet = 1;
-    /// The largest cell at a facet in space, in roots of its area.
+    double per_facet = 1; ///< cells along the smallest altitude of a facet; in 2D along an edge
+    /// 3D: largest cell at a facet, in square roots of its area.
     double of_root_area = std::numeric_limits<double>::infinity();
-    /// Extra halvings at a vertex in the plane where functions decrease like the distance from it.
-    /// At a vertex of interior angle ω they decrease like the power π/ω of the distance, and the
-    /// number of halvings is divided by π/ω.
+    /// 2D: extra halvings at a vertex where functions decrease linearly with the distance. At a vertex of
+    /// interior angle ω they decrease like the power π/ω of the distance, and the number is divided by π/ω.
     double corner_levels = 0.67;
-    /// A cell near such a vertex is no larger than its distance from the vertex divided by this.
-    double corner_gradation = 1;
-    double edge_levels = 1; ///< extra halvings at reflex edges and rims of walls, in space
-    /// Extra halvings at the ends of such edges. This number is divided by λ where functions decrease like
-    /// the power λ < 1 of the distance from the end. At most 10 halvings are then made.
+    double corner_gradation = 1; ///< minimum ratio of distance to cell size near such a vertex
+    double edge_levels = 1;      ///< 3D: extra halvings at reflex edges and boundaries of walls
+    /// 3D: extra halvings at the ends of such edges. The number is divided by λ if functions decrease like
+    /// the power λ < 1 of the distance from the end, and is then at most 10.
     double reflex_levels = 1;
-    /// Largest cell at a vertex of more than three facets in space, as a fraction of the cage's size.
+    /// 3D: largest cell at a vertex of more than three facets, as a fraction of the cage's size.
     double at_vertex = 1.0 / 16;
     double per_radius = 12; ///< see BoneSizes
-    /// Largest cell anywhere, as a fraction of the cage's size: in space the distance between two far
-    /// vertices, in the plane the longest side of the box around the cage.
+    /// Largest cell, as a fraction of the cage's size: in 3D the distance between two far vertices, in 2D
+    /// the longest side of the box around the cage.
     double largest = 1.0 / 16;
 };
 
@@ -46,7 +42,7 @@ struct RefinementOptions {
 
 namespace detail {
 
-/// Returns the corner of a facet where its longest edge begins, and the length of that edge.
+/// Returns the first corner of a facet's longest edge, and the length of that edge.
 template <std::size_t D>
 std::pair<std::size_t, double> longest_edge(const Corners<D>& corner) noexcept {
     std::pair<std::size_t, double> longest{0, 0};
@@ -64,7 +60,7 @@ inline double measure(const Corners<3>& corner) noexcept {
     return 0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
 }
 
-/// Computes the cell sizes that facets allow, in units.
+/// The cell sizes that facets allow, in units.
 template <std::size_t D>
 class CellSizes {
 public:
@@ -72,8 +68,8 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     using Point = Vec<double, D>;
 
-    /// An upper limit of a cell's size, and its reason.
-    struct Demand {
+    /// An upper bound of a cell's size, and its reason.
+    struct SizeLimit {
         double size;
         SizeReason reason;
     };
@@ -101,9 +97,8 @@ public:
     double cage_size() const noexcept { return cage_size_; }
     double largest() const noexcept { return largest_; }
 
-    /// Returns what RefinementOptions::largest is a fraction of. In space it is the distance between
-    /// two vertices far from each other, which is nearly the largest, and independent of how the cage
-    /// is rotated.
+    /// Returns the size that RefinementOptions::largest refers to. In 3D it is the distance between two
+    /// vertices far from each other, which is nearly the largest distance and does not depend on rotation.
     static double size_of_cage(const Boundary& boundary) noexcept {
         if constexpr (D == 2) return std::ldexp(1.0, int(boundary.depth()));
         auto from = boundary[0].corner[0], to = from;
@@ -120,14 +115,14 @@ public:
 
     // ---- facets -----------------------------------------------------------------------------------
 
-    /// Returns the size that facets allow for a cell that they pass. Rays across the domain are
-    /// only as long as matters to cells of that size.
+    /// Returns the size that facets allow for a cell that they intersect. Rays across the domain are
+    /// limited to the length that matters for this size.
     ///
-    ///   thin  out: points are added where the domain is thin enough to require cells of this size
-    Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Point& middle,
-                     std::vector<ThinPoint>& thin) {
+    ///   thin  out: adds points where the thickness of the domain requires cells of this size
+    SizeLimit of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Point& middle,
+                        std::vector<ThinPoint>& thin) {
         const double most = options_.across * (std::min)(2.0 * cell.size, largest_);
-        Demand least{largest_, SizeReason::largest};
+        SizeLimit least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
             if (n >= boundary_.size()) break; // a bone
             if (by_facet(n) < least.size) least = {by_facet(n), SizeReason::facet};
@@ -145,9 +140,9 @@ public:
         return least;
     }
 
-    /// Returns the size that a facet allows near a point on its rim. In space the size is at most the
-    /// thickness of the outside behind the facet, because axis lines of larger cells can miss a narrow dent.
-    /// This rule divides the size by at most eight.
+    /// Returns the size that a facet allows near a point on its boundary. In 3D the size is at most the
+    /// thickness of the outside behind the facet, because axis lines of larger cells can miss a narrow
+    /// dent. This rule divides the size by at most eight.
     double size_near(std::uint32_t n, const Point& position) {
         const auto within = 0.95 * position + (0.05 / D) * sum(boundary_[n].corner);
         const double size = size_of(n, true, within);
@@ -155,15 +150,15 @@ public:
         return D == 2 ? size : std::clamp(thickness(n, false, within), size / 8, size);
     }
 
-    /// A piece of the boundary, for RefinementPlanner.
+    /// A part of the boundary, for RefinementPlanner.
     struct Patch {
-        double area;                           ///< in the plane its length
-        double altitude, root_area, thickness; ///< altitude and root of the area of its facet
+        double area;                           ///< in 2D the length
+        double altitude, root_area, thickness; ///< altitude and square root of the area of its facet
         std::array<double, D> slopes;          ///< see slopes_
         std::array<double, D> lengths;         ///< lengths of the facet's edges, divided by its area
 
-        /// Divides the patch into parts by the allowed cell size. Calls f(size, area) for each part, with
-        /// sizes of at most `most`.
+        /// Divides the patch into parts by the allowed cell size, at most `most`. Calls f(size, area) for
+        /// each part.
         template <class F>
         void for_each_part(const grid::RefinementOptions& options, double most, const F& f) const {
             const double across = thickness / options.across;
@@ -179,9 +174,9 @@ public:
             f((std::min)(most, most_of_thickness * thickness), rest);
         }
     };
-    /// Divides the facets, and both sides of walls, into patches. Cost: a ray for each patch.
+    /// Divides the facets, and both sides of walls, into patches. Casts one ray per patch.
     std::vector<Patch> patches(const Running& running) const {
-        constexpr double most = 2000; // patches beyond one for each facet
+        constexpr double most = 2000; // patches in addition to one per facet
         double area = 0;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) area += measure(boundary_[n].corner);
         const auto parts = in_runs<std::vector<Patch>>(running, boundary_.size(), 64, [&] {
@@ -202,36 +197,36 @@ public:
     }
 
 private:
-    /// In units; bodies nearer than this are taken as sharing a plane.
+    /// In units; facets closer than this count as coplanar.
     static constexpr double touching = 0.01;
-    /// Least cosine between two facets' normals for a thickness to be measured between them.
+    /// Smallest cosine between the normals of two facets for a thickness between them.
     static constexpr double facing = 0.7;
 
     static double altitude(const Corners<D>& corner) noexcept {
         const double longest = longest_edge(corner).second;
-        if constexpr (D == 2) { // an edge that rounding has left without length has no say
+        if constexpr (D == 2) { // an edge that rounding has collapsed gives no limit
             return longest > 0 ? longest : std::numeric_limits<double>::infinity();
         } else {
             return longest > 0 ? 2 * measure(corner) / longest : 0;
         }
     }
-    /// The cells that resolve a kink of functions at an edge where the domain is thin.
+    /// The cells that resolve a kink of functions at an edge of a thin part of the domain.
     struct Kink {
-        double size, reach; ///< the cell size, and the distance from the edge up to which it applies
+        double size, reach; ///< the cell size, and the distance from the edge within which it applies
     };
-    /// Between two parallel planes the deviation A of a harmonic function from a linear one decays with
-    /// the distance d from the edge, as A exp(−π d / thickness).
+    /// Between two parallel planes a harmonic function deviates from a linear one by A exp(−π d /
+    /// thickness) at the distance d from the edge.
     ///
-    ///   slope  the largest slope of hat functions next to the edge, on the facets
+    ///   slope  the largest slope of hat functions at the edge, on the facets
     static Kink kink_at(double thickness, double slope, const grid::RefinementOptions& options) noexcept {
-        // The error of a function with a kink, in sizes of the cell times the slope.
+        // Error of a function with a kink / (cell size · slope).
         constexpr double error_of_cell = 0.2;
         const double amplitude = (std::min)(1.0, thickness * slope) / options.small_error;
         return {(std::max)(thickness / options.across, options.small_error / (error_of_cell * slope)),
                 amplitude > 1 ? thickness / std::numbers::pi * std::log(amplitude) : 0};
     }
-    /// The largest cell in a thin domain, divided by the thickness. In larger cells the rounding of
-    /// positions on the boundary is too coarse.
+    /// The largest cell in a thin part of the domain / its thickness. Larger cells lose precision in the
+    /// positions on the boundary.
     static constexpr double most_of_thickness = 64;
     /// Returns the cell size that facet `n` allows at a position where the domain is thin.
     double size_between([[maybe_unused]] std::uint32_t n, [[maybe_unused]] const Point& position,
@@ -252,7 +247,7 @@ private:
         return thickness / options_.across;
     }
     void find_slopes() {
-        // By the vertices of an edge; NOLINTNEXTLINE(misc-const-correctness): filled below
+        // Keys are the vertices of an edge; NOLINTNEXTLINE(misc-const-correctness): filled below
         std::map<std::array<std::uint32_t, 2>, double> largest;
         const auto for_each_edge = [&](const auto& f) {
             for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
@@ -279,10 +274,10 @@ private:
     Point inwards(std::uint32_t n, bool front) const noexcept {
         return (front ? -1.0 : 1.0) * boundary_.normal(n);
     }
-    /// Returns the distance across the domain from a point on a facet to the facet that faces it
-    /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)). If `front` is false and the facet is no wall,
-    /// the distance is across the outside. Returns infinity if the first facet met does not face it, shares a
-    /// vertex with it (a wedge has no thickness), or is `most` or farther away.
+    /// Returns the distance across the domain from a point on a facet to the opposite facet (Shapira,
+    /// Shamir, Cohen-Or, Visual Computer 24 (2008)); across the outside if `front` is false and the facet
+    /// is not a wall. Returns infinity if the first facet on the ray does not face this one, has a common
+    /// vertex with it (a wedge has no thickness), or is at a distance of `most` or more.
     double thickness(std::uint32_t from_facet, bool front, const Point& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();
@@ -291,7 +286,7 @@ private:
         double nearest = (std::min)(most, std::ldexp(2.0, int(boundary_.depth())));
         std::uint32_t met = from_facet;
         const bool is_outside = !front && boundary_[from_facet].separates;
-        // How much a facet faces the ray, in [-1, 1].
+        // The cosine between the ray and the facet's normal, positive if the facet faces the ray.
         const auto faces = [&](std::uint32_t n) {
             const double along = dot(direction, boundary_.normal(n));
             return boundary_[n].separates ? (is_outside ? -along : along) : std::fabs(along);
@@ -301,7 +296,7 @@ private:
             if (n == from_facet || !(faces(n) > 1e-9)) return nearest;
             const double along = dot(direction, boundary_.normal(n));
             const double t = dot(boundary_.normal(n), facet.corner[0] - from) / along;
-            // If two facets are at the same distance, the first counts, whichever was met before.
+            // Of two facets at the same distance, the one with the lower index counts.
             const bool is_first = t < nearest || (t == nearest && met != from_facet && n < met);
             if (!(t > touching && is_first)) return nearest;
             for (const double w : weights_in_plane(facet, from + t * direction)) {
@@ -312,7 +307,7 @@ private:
             return nearest;
         };
         std::uint32_t& faced = faced_[std::size_t{2} * from_facet + (front ? 0 : 1)];
-        (void)meet(faced); // it is likely met again, and then limits the search
+        (void)meet(faced); // likely the result, which limits the search
         boundary_.for_each_on_ray(from, direction, nearest, meet);
         if (met == from_facet) return none;
         faced = met;
@@ -361,11 +356,11 @@ private:
     const Boundary& boundary_;
     grid::RefinementOptions options_;
     double cage_size_, largest_;
-    std::vector<std::uint32_t> faced_; ///< by facet and side: the facet that the last ray from it met
-    std::vector<double> altitudes_;    ///< by facet
-    std::vector<double> root_areas_;   ///< by facet: the root of its area
-    /// In space: [facet][corner], the largest slope of a hat function on a facet at the edge opposite
-    /// the corner.
+    std::vector<std::uint32_t> faced_; ///< per facet and side: result of the last ray, to limit the next one
+    std::vector<double> altitudes_;    ///< per facet
+    std::vector<double> root_areas_;   ///< per facet: square root of its area
+    /// 3D: [facet][corner] is the largest slope of a hat function, on a facet at the edge opposite to the
+    /// corner.
     std::vector<std::array<double, D>> slopes_;
 };
 

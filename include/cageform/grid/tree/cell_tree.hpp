@@ -1,50 +1,48 @@
-// A binary tree, quadtree or octree: a cube that is halved along all axes where cells must be
-// finer.
+// A binary tree, quadtree or octree: a cube that is recursively halved along all axes.
 //
-// This folder solves the Laplace equation on such a tree. To learn how it is discretised, read this
-// header, links.hpp (how the equation of a node is made), and star.hpp (the plane) or
-// leaf_gather.hpp (space, and interpolation). To learn how the equations are solved, read
-// hierarchy.hpp (the levels) and grid/tree/multigrid.hpp (the cycles).
+// This folder solves the Laplace equation on such a tree. The discretisation is in this header, in
+// links.hpp (the equation of a node), and in star.hpp (2D) or leaf_gather.hpp (3D, and interpolation). The
+// solver is in hierarchy.hpp (the levels) and grid/tree/multigrid.hpp (the cycles).
 //
 // Terms:
 //
-//   unit      the side of the smallest possible cell; the cube has 2^depth units a side
+//   unit      the side of the smallest possible cell; the cube has a side of 2^depth units
 //   family    the children of one cell
 //   rim       the boundary of a cell
-//   handle    a control point of the cage; the solver computes one harmonic function for each
-//   wall      a facet of a cell inside the cage: it carries boundary values on both sides, but does
-//             not separate inside from outside; the rim of a wall is where it ends
+//   handle    a control point of the cage; the solver computes one harmonic function per handle
+//   wall      a facet of an interior cell of the cage: it has boundary values on both sides, but does not
+//             separate inside from outside; the rim of a wall is its boundary
 //   bone      a point or an edge with a radius inside the cage, whose interior is not in the domain
-//   node      a corner of a leaf inside the domain, an unknown; a corner of a cut leaf within 1e-6
-//             units of the boundary is none (nodes.hpp)
+//   node      an unknown: a corner of a leaf inside the domain, unless the leaf is cut and the corner
+//             within 1e-6 units of the boundary (nodes.hpp)
 //   counts    a leaf counts if it is not outside the domain
 //
-// Facets are rounded to 2⁻³⁰ of the cube, so that integer arithmetic decides what is inside
-// (boundary.hpp). Local harmonic models give the values between nodes
-// (coordinates/harmonic/leaf_models.hpp). In cages with bones, and in space in cages with walls or with
-// faces of more than three corners, coordinates/harmonic/tree_cage.hpp interpolates instead. Within 0.01
-// (plane) or 0.3 (space) of a leaf from the boundary, this interpolation is linear between the nearest
-// point of the unrounded boundary and a point farther inside.
+// Facets are rounded to 2⁻³⁰ of the cube, so that integer arithmetic decides what is inside (boundary.hpp).
+// Local harmonic models give the values between nodes (coordinates/harmonic/leaf_models.hpp). In cages with
+// bones, and in 3D cages with walls or with faces of more than three corners,
+// coordinates/harmonic/tree_cage.hpp interpolates instead. Within 0.01 (2D) or 0.3 (3D) leaf sizes from the
+// boundary, this interpolation is linear between the nearest point of the unrounded boundary and a point
+// farther inside.
 //
-// All headers, in the order of the work:
+// All headers, in the order of their use:
 //
-//   cell_tree        the cells, and keeping neighbours within a factor of two in size
+//   cell_tree        the cells, and their balance: neighbours differ by at most a factor of two in size
 //   boundary         the facets and bones of a cage in units of the tree
-//   cut_tree         which facets pass which cells, and which cells are inside
-//   cell_sizes       how small cells must be at facets
-//   features         how small cells must be about vertices and edges where functions are singular
-//   bone_sizes       how small cells must be about bones
-//   refinement       splits cells until they are, and estimates beforehand how many there will be
+//   cut_tree         which facets intersect which cells, and which cells are inside
+//   cell_sizes       the allowed cell size at facets
+//   features         the allowed cell size near vertices and edges where functions are singular
+//   bone_sizes       the allowed cell size near bones
+//   refinement       splits cells to the allowed size, and predicts their number
 //   nodes            the unknowns: corners of leaves
 //   leaf_gather      interpolation inside a leaf
-//   leaves_about     the leaves that touch a node
-//   harmonic_mean    weights exact for harmonic polynomials, in the plane
-//   star             the neighbours of a point, in the plane
+//   leaves_about     the leaves around a node
+//   harmonic_mean    weights that are exact for harmonic polynomials, in 2D
+//   star             the neighbours of a point, in 2D
 //   links            the equations of the nodes
 //   level_rows       sparse matrices
 //   hierarchy        the coarser levels
 //
-// coordinates/harmonic/tree_solver.hpp puts them together.
+// coordinates/harmonic/tree_solver.hpp combines them.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -54,12 +52,10 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// A tree over a cube of 2^depth units. All coordinates are in units. The children of a cell form a
-/// family and have consecutive numbers. Child n lies at the upper end along the axes of the set
-/// bits of n.
+/// A tree over a cube of 2^depth units. All coordinates are in units. The children of a cell have
+/// consecutive indices. Child n is the upper one along the axes of the set bits of n.
 template <std::size_t D>
 class CellTree {
 public:
@@ -103,7 +99,7 @@ public:
     bool is_leaf(std::uint32_t cell) const noexcept { return first_child_[cell] == 0; }
     std::uint32_t first_child(std::uint32_t cell) const noexcept { return first_child_[cell]; } ///< 0: none
     Cell root() const noexcept { return {0, {}, size()}; }
-    /// Returns the parent of a family. Families are numbered in the order of creation.
+    /// Returns the parent of a family. Families are numbered in order of creation.
     const Cell& parent(std::size_t family) const noexcept { return families_[family]; }
     Cell child(const Cell& parent, std::size_t n) const noexcept {
         Cell cell{first_child_[parent.number] + std::uint32_t(n), parent.low, parent.size / 2};
@@ -113,7 +109,6 @@ public:
     Cell cell(std::uint32_t number) const noexcept {
         return number == 0 ? root() : child(parent_of(number), (number - 1) % children);
     }
-    /// Returns the parent of a cell other than the root.
     const Cell& parent_of(std::uint32_t number) const noexcept { return families_[(number - 1) / children]; }
 
     /// Splits a leaf of at least two units into a family of children.
@@ -124,13 +119,13 @@ public:
         for (std::size_t n = 0; n < children; ++n) first_child_.push_back(0);
     }
 
-    /// Returns the leaf at a position given in half units. On the rim between leaves it is the
-    /// upper one. Positions outside the cube are moved into it. O(depth).
+    /// Returns the leaf at a position in half units; between leaves, the upper one. Positions outside the
+    /// cube are clamped. O(depth).
     Cell leaf_at(Index doubled) const noexcept {
         for (auto& x : doubled) x = x < 0 ? 0 : x > 2 * size() - 1 ? 2 * size() - 1 : x;
         return leaf_at(doubled, root());
     }
-    /// Returns the leaf of a cell that contains a position in the cell. O(depth).
+    /// Returns the leaf that contains a position inside a cell. O(depth).
     Cell leaf_at(const Index& doubled, Cell cell) const noexcept {
         while (!is_leaf(cell.number)) cell = child_at(cell, doubled);
         return cell;
@@ -142,7 +137,6 @@ public:
             n |= std::size_t{doubled[k] >= 2 * parent.low[k] + parent.size ? 1u : 0u} << k;
         return child(parent, n);
     }
-    /// Calls f(leaf) for all leaves, along the Morton curve.
     template <class F>
     void for_each_leaf(F&& f) const {
         visit(root(), f);
@@ -159,23 +153,22 @@ private:
     }
 
     unsigned depth_;
-    Buffer<std::uint32_t> first_child_; ///< by cell; 0: a leaf
+    Buffer<std::uint32_t> first_child_; ///< per cell; 0: a leaf
     Buffer<Cell> families_;
 };
 
-/// Splits leaves until no leaf has a neighbour, across a face, an edge or a corner, of less than
-/// half its size.
+/// Splits leaves until every neighbour of a leaf, across a face, an edge or a corner, has at least half its
+/// size.
 ///
-///   counts  counts(cell number): whether a leaf takes part; a leaf that does not is neither split
-///           nor a reason to split others
+///   counts  counts(cell number): whether a leaf takes part; other leaves are not split and cause no splits
 ///   split   split(leaf) gives a leaf its children
 template <std::size_t D, class Counts, class Split>
 void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) {
     using Index = typename CellTree<D>::Index;
     std::size_t neighbours = 1;
     for (std::size_t k = 0; k < D; ++k) neighbours *= 3;
-    // A leaf beside a child may be at most as large as the child's parent. New families are
-    // appended, so this loop reaches them too.
+    // A neighbour of a child may be at most as large as the child's parent. New families are appended, so
+    // this loop visits them too.
     for (std::size_t family = 0; family < tree.families(); ++family) {
         const auto parent = tree.parent(family);
         bool any = false;
@@ -183,8 +176,7 @@ void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) 
             any = any || counts(tree.child(parent, n).number);
         if (!any) continue;
         for (std::size_t position = 0; position < neighbours; ++position) {
-            // The middle of the neighbouring cell; leaf_at moves it into the tree if it lies
-            // outside.
+            // The middle of the neighbouring cell; leaf_at clamps it to the cube.
             Index beside{};
             for (std::size_t k = 0, rest = position; k < D; ++k, rest /= 3)
                 beside[k] = 2 * parent.low[k] + (2 * std::int32_t(rest % 3) - 1) * parent.size;
@@ -197,6 +189,4 @@ void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) 
     }
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

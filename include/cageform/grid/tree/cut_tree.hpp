@@ -1,21 +1,19 @@
-// A tree of cells with a boundary in it: which facets pass which cells, and which other cells lie
-// inside.
+// A tree of cells with a boundary: which facets intersect which cells, and which other cells are inside.
 #pragma once
 
 #include <cageform/grid/tree/boundary.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
 enum class CellState : std::uint8_t {
-    out,     ///< outside: no facet passes it
-    in,      ///< inside: no facet passes it
-    cut,     ///< facets or bones pass it
-    unknown, ///< no facet passes it; find_states has not been called yet
+    out,     ///< outside, without facets
+    in,      ///< inside, without facets
+    cut,     ///< facets or bones intersect it
+    unknown, ///< without facets, before find_states
 };
 
-/// A cell tree that keeps, for every cell, the facets and bones that pass it. The boundary must
+/// A cell tree that stores, for every cell, the facets and bones that intersect it. The boundary must
 /// outlive it.
 template <std::size_t D>
 class CutTree {
@@ -34,7 +32,7 @@ public:
     const TreeBoundary<D>& boundary() const noexcept { return *boundary_; }
     const CellTree<D>& cells() const noexcept { return tree_; }
     CellState state(std::uint32_t cell) const noexcept { return states_[cell]; }
-    /// Returns the leaf at a point, or at the nearest point of the cube.
+    /// Returns the leaf at a point; outside the cube, at the nearest point of the cube.
     Cell leaf_at(const Vec<double, D>& p) const noexcept {
         Index doubled{};
         const double end = 2.0 * tree_.size();
@@ -42,7 +40,7 @@ public:
             doubled[k] = std::int32_t(std::floor(std::clamp(2 * p[k], 0.0, end)));
         return tree_.leaf_at(doubled);
     }
-    /// Returns the facets and bones that pass a cell, whether a leaf or not, in ascending order.
+    /// Returns the facets and bones that intersect a cell, whether a leaf or not, in ascending order.
     std::span<const std::uint32_t> facets(std::uint32_t cell) const noexcept {
         return {facets_.data() + ranges_[cell].begin, ranges_[cell].count};
     }
@@ -51,7 +49,7 @@ public:
                ranges_.capacity() * sizeof(Range) + states_.capacity();
     }
 
-    /// Splits a leaf and distributes its facets and bones among the children.
+    /// Splits a leaf and distributes its facets and bones to the children.
     void split(const Cell& leaf) {
         tree_.split(leaf);
         const Range all = ranges_[leaf.number];
@@ -72,7 +70,7 @@ public:
                 states_.back() = state_at_middle(child);
         }
     }
-    /// Finds which leaves without facets lie inside. Later splits keep the states up to date.
+    /// Finds which leaves without facets are inside. Later splits update the states.
     void find_states() {
         // In this order the states of leaves at lower coordinates are known.
         tree_.for_each_leaf([&](const Cell& leaf) {
@@ -85,10 +83,9 @@ public:
         states_known_ = true;
     }
 
-    /// Tells whether a point is inside. It follows an axis line from the point downwards, counts
-    /// the crossings with facets, and stops at a leaf whose state is known. In thin features that
-    /// leaf may be far away, so the search alternates between the axes with a growing limit and
-    /// takes the first answer.
+    /// Whether a point is inside. Follows an axis line downwards from the point, counts the crossings with
+    /// facets, and stops at a leaf of known state. In thin parts of the domain that leaf may be far away,
+    /// so the search alternates between the axes with a growing limit.
     ///
     ///   line  the point in multiples of 2^-fraction units (TreeBoundary::fraction)
     bool is_inside(const std::array<std::int64_t, D>& line) const noexcept {
@@ -98,9 +95,9 @@ public:
             }
         }
     }
-    /// Does so for a point in units, which is rounded.
+    /// The same for a point in units, which is rounded.
     bool is_inside(const Vec<double, D>& p) const noexcept { return is_inside(line_of(p)); }
-    /// Returns for each point whether it is inside. The points lie in one leaf, on a line along axis 0, in
+    /// Returns for each point whether it is inside. The points are in one leaf, on a line along axis 0, in
     /// ascending order.
     template <std::size_t count>
     std::array<bool, count> are_inside(const std::array<Vec<double, D>, count>& points) const noexcept {
@@ -128,22 +125,22 @@ private:
         for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(p[k], boundary_->fraction()));
         return line;
     }
-    /// Returns where an axis line crosses a facet that separates inside from outside, if it does.
+    /// Returns the position where an axis line crosses a facet that separates inside from outside, if it
+    /// does.
     std::optional<double> crossing(std::uint32_t facet, std::size_t axis,
                                    const std::array<std::int64_t, D>& line) const noexcept {
         if (!boundary_->separates(facet)) return std::nullopt;
         return detail::crossing((*boundary_)[facet], axis, line, boundary_->fraction());
     }
-    /// Returns the state of a cell that no facet passes: that of its middle.
+    /// Returns the state of a cell without facets, which is that of its middle.
     CellState state_at_middle(const Cell& leaf) const noexcept {
         std::array<std::int64_t, D> line{};
         for (std::size_t k = 0; k < D; ++k)
             line[k] = (2 * std::int64_t(leaf.low[k]) + leaf.size) << (boundary_->fraction() - 1);
         return is_inside(line) ? CellState::in : CellState::out;
     }
-    /// Follows one axis line for at most `most` leaves, and returns none if that is not enough.
-    /// Integer arithmetic decides the crossings, so every line crosses the boundary an even number
-    /// of times.
+    /// Follows one axis line for at most `most` leaves; returns nullopt if none of them decides. Integer
+    /// arithmetic decides the crossings, so every line crosses the boundary an even number of times.
     std::optional<bool> walk(const std::array<std::int64_t, D>& line, std::size_t axis,
                              std::size_t most) const noexcept {
         Index doubled{};
@@ -169,23 +166,20 @@ private:
     const TreeBoundary<D>* boundary_;
     CellTree<D> tree_;
     Buffer<std::uint32_t> facets_;
-    Buffer<Range> ranges_;     ///< by cell
-    Buffer<CellState> states_; ///< by cell
+    Buffer<Range> ranges_;     ///< per cell
+    Buffer<CellState> states_; ///< per cell
     bool states_known_ = false;
 };
 
-/// Splits leaves until no leaf, other than those outside, has a neighbour of less than half its
-/// size.
+/// Splits leaves until every neighbour of a leaf that is not outside has at least half its size.
 template <std::size_t D>
 void balance(CutTree<D>& tree, const Running& running = {}) {
-    std::size_t looks = 0;
+    std::size_t tested = 0;
     const auto counts = [&](std::uint32_t cell) {
-        if (++looks % 65536 == 0) detail::report_progress(running, 0); // how many follow is not known
+        if (++tested % 65536 == 0) detail::report_progress(running, 0); // the total is unknown
         return tree.state(cell) != CellState::out;
     };
     balance(tree.cells(), counts, [&](const typename CellTree<D>::Cell& leaf) { tree.split(leaf); });
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

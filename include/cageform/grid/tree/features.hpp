@@ -1,22 +1,20 @@
-// Finds the vertices and edges about which cells must be smaller than facets ask: functions are
-// singular there, or data has kinks.
+// The vertices and edges that need smaller cells than their facets, because functions are singular there or
+// data has kinks.
 #pragma once
 
 #include <cageform/grid/tree/cell_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A segment or a point about which cells are small.
+/// A segment or a point with small cells around it.
 template <std::size_t D>
 struct Feature {
     Vec<double, D> begin, end;
-    double size; ///< of the cells there, in units
-    /// A cell near the feature is no larger than its distance from the feature divided by this.
-    double gradation;
+    double size;      ///< of the cells at the feature, in units
+    double gradation; ///< minimum ratio of distance to cell size near the feature
     SizeReason reason;
 
-    /// Returns the size that the feature allows for a cell with a given middle. It grows with the
-    /// distance from the feature.
+    /// Returns the size that the feature allows for a cell with a given middle.
     double size_at(const Vec<double, D>& middle) const noexcept {
         const auto along = end - begin;
         const double all = dot(along, along);
@@ -36,7 +34,7 @@ std::vector<FacetCorner> corners_of(const grid::TreeBoundary<D>& boundary) {
     }
     return corners;
 }
-/// Calls f with the parts of facets that have the same `vertex`, ascending by facet, vertex by vertex.
+/// Calls f with the parts of facets that have the same `vertex`, ascending by facet, for every vertex.
 template <class Part, class F>
 void for_each_vertex(std::vector<Part> parts, const F& f) {
     std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
@@ -51,8 +49,7 @@ void for_each_vertex(std::vector<Part> parts, const F& f) {
 template <std::size_t D>
 class Features;
 
-/// Finds the features in the plane: vertices where functions decrease like a power below two of the
-/// distance.
+/// The features in 2D: vertices where functions decrease like a power below two of the distance.
 template <>
 class Features<2> {
 public:
@@ -69,7 +66,7 @@ public:
         });
         return features;
     }
-    /// Returns the sum over all vertices of 1/α, which corner_levels is multiplied by.
+    /// Returns the sum over all vertices of 1/α, the factors of corner_levels.
     double inverse_exponents() const {
         double sum = 0;
         for_each_vertex(corners_of(boundary_),
@@ -80,8 +77,8 @@ public:
 private:
     using End = FacetCorner; ///< the end of an edge
 
-    /// Returns the exponent α for which the steepest functions at a vertex decrease like
-    /// distance^α: π over the interior angle. Returns infinity if the tree need not be finer there.
+    /// Returns the exponent α such that the steepest functions at a vertex decrease like distance^α: π over
+    /// the interior angle. Returns infinity if the vertex needs no smaller cells.
     double exponent(std::span<const End> about) const noexcept {
         constexpr double pi = std::numbers::pi, obtuse = 0.55 * pi;
         double angle = about.size() == 1 ? 2 * pi : pi;
@@ -107,7 +104,7 @@ private:
         const auto& corner = boundary_[end.facet].corner;
         return corner[1 - end.corner] - corner[end.corner];
     }
-    /// Adds a vertex, about which cells are the size that its edges allow, halved `levels` times.
+    /// Adds a vertex with the cell size of its edges, halved `levels` times.
     void add(std::span<const End> about, double levels, std::vector<Feature<2>>& features) {
         const auto position = boundary_[about[0].facet].corner[about[0].corner];
         double size = sizes_.largest();
@@ -120,8 +117,7 @@ private:
     const grid::TreeBoundary<2>& boundary_;
 };
 
-/// Finds the features in space: reflex edges, cut in pieces, their ends, and other vertices of more
-/// than three facets.
+/// The features in 3D: pieces of reflex edges, their ends, and other vertices of more than three facets.
 template <>
 class Features<3> {
 public:
@@ -143,12 +139,12 @@ private:
     static constexpr std::size_t pieces = 8; ///< pieces of a singular edge, each with its own size
     static constexpr double edge_gradation = 1.5, vertex_gradation = 2, spike_gradation = 1;
 
-    struct Ridge { ///< an edge of a facet
+    struct Ridge { // an edge of a facet
         std::array<std::uint32_t, 2> vertex;
         std::uint32_t facet;
-        std::uint32_t apex; ///< the facet's corner opposite the edge
+        std::uint32_t apex; ///< the facet's corner opposite to the edge
     };
-    /// Returns, for each reflex edge or rim of a wall, the facets that meet there.
+    /// Returns, for each reflex edge or boundary edge of a wall, the facets that meet there.
     std::vector<std::vector<Ridge>> reflex_edges() const {
         std::vector<Ridge> ridges;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
@@ -164,8 +160,8 @@ private:
         });
         return reflex;
     }
-    /// Tells whether functions are singular at an edge: the domain has an angle of more than 180
-    /// degrees there, or a wall ends or bends there.
+    /// Whether functions are singular at an edge: the interior angle exceeds 180 degrees, or a wall ends or
+    /// bends there.
     bool is_reflex(std::span<const Ridge> about) const noexcept {
         constexpr double flat = -0.988; // the cosine of 171 degrees
         if (about.size() != 2) return about.size() == 1;
@@ -176,7 +172,7 @@ private:
             return false;
         return !separates || dot(boundary_.normal(about[0].facet), v) > 0;
     }
-    /// Returns the vector from an edge to the opposite corner, at a right angle to the edge.
+    /// Returns the vector from an edge to the opposite corner, perpendicular to the edge.
     Point across(const Ridge& ridge) const noexcept {
         const auto& corner = boundary_[ridge.facet].corner;
         const auto& a = corner[(ridge.apex + 1) % 3];
@@ -197,8 +193,8 @@ private:
             features.push_back({at(0), at(1), size, edge_gradation, SizeReason::singular_edge});
         }
     }
-    /// Adds the vertices that need smaller cells than their facets do: the ends of reflex edges,
-    /// vertices of more than three facets, and vertices of walls.
+    /// Adds the vertices that need smaller cells than their facets: the ends of reflex edges, vertices of
+    /// more than three facets, and vertices of walls.
     void add_vertices(std::span<const std::vector<Ridge>> reflex, std::vector<Feature<3>>& features) {
         const auto& options = sizes_.options();
         std::vector<std::uint32_t> ends;
@@ -207,7 +203,7 @@ private:
         std::sort(ends.begin(), ends.end());
         for_each_vertex(corners_of(boundary_), [&](std::span<const FacetCorner> about) {
             const auto& [vertex, facet, corner] = about[0];
-            // Functions are nearly linear at such a vertex.
+            // Functions are nearly linear at a vertex of three facets.
             if (about.size() <= 3 && boundary_[facet].separates) return;
             const auto position = boundary_[facet].corner[corner];
             double size = sizes_.largest();
@@ -221,21 +217,21 @@ private:
             if (is_end) add_spike(about, size, features);
         });
     }
-    /// Adds the cells about a vertex where functions decrease like a power λ < 1 of the distance. If the
-    /// outside is narrow there, the cells along the edges are added too. `size` is what the facets allow.
+    /// Adds the cells near a vertex where functions decrease like a power λ < 1 of the distance. If the
+    /// outside is narrow there, adds cells along the edges too. `size` is the size that the facets allow.
     void add_spike(std::span<const FacetCorner> about, double size, std::vector<Feature<3>>& features) const {
         constexpr double most_levels = 10, narrow = 2.2; // in steradians
         const double angle = angle_outside(about), levels = sizes_.options().reflex_levels;
-        // λ is the least root of P_λ(cos θ). A circular cone of half-angle θ has the solid angle `angle`
-        // outside it. The formula is within 2 % of 1/λ for θ from 90 to 175 degrees.
+        // λ is the smallest root of P_λ(cos θ) for a circular cone of half-angle θ with the solid angle
+        // `angle` outside. The formula is within 2 % of 1/λ for θ from 90 to 175 degrees.
         const double inverse = 1 + 0.95 * std::log(2 * std::numbers::pi / angle);
         if (!(inverse > 1)) return;
         const auto position = boundary_[about[0].facet].corner[about[0].corner];
         const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
-        // If `levels` is 2, a cell at a distance r from the vertex is as large as the radius of the cone
-        // there, but at least r / 32. One level more halves the cells.
+        // If `levels` is 2, a cell at a distance r from the vertex has the radius of the cone there, but at
+        // least r / 32. Each further level halves the cells.
         const double slope =
             (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
         for (const auto& at : about) {
@@ -251,8 +247,8 @@ private:
     /// without area, and for angles below 1e-6.
     double angle_outside(std::span<const FacetCorner> about) const noexcept {
         constexpr double full = 4 * std::numbers::pi;
-        const Point axis{0.2, 0.4, std::sqrt(0.8)}; // any direction
-        double sum = 0; // the angle, or an angle that differs by multiples of `full`
+        const Point axis{0.2, 0.4, std::sqrt(0.8)}; // arbitrary
+        double sum = 0;                             // the angle, up to multiples of `full`
         for (const auto& at : about) {
             if (!boundary_[at.facet].separates) return full / 2;
             const auto& corner = boundary_[at.facet].corner;

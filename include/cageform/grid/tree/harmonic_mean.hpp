@@ -1,15 +1,15 @@
-// Weights for the points of a star whose mean is exact for harmonic polynomials, in the plane.
+// Weights for the points of a star such that their weighted mean is exact for harmonic polynomials, in 2D.
 //
-// Standard finite differences are exact for all cubics. A harmonic function needs less: only the
-// real and imaginary parts of the powers of z have to be exact. Equations take non-negative weights,
-// exact up to the third or fourth power, so a node's value is a mean: it never exceeds the values
-// that it is made of. Samples first try weights of either sign with Σ |weight| ≤ 4, which reach a
-// higher power (harmonic_mean_of in grid/tree/star.hpp). They can exceed the values at the nodes;
+// Standard finite differences are exact for all cubics. A harmonic function needs only the real and
+// imaginary parts of the powers of z to be exact. Equations have non-negative weights, exact up to the
+// third or fourth power, so the value of a node is a mean and never exceeds the values of its star. Samples
+// first try weights of either sign with Σ |weight| ≤ 4, which are exact up to a higher power
+// (harmonic_mean_of in grid/tree/star.hpp). They can exceed the values at the nodes;
 // coordinates/harmonic/cut_samples.hpp clamps the results to [0, 1].
 //
-// On a square of equal cells the result is the nine-point formula (Collatz, The Numerical Treatment
-// of Differential Equations, 1960, ch. V). Next to smaller cells and to the boundary the weights
-// come from a small constrained least-squares problem.
+// On a square of equal cells the result is the nine-point formula (Collatz, The Numerical Treatment of
+// Differential Equations, 1960, ch. V). Next to smaller cells and to the boundary the weights solve a small
+// constrained least-squares problem.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -22,22 +22,20 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Computes weights with sum 1 such that the weighted mean of each power of z about the centre is
-/// 0. Among all such weights it takes those with the least Σ (weight distance²)². Where they have
-/// to be non-negative, it removes the most negative one and solves again, until none is negative.
+/// Computes weights with sum 1 such that the weighted mean of each power of z relative to the centre is 0.
+/// Among these it finds the weights of least Σ (weight distance²)². If they must be non-negative, it
+/// removes the point of the most negative weight and solves again, until no weight is negative.
 class HarmonicMean {
 public:
-    static constexpr std::size_t most = 32; ///< the largest number of points
+    static constexpr std::size_t most = 32; ///< maximum number of points
     static constexpr unsigned most_degree = 4;
 
-    /// Removes all points.
     void clear() noexcept { count_ = 0; }
     std::size_t count() const noexcept { return count_; }
-    /// Adds a point, given by its offset from the centre. Scale the offsets such that they are
-    /// about 1 or smaller.
+    /// Adds a point by its offset from the centre. Scale the offsets to about 1 or less.
     void add(const Vec<double, 2>& offset) noexcept {
         Moments& m = moments_[count_];
-        constexpr double nearest = 0.03; // a nearer point gets no larger prior
+        constexpr double nearest = 0.03; // lower bound of the distance for the prior
         const double square = (std::max)(dot(offset, offset), nearest * nearest);
         prior_[count_++] = 1 / (square * square);
         m[0] = 1;
@@ -51,16 +49,15 @@ public:
         }
     }
 
-    /// Finds non-negative weights and returns the degree up to which they are exact: the highest
-    /// possible from `highest` down to `least`, or 0 if there are none.
+    /// Finds non-negative weights. Returns the highest degree, from `highest` down to `least`, for which
+    /// they are exact, or 0 if there are none.
     unsigned solve(unsigned highest, unsigned least) noexcept {
         for (unsigned degree = highest; degree >= least; --degree) {
             if (solve_moments(2 * degree + 1)) return degree;
         }
         return 0;
     }
-    /// Finds weights of either sign with Σ |weight| ≤ `limit`, and returns their degree as `solve`
-    /// does.
+    /// Finds weights of either sign with Σ |weight| ≤ `limit`; returns their degree like `solve`.
     unsigned solve_signed(unsigned highest, unsigned least, double limit) noexcept {
         std::array<bool, most> all{};
         for (std::size_t n = 0; n < count_; ++n) all[n] = true;
@@ -78,8 +75,7 @@ private:
     static constexpr std::size_t rows = 2 * most_degree + 1;
     using Moments = std::array<double, rows>;
 
-    /// Finds non-negative weights for a number of moments: an active-set loop that drops the most
-    /// negative weight.
+    /// Finds non-negative weights for a number of moments by an active-set method.
     bool solve_moments(std::size_t moments) noexcept {
         std::array<bool, most> left{};
         for (std::size_t n = 0; n < count_; ++n) left[n] = true;
@@ -96,7 +92,7 @@ private:
         }
         return false;
     }
-    /// Checks the result: the sum of the weights is 1 and every moment is 0.
+    /// Whether the sum of the weights is 1 and every moment is 0.
     bool is_exact(std::size_t moments) const noexcept {
         Moments sum{};
         for (std::size_t n = 0; n < count_; ++n) {
@@ -107,8 +103,8 @@ private:
         for (std::size_t k = 0; k < moments; ++k) largest = (std::max)(largest, std::fabs(sum[k]));
         return largest <= 1e-9;
     }
-    /// Solves the constrained least-squares problem with Lagrange multipliers λ: weights = prior Mᵀ
-    /// λ, where (M prior Mᵀ) λ = (1, 0, …).
+    /// Solves the constrained least-squares problem with Lagrange multipliers λ: weights = prior Mᵀ λ,
+    /// where (M prior Mᵀ) λ = (1, 0, …).
     void set_least(const std::array<bool, most>& left, std::size_t moments) noexcept {
         std::array<Moments, rows> a{};
         for (std::size_t n = 0; n < count_; ++n) {
@@ -127,7 +123,7 @@ private:
                 for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
                 if (j < i) {
                     a[i][j] = sum * a[j][j];
-                } else { // stores the inverse; 0 where a moment depends linearly on those before
+                } else { // the inverse; 0 if a moment depends linearly on those before
                     a[i][i] = sum > 1e-12 * whole ? 1 / std::sqrt(sum) : 0;
                 }
             }

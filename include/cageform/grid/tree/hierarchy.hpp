@@ -1,23 +1,21 @@
-// Makes the levels of a multigrid on a tree of cells.
+// The levels of a multigrid on a tree of cells.
 //
-// From one level to the next every family whose children are all leaves becomes one leaf. A node
-// remains if it is still a corner of a leaf. The value of any other node is interpolated from the
-// remaining nodes, in the smallest leaf that holds it (the prolongation P). The coarse equations
-// are Pᵀ A P (Galerkin), and Pᵀ is the restriction.
+// On each next level, every family whose children are all leaves becomes one leaf. A node remains if it is
+// still a corner of a leaf. The value of any other node is interpolated from the remaining nodes in the
+// smallest leaf that contains it (the prolongation P). The coarse equations are the Galerkin product Pᵀ A
+// P, and the restriction is Pᵀ.
 #pragma once
 
 #include <cageform/grid/tree/links.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// One level: its equations, and the prolongation from the next coarser level to it.
 struct TreeLevel {
-    LevelRows neighbours;           ///< the equations; see TreeEquations
-    Buffer<float> inverse_diagonal; ///< by node
-    LevelRows interpolation;        ///< the prolongation, a row for each node; empty on the coarsest level
-    /// By node: its number on the next level, or ~0; empty on the coarsest level.
-    Buffer<std::uint32_t> numbers{};
+    LevelRows neighbours;            ///< the equations (TreeEquations)
+    Buffer<float> inverse_diagonal;  ///< per node
+    LevelRows interpolation;         ///< the prolongation, one row per node; empty on the coarsest level
+    Buffer<std::uint32_t> numbers{}; ///< per node: index on the next level, or ~0; empty on the coarsest
 
     std::uint32_t nodes() const noexcept { return std::uint32_t(inverse_diagonal.size()); }
     std::size_t bytes() const noexcept {
@@ -26,7 +24,6 @@ struct TreeLevel {
     }
 };
 
-/// Builds the levels, from the finest to the coarsest.
 template <std::size_t D>
 class TreeCoarsener {
 public:
@@ -55,17 +52,16 @@ public:
         }
     }
 
-    /// Returns all levels, the finest first. Ends when few nodes are left or the tree cannot be
-    /// coarsened.
+    /// Returns all levels, the finest first. Stops when few nodes are left or the tree cannot be coarsened.
     std::vector<TreeLevel> make(TreeEquations finest) {
-        constexpr std::uint32_t few = 60; // so few unknowns are solved by relaxation alone
+        constexpr std::uint32_t few = 60; // solved by relaxation alone
         std::vector<TreeLevel> levels;
         TreeEquations equations = std::move(finest);
         for (;;) {
             TreeLevel& level = levels.emplace_back();
             for (const double d : equations.diagonal) level.inverse_diagonal.push_back(float(1 / d));
             const std::uint32_t count = level.nodes();
-            // A level has far fewer nodes than the one before.
+            // The progress assumes that each level takes half as long as the one before.
             const Running of_level =
                 running_.subtask(1 - std::ldexp(1, -int(level_)), 1 - std::ldexp(0.5, -int(level_)));
             ++level_;
@@ -88,7 +84,7 @@ public:
     }
 
 private:
-    /// Receives a row of the prolongation from LeafGather and adds up the shares of equal nodes.
+    /// Receives a row of the prolongation from LeafGather and sums the weights of equal nodes.
     struct Sink {
         const TreeCoarsener& coarsener;
         LevelRows& rows;
@@ -103,18 +99,18 @@ private:
             }
             rows.entries.push_back({node, float(share)});
         }
-        // The prolongation interpolates corrections, which vanish on the boundary. For the solution
-        // itself, in TreeMultigrid::take_over, the missing shares are made up by relax_data.
+        // The prolongation interpolates corrections, which are zero on the boundary. When it interpolates
+        // the solution (TreeMultigrid::interpolate_solution), relax_data replaces these terms.
         void at_boundary(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
     };
 
-    /// Returns the leaves of the current coarse level about a node.
+    /// Returns the leaves of the current coarse level around a node.
     LeavesAbout<D> about(std::uint32_t node) const {
         return {tree_.cells(), nodes_.index(node),
                 [&](std::uint32_t cell) { return merges_at_[cell] <= level_; },
                 [&](std::uint32_t cell) { return tree_.state(cell) != grid::CellState::out; }};
     }
-    /// Tells whether a node is a corner of a leaf that counts.
+    /// Whether a node is a corner of a leaf that counts.
     static bool is_corner(const Index& index, const LeavesAbout<D>& about) noexcept {
         for (std::size_t n = 0; n < about.leaf.size(); ++n) {
             const Cell& leaf = about.leaf[n];
@@ -128,10 +124,9 @@ private:
 
     struct Marked {};
 
-    /// Returns the prolongation from the nodes that remain on level_ to the nodes of the level
-    /// before.
+    /// Returns the prolongation from the nodes that remain on level_ to the nodes of the level before.
     LevelRows interpolation(TreeLevel& level, const Running& running) {
-        Buffer<std::uint32_t> fine; // their numbers on the finest level
+        Buffer<std::uint32_t> fine; // indices on the finest level
         std::swap(fine, left_);
         left_.clear();
         Buffer<std::uint8_t> stays(fine.size(), 0);
@@ -172,13 +167,10 @@ private:
     const grid::CutTree<D>& tree_;
     const Nodes& nodes_;
     const Running& running_;
-    Buffer<std::uint8_t> merges_at_; ///< by cell: the first level on which it is a leaf
-    /// By node of the finest level: its number on the current level, or none.
-    Buffer<std::uint32_t> number_;
-    Buffer<std::uint32_t> left_; ///< the nodes of the current level
+    Buffer<std::uint8_t> merges_at_; ///< per cell: the first level on which it is a leaf
+    Buffer<std::uint32_t> number_;   ///< per node of the finest level: index on the current level, or none
+    Buffer<std::uint32_t> left_;     ///< the nodes of the current level
     unsigned level_ = 0;
 };
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,8 +1,6 @@
-// Interpolation inside a leaf, up to the boundary that cuts it.
-//
-// One routine serves the ghost values beyond hanging nodes (grid/tree/links.hpp), the prolongation
-// between levels (grid/tree/hierarchy.hpp), and the points of the user where no models are blended
-// (coordinates/harmonic/leaf_models.hpp).
+// Interpolation inside a leaf, up to the boundary that cuts it. It is used for the ghost values at hanging
+// nodes (grid/tree/links.hpp), the prolongation between levels (grid/tree/hierarchy.hpp), and samples
+// without blended models (coordinates/harmonic/leaf_models.hpp).
 #pragma once
 
 #include <cageform/grid/tree/nodes.hpp>
@@ -10,12 +8,12 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Interpolates at a point of a cell. Without facets it is multilinear between the corners. Where
-/// facets pass the cell, it interpolates linearly along one axis after the other, and a segment
-/// ends on the boundary if that comes before the cell's rim. The result is the mean over the cyclic
-/// orders of the axes along which the point lies strictly inside the cell. So it is a mean, never
-/// exceeds the values that it is made of, and is exact for linear functions. A point on the rim of
-/// a cell depends on values on that rim only, so neighbouring cells agree.
+/// Interpolates at a point of a cell. Without facets it is multilinear between the corners. In a cell with
+/// facets it interpolates linearly along one axis after the other; a segment ends on the boundary if that
+/// is nearer than the rim of the cell. The result is the mean over the cyclic orders of the axes along
+/// which the point lies strictly inside the cell. It never exceeds the interpolated values, and is exact
+/// for linear functions. On the rim of a cell it depends only on values on the rim, so neighbouring cells
+/// agree.
 ///
 ///   sink  sink.at_node(index, share) for a corner inside, sink.at_boundary(value, point, share) for a
 ///         point on the boundary
@@ -30,9 +28,9 @@ public:
         , nodes_(nodes)
         , sink_(sink) {}
 
-    /// Interpolates at a point of the closed cell. The point is inside and not on a facet.
+    /// Interpolates at a point of the closed cell, which must be inside and not on a facet.
     ///
-    ///   facets  those that pass the cell
+    ///   facets  those that intersect the cell
     void gather(const Cell& cell, std::span<const std::uint32_t> facets, Vec<double, D> p) {
         cell_ = cell;
         facets_ = facets;
@@ -55,8 +53,7 @@ public:
     }
 
 private:
-    /// Interpolates along the first of the axes that are left, between the two ends of the segment
-    /// through p.
+    /// Interpolates along the first of the remaining axes, between the ends of the segment through p.
     void along(const Vec<double, D>& p, double share, std::span<const std::size_t> axes) {
         if (axes.empty()) {
             at_corner(p, share);
@@ -89,7 +86,7 @@ private:
         for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(p[k]);
         if (nodes_.find(index) != grid::TreeNodes<D>::none) {
             sink_.at_node(index, share);
-        } else { // a corner that is no node lies on the boundary, up to rounding
+        } else { // a corner that is not a node lies on the boundary, up to rounding
             sink_.at_boundary(boundary_.nearest(facets_, p).value, p, share);
         }
     }

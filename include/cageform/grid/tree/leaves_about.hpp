@@ -1,23 +1,22 @@
-// The 2^D leaves that touch a node.
+// The 2^D leaves around a node.
 #pragma once
 
 #include <cageform/grid/tree/cut_tree.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The leaves about a node, one an octant (in the plane a quadrant). Octant n lies on the upper
-/// side along the axes of its set bits. A large leaf may fill several octants.
+/// The leaves around a node, one per octant (in 2D per quadrant). Octant n is on the upper side along the
+/// axes of its set bits. A large leaf may fill several octants.
 template <std::size_t D>
 struct LeavesAbout {
     using Cell = typename grid::CellTree<D>::Cell;
     std::array<Cell, grid::CellTree<D>::children> leaf;
     std::array<bool, grid::CellTree<D>::children> counts; ///< whether the leaf counts
 
-    /// Descends the tree once for all octants, down to the first cell that the node halves along
-    /// some axis, and from there separately.
+    /// Descends the tree once for all octants, to the first cell that the node halves along an axis, and
+    /// from there separately.
     ///
-    ///   is_leaf(cell number)     whether the descent ends here: a leaf of the tree or of a coarser
-    ///                            level
+    ///   is_leaf(cell number)     whether a cell is a leaf of the tree or of a coarser level
     ///   does_count(cell number)  whether a leaf counts
     template <class IsLeaf, class Counts>
     LeavesAbout(const grid::CellTree<D>& tree, const std::array<std::int32_t, D>& node, const IsLeaf& is_leaf,
@@ -40,8 +39,7 @@ struct LeavesAbout {
             counts[n] = does_count(leaf[n].number);
         }
     }
-    /// Returns the smallest leaf among the octants whose bits under `mask` equal `bits`, or null if
-    /// none of them counts.
+    /// Returns the smallest leaf that counts among the octants with the given bits under `mask`, or null.
     const Cell* smallest(std::size_t mask = 0, std::size_t bits = 0) const noexcept {
         const Cell* best = nullptr;
         for (std::size_t n = 0; n < leaf.size(); ++n) {
@@ -52,7 +50,7 @@ struct LeavesAbout {
     }
 };
 
-/// Returns the leaves about a node; those that are not outside count.
+/// Returns the leaves around a node; those that are not outside count.
 template <std::size_t D>
 LeavesAbout<D> leaves_about(const grid::CutTree<D>& tree, const std::array<std::int32_t, D>& node) {
     return {tree.cells(), node, [&](std::uint32_t cell) { return tree.cells().is_leaf(cell); },

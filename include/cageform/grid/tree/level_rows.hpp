@@ -1,4 +1,4 @@
-// A sparse matrix stored by rows, its transpose, and the Galerkin product of multigrid.
+// A sparse matrix in compressed row storage, its transpose, and the Galerkin product of multigrid.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -28,7 +28,6 @@ struct LevelRows {
         return {entries.data() + begin[row], begin[row + 1] - begin[row]};
     }
     void end_row() { begin.push_back(std::uint32_t(entries.size())); }
-    /// Appends the rows of another matrix.
     void append(const LevelRows& other) {
         const auto before = std::uint32_t(entries.size());
         for (std::size_t row = 0; row < other.rows(); ++row) begin.push_back(before + other.begin[row + 1]);
@@ -43,7 +42,7 @@ struct LevelRows {
     }
 };
 
-/// Returns the transpose. The columns of every row are in ascending order.
+/// Returns the transpose. The columns of every row are ascending.
 inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
     LevelRows t;
     t.begin = Buffer<std::uint32_t>(columns + 1, 0);
@@ -57,7 +56,7 @@ inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
     return t;
 }
 
-/// Makes parts as in_runs() does, and joins them in their order, by Part::append.
+/// Makes parts like in_runs(), and joins them in order by Part::append.
 template <class Part, class WorkOf>
 Part joined_runs(const Running& running, std::size_t count, std::size_t least, const WorkOf& work_of) {
     auto parts = in_runs<Part>(running.subtask(0, 0.9), count, least, work_of);
@@ -77,16 +76,15 @@ Part joined_runs(const Running& running, std::size_t count, std::size_t least, c
 /// The equations of one level: diagonal · u − neighbours · u = b.
 struct TreeEquations {
     LevelRows neighbours;    ///< the negated off-diagonal entries
-    Buffer<double> diagonal; ///< by row
+    Buffer<double> diagonal; ///< per row
 
-    /// Appends the equations of other rows.
     void append(const TreeEquations& other) {
         neighbours.append(other.neighbours);
         diagonal.append(other.diagonal.begin(), other.diagonal.end());
     }
 };
 
-/// Makes rows of the coarse equations; see `galerkin`. r is the transpose of p.
+/// Makes rows of the coarse equations (`galerkin`). r is the transpose of p.
 class GalerkinRows {
 public:
     GalerkinRows(const TreeEquations& fine, const LevelRows& p, const LevelRows& r)
@@ -143,12 +141,12 @@ private:
 
     const TreeEquations& fine_;
     const LevelRows &p_, &r_;
-    Buffer<std::uint32_t> slot_; ///< by column: its position in row_, or none
+    Buffer<std::uint32_t> slot_; ///< per column: its position in row_, or none
     Buffer<Sum> row_;
 };
 
-/// Returns the coarse equations Pᵀ A P (Galerkin). Entries below 1e-6 of the diagonal are added to
-/// the diagonal instead, which keeps the row sums.
+/// Returns the coarse equations Pᵀ A P (Galerkin). Entries below 1e-6 of the diagonal are added to the
+/// diagonal, which preserves the row sums.
 inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std::size_t coarse,
                               const Running& running = {}) {
     const LevelRows r = transposed(p, coarse);

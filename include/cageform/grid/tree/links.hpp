@@ -1,33 +1,30 @@
-// How the tree discretises the Laplace equation: one row of a sparse matrix for every node.
+// The discretisation of the Laplace equation on the tree: one row of a sparse matrix per node.
 //
-// A node is a corner of a leaf that lies inside the domain (grid/tree/nodes.hpp). Every row has the
-// form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value), and every weight
-// is positive; a near field adds data of both signs. The matrix is not symmetric: stars and ghost values
-// are not mutual.
-// LinkMaker::add_equation picks one of three formulas:
+// A node is a corner of a leaf inside the domain (grid/tree/nodes.hpp). Every row has the form diagonal ·
+// u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value) with positive weights; a near field adds
+// data of both signs. The matrix is not symmetric, because stars and ghost values are not mutual.
+// LinkMaker::add_equation selects one of three formulas:
 //
-// 1. Equal leaves about the node and no facet in them: the mean of the 8 nodes about it in the plane, of the
-// 26 in space (Collatz, The Numerical Treatment of Differential Equations, table VI). The mean is exact for
-// harmonic polynomials up to degree seven, so for the Laplace equation it is of order six.
+// 1. Equal leaves without facets around the node: the mean of the 8 surrounding nodes in 2D, of the 26 in
+// 3D (Collatz, The Numerical Treatment of Differential Equations, table VI). The mean is exact for harmonic
+// polynomials up to degree seven, so the order for the Laplace equation is six.
 //
-// 2. Plane, everywhere else, if it succeeds: generalised finite differences. The node collects the
-// corners of the leaves about it and, in the directions where a facet hides them, points on the
-// boundary (grid/tree/star.hpp). Non-negative weights are then chosen such that the mean is exact
-// for harmonic polynomials up to degree three or four (grid/tree/harmonic_mean.hpp). These
-// equations limit the order of the solution in the plane to four.
+// 2. Other nodes in 2D, if the weights exist: generalised finite differences. The star of the node consists
+// of the corners of the leaves around it and, in the directions where a facet hides them, of points on the
+// boundary (grid/tree/star.hpp). Non-negative weights make the mean exact for harmonic polynomials up to
+// degree three or four (grid/tree/harmonic_mean.hpp). These equations limit the order of the solution in 2D
+// to four.
 //
-// 3. Space where 1 does not apply, and the plane where 2 fails: along each axis the second difference
-// of Shortley and Weller (J. Appl. Phys. 9 (1938)), which allows two links of different lengths. A link
-// ends on the boundary or on a node. A node on a face of a larger leaf, but not at one of its corners,
-// is a hanging node. Its link through that leaf may end inside the opposite face, where no node is. The
-// end then takes a ghost value, interpolated in that face by LeafGather (grid/tree/leaf_gather.hpp).
-// Interpolating a ghost value adds error terms along the other axes. The second differences are scaled
-// to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput. Phys. 218 (2006); here the
-// error terms are second moments of the interpolation, which also covers interpolation that ends on the
-// boundary). Linear functions are exact, and the order at these nodes is two.
+// 3. All other nodes: along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9
+// (1938)), which allows two links of different lengths. A link ends on the boundary or at a node. A node on
+// a face of a larger leaf that is not one of its corners is a hanging node. Its link through that leaf may
+// end inside the opposite face, where there is no node. The end then has a ghost value, interpolated in
+// that face by LeafGather (grid/tree/leaf_gather.hpp). A ghost value adds error terms along the other axes.
+// The second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput.
+// Phys. 218 (2006); here the error terms are second moments of the interpolation, which includes
+// interpolation up to the boundary). Linear functions are exact, and the order at these nodes is two.
 //
-// grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree/multigrid.hpp solves
-// them.
+// grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree/multigrid.hpp solves them.
 #pragma once
 
 #include <cageform/grid/tree/leaf_gather.hpp>
@@ -37,21 +34,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// One entry of the right-hand side: the weight of a handle's boundary value in the equation of a
-/// node.
+/// One entry of the right-hand side: the weight of a handle's boundary value in a node's equation.
 struct TreeData {
     std::uint32_t handle, node;
     float weight;
 };
 
-/// The equations of all nodes, each multiplied by the volume about its node.
+/// The equations of all nodes, each multiplied by the volume around its node.
 struct TreeLinks {
     detail::TreeEquations equations;
     Buffer<TreeData> data;  ///< sorted by handle, then by node
-    Buffer<float> volume;   ///< by node: the product over the axes of the mean link length
-    double least_share = 1; ///< the least factor by which shares_of_axes scales a second difference
+    Buffer<float> volume;   ///< per node: the product over the axes of the mean link length
+    double least_share = 1; ///< the smallest factor of a second difference (shares_of_axes)
 
-    /// Appends the equations of other nodes.
     void append(const TreeLinks& other) {
         equations.append(other.equations);
         data.append(other.data.begin(), other.data.end());
@@ -64,16 +59,16 @@ struct TreeLinks {
 
 namespace detail {
 
-/// Stands in for Star in space, where no star is used.
+/// Replaces Star in 3D.
 struct NoStar {
     template <class... Any>
     explicit NoStar(const Any&...) noexcept {}
 };
 
-/// Stands in for a near field where there is none.
+/// Replaces the near field if there is none.
 struct NoNearField {};
 
-/// Makes the equations of runs of nodes. `Data` turns a point of the boundary into weights of handles:
+/// Makes the equations of runs of nodes. `Data` converts a point of the boundary into weights of handles:
 /// data.for_each_weight(value, f). `Near` corrects equations next to the boundary, or is NoNearField.
 template <std::size_t D, class Data, class Near>
 class LinkMaker {
@@ -102,16 +97,15 @@ private:
     /// The link from a node along an axis, in one direction.
     struct Side {
         double length;
-        // Whether the end is a ghost value: neither a node nor on the boundary. The hanging node is
-        // then the one where the link begins.
+        // Whether the end is a ghost value. The node at the start of the link is then a hanging node.
         bool hangs;
-        /// Second moments of the interpolation about the end, by axis; only if it hangs.
+        /// Second moments of the interpolation relative to the end, by axis; only if it hangs.
         Vec<double, D> moments;
-        /// The value at the end, as a mean of nodes and boundary values.
+        /// The value at the end as a mean of nodes and boundary values.
         grid::CutStencil<D> end;
     };
 
-    /// Receives a ghost value from LeafGather and adds up its second moments.
+    /// Receives a ghost value from LeafGather and sums its second moments.
     struct MomentSink {
         const Nodes& nodes;
         Side& side;
@@ -131,14 +125,14 @@ private:
         }
     };
 
-    /// Follows the link from a node along an axis, up or down, to its end. The smallest leaf on
-    /// that side gives its length.
+    /// Computes the link from a node along an axis. Its length is the size of the smallest leaf on that
+    /// side.
     void set_side(Side& side, const Index& index, const LeavesAbout<D>& about, std::size_t axis, bool up) {
         side.hangs = false;
         side.end.node_count = side.end.boundary_count = 0;
         const std::size_t bit = std::size_t{1} << axis;
         const Cell* leaf = about.smallest(bit, up ? bit : 0);
-        // No leaf is inside on that side: the node lies on the boundary, up to rounding.
+        // Without a leaf on that side, the node lies on the boundary, up to rounding.
         const bool beyond = leaf == nullptr;
         if (beyond) leaf = about.smallest();
         const auto facets = tree_.facets(leaf->number);
@@ -161,7 +155,7 @@ private:
         bool is_corner = true;
         for (std::size_t k = 0; k < D; ++k)
             is_corner = is_corner && (there[k] == leaf->low[k] || there[k] == leaf->low[k] + leaf->size);
-        // A corner without a node is outside, or too near a facet to be an unknown.
+        // A corner without a node is outside, or too close to a facet to be an unknown.
         if (beyond || is_corner) {
             side.end.add(boundary.nearest(facets, position).value, 1.0);
             return;
@@ -172,7 +166,7 @@ private:
         LeafGather<D, MomentSink>(boundary, nodes_, sink).gather(*leaf, facets, position);
     }
 
-    /// Chooses among the three formulas above and appends the node's row.
+    /// Selects one of the three formulas above and appends the node's row.
     void add_equation(std::uint32_t node) {
         const Index index = nodes_.index(node);
         const auto about = leaves_about(tree_, index);
@@ -208,14 +202,14 @@ private:
         }
         end_row(volume);
     }
-    /// Formula 1. Returns false, and adds nothing, if leaves differ in size or a facet cuts one of them.
+    /// Formula 1. Adds nothing and returns false if leaves differ in size or a facet cuts one of them.
     bool add_regular(std::uint32_t node, const Index& index, const LeavesAbout<D>& about) {
         const std::int32_t size = about.leaf[0].size;
         for (const Cell& leaf : about.leaf) {
             if (leaf.size != size || tree_.state(leaf.number) != grid::CellState::in) return false;
         }
         // The index is the number of axes along which a node differs from the centre. A node of several
-        // leaves gets this weight once from each leaf.
+        // leaves gets this weight once per leaf.
         constexpr std::array weights =
             D == 2 ? std::array{0.0, 1.0 / 3, 1.0 / 6, 0.0} : std::array{0.0, 3.5 / 30, 1.5 / 30, 1.0 / 30};
         for (const Cell& leaf : about.leaf) {
@@ -236,7 +230,7 @@ private:
         }
         return true;
     }
-    /// Begins a row of the near field. Rows of one cube, of twice the size of the node's smallest leaf, are
+    /// Begins a row of the near field. Rows in one cube, of twice the size of the node's smallest leaf, are
     /// corrected together.
     void begin_near_row(std::uint32_t node, const Index& index, const LeavesAbout<D>& about) {
         const std::int32_t size = about.smallest()->size;
@@ -278,19 +272,19 @@ private:
         out_.equations.diagonal.push_back(diagonal_);
         out_.volume.push_back(float(volume));
     }
-    /// Generalised finite differences, in the plane. Returns false if no non-negative weights
-    /// exist, or next to a bone.
+    /// Generalised finite differences in 2D. Returns false if there are no non-negative weights, or next to
+    /// a bone.
     bool add_star([[maybe_unused]] std::uint32_t node, [[maybe_unused]] const Index& index,
                   [[maybe_unused]] const LeavesAbout<D>& about, [[maybe_unused]] double volume) {
         if constexpr (D == 2) {
-            if (!star_.look(index, about)) return false;
+            if (!star_.collect(index, about)) return false;
             mean_.clear();
             for (const auto& point : star_.points()) mean_.add((1 / star_.size()) * point.offset);
             if (mean_.solve(HarmonicMean::most_degree, 3) == 0) return false;
             double moment = 0;
             for (std::size_t n = 0; n < mean_.count(); ++n)
                 moment += mean_.weight(n) * dot(star_.points()[n].offset, star_.points()[n].offset);
-            // A mean over the star is u + (moment/4) Δu + …, since Δr² = 4.
+            // The mean over the star is u + (moment/4) Δu + …, since Δr² = 4.
             for (std::size_t n = 0; n < mean_.count(); ++n) {
                 const auto& point = star_.points()[n];
                 const double weight = mean_.weight(n) * 4 * volume / moment;
@@ -322,18 +316,17 @@ private:
         row_.push_back({column, weight});
     }
 
-    /// The factors of the second differences along the axes. The ghost values of axis a add σ(a, k)
-    /// times the second derivative along axis k ≠ a to its second difference. Here σ(a, k) = Σ c · m
-    /// / 2 over the ends of axis a that are ghost values, with c the weight of the end in the second
-    /// difference (`c` below) and m its second moment along k (Side::moments). With the factors
-    /// share_k = 1 − Σ share_a σ(a, k), a ≠ k, every second derivative has coefficient 1 again, so
-    /// all squares are exact.
+    /// Returns the factors of the second differences along the axes. The ghost values of axis a add σ(a, k)
+    /// times the second derivative along axis k ≠ a to its second difference. Here σ(a, k) = Σ c · m / 2
+    /// over the ghost values at the ends of axis a, with c the weight of the end in the second difference
+    /// (`c` below) and m its second moment along k (Side::moments). With the factors share_k = 1 − Σ
+    /// share_a σ(a, k), a ≠ k, every second derivative has the coefficient 1, so all squares are exact.
     std::array<double, D> shares_of_axes(const std::array<std::array<double, 2>, D>& c) {
         std::array<double, D> shares{};
         shares.fill(1);
         bool hangs = false;
         for (const Side& side : sides_) hangs = hangs || side.hangs;
-        // A fixed-point iteration, which contracts by (D − 1)/4.
+        // A fixed-point iteration with the contraction factor (D − 1)/4.
         for (int step = 0; hangs && step < 30; ++step) {
             auto next = shares;
             for (std::size_t k = 0; k < D; ++k) {
@@ -355,7 +348,7 @@ private:
     static constexpr bool has_near_field = !std::is_same_v<Near, NoNearField>;
     Near near_;
     std::uint32_t first_ = 0;                ///< the first node of the run
-    std::array<std::int32_t, D + 1> cube_{}; ///< of the rows that near_ waits for
+    std::array<std::int32_t, D + 1> cube_{}; ///< of the pending rows of near_
     std::array<Side, 2 * D> sides_;
     std::vector<std::pair<std::uint32_t, double>> row_;
     double diagonal_ = 0;
@@ -386,11 +379,11 @@ namespace grid {
 
 /// Returns the equations of all nodes.
 ///
-///   data  data.for_each_weight(value, f): f(handle, weight) for every handle that has weight at a
-///         point of the boundary; no weight is negative
+///   data        data.for_each_weight(value, f) calls f(handle, weight) for every handle with non-zero
+///               weight at a point of the boundary; weights must not be negative
 ///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or
-///               NoNearField; runs of nodes have copies of it
-template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
+///               NoNearField; each run of nodes has a copy
+template <std::size_t D, class Data = detail::LinearBoundaryData<D>, class Near = detail::NoNearField>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
                    const Near& near_field = {}, const Running& running = {}) {
     TreeLinks links = detail::joined_runs<TreeLinks>(running, nodes.count(), 2048, [&] {

@@ -1,19 +1,18 @@
 // Multigrid on a tree of cells, for sixteen functions at a time.
 //
-// `start` is a full multigrid start: it solves the coarsest level and goes up level by level, each
-// time interpolating the solution and running one cycle. After that the caller repeats `cycle`;
-// coordinates/harmonic/tree_solver.hpp does so until the change of the last cycle, times its ratio
-// to the change before (within 0.2 … 0.9), is at most accuracy/100 in the plane and accuracy/10 in
-// space.
+// `start` is full multigrid: it solves the coarsest level; then, on each finer level, it interpolates the
+// solution and runs one cycle. After that the caller repeats `cycle`. coordinates/harmonic/tree_solver.hpp
+// stops when the change of the last cycle, times its ratio to the change before (within 0.2 … 0.9), is at
+// most accuracy/100 in 2D and accuracy/10 in 3D.
 //
-// One V-cycle (`descend`) relaxes twice by Gauss-Seidel, restricts the residual to the next coarser
-// level, solves there for a correction in the same way, adds the interpolated correction, and
-// relaxes once more. The rows, the prolongation and its transpose come from grid/tree/hierarchy.hpp.
+// One V-cycle (`v_cycle`) relaxes twice by Gauss-Seidel, restricts the residual to the next coarser level,
+// computes a correction there by the same method, adds the interpolated correction, and relaxes once more.
+// The rows, the prolongation and its transpose are made by grid/tree/hierarchy.hpp.
 //
-// Most boundary functions are nearly zero in most of the domain. With a cutoff the cycles therefore
-// visit only the active nodes: those where some function exceeds the cutoff, those with boundary
-// data, and a ring of neighbours. The outermost of them, which may have neighbours that are not
-// active, form the rim. The set grows when a function exceeds the cutoff there.
+// Most boundary functions are nearly zero in most of the domain. With a cutoff the cycles therefore visit
+// only the active nodes: those where a function exceeds the cutoff, those with boundary data, and a ring of
+// neighbours. The outermost of them, which may have inactive neighbours, are the rim. The set grows when a
+// function exceeds the cutoff on the rim.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -23,23 +22,22 @@
 
 #include <functional>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The equations of a tree's nodes on all levels, and the cycles that solve them. The cycles work
-/// in float. `refine` moves the solution found so far to double and leaves the residual as the new
-/// right-hand side, so any tolerance can be met. Denormal numbers are flushed to zero.
+/// The equations of a tree's nodes on all levels, and the cycles that solve them in float. `refine` adds
+/// the solution to one in double and makes the residual the new right-hand side, so any tolerance can be
+/// reached. Denormal numbers are flushed to zero.
 template <std::size_t D>
 class TreeMultigrid {
 public:
     static constexpr std::size_t width = detail::functions_together;
     using Values = detail::NodeValues;
     using Row = detail::NodeRow;
-    /// The solver calls this several times a second. If it returns false, work stops, and the block's values
-    /// are invalid until `start`.
+    /// Called several times per second. If it returns false, the work stops, and the block is invalid until
+    /// `start`.
     using KeepGoing = std::function<bool()>;
 
-    /// The solution of one group of functions and the memory to compute it.
+    /// The solution of one group of functions and the working memory.
     class Block {
     public:
         Values value(std::uint32_t node) const noexcept {
@@ -48,24 +46,22 @@ public:
             for (std::size_t k = 0; k < width; ++k) values[k] += double(levels_[0].u[node][k]);
             return values;
         }
-        /// The number of active nodes of the finest level.
+        /// Returns the number of active nodes on the finest level.
         std::size_t active() const noexcept { return levels_[0].list.size(); }
-        /// The nodes whose values may differ from zero, in no order.
+        /// Returns the nodes whose values may differ from zero, unordered.
         std::span<const std::uint32_t> valued() const noexcept {
             return {levels_[0].touched.data(), levels_[0].touched.size()};
         }
 
     private:
         friend TreeMultigrid;
-        static constexpr std::uint8_t once = 2; ///< a flag that stays set: the node has had some flag
+        static constexpr std::uint8_t once = 2; ///< a flag that remains set: the node has had some flag
         struct Level : detail::Fields {
-            Buffer<std::uint8_t> flags; ///< by node
-            /// Nodes that have or had a flag; all other values are zero.
-            Buffer<std::uint32_t> touched{};
-            /// The number of nodes with boundary data, which come first in `touched`.
-            std::size_t with_data = 0;
-            Buffer<std::uint32_t> list{}; ///< the active nodes, in ascending order
-            Buffer<std::uint32_t> rim{};  ///< active nodes that may have neighbours which are not active
+            Buffer<std::uint8_t> flags;      ///< per node
+            Buffer<std::uint32_t> touched{}; ///< nodes that have or had a flag; other values are zero
+            std::size_t with_data = 0;       ///< number of nodes with boundary data, first in `touched`
+            Buffer<std::uint32_t> list{};    ///< the active nodes, ascending
+            Buffer<std::uint32_t> rim{};     ///< active nodes that may have inactive neighbours
 
             void mark(std::uint32_t n, std::uint8_t flag) {
                 if (flags[n] == 0) touched.push_back(n);
@@ -73,11 +69,11 @@ public:
             }
         };
         std::vector<Level> levels_;
-        Buffer<Values> refined_; ///< the values that `refine` has moved to double; empty before
+        Buffer<Values> refined_; ///< the solution in double; empty before `refine`
         std::span<const TreeData> data_;
         std::size_t first_ = 0;
         double cutoff_ = 0;
-        bool is_zero_ = false; ///< the values that are not touched are zero
+        bool is_zero_ = false; ///< whether all values that are not touched are zero
         const KeepGoing* keep_going_ = nullptr;
     };
 
@@ -97,7 +93,6 @@ public:
         for (const auto& level : levels_) sum += level.bytes();
         return sum;
     }
-    /// Returns the memory of a block, refined or not.
     std::size_t block_bytes(bool refined) const noexcept {
         std::size_t rows = 0;
         for (const auto& level : levels_) rows += level.nodes();
@@ -115,16 +110,15 @@ public:
         return block;
     }
 
-    /// Starts a group with functions first … first + width − 1: one cycle on each coarse level
-    /// from the coarsest up. The finest level then holds the interpolated solution; call `cycle`.
+    /// Starts a group with functions first … first + width − 1: one cycle per coarse level from the
+    /// coarsest up. The finest level then has the interpolated solution; call `cycle`.
     ///
-    ///   cutoff  the functions are solved at nodes where any of them is larger; 0: everywhere
+    ///   cutoff  solves at nodes where any function is larger; 0: everywhere
     ///
-    /// Nodes that are not solved for keep the values interpolated from the next coarser level. Each
-    /// coarser level has a quarter of the cutoff, so its values are solved for farther out. Where
-    /// all functions are below a thousandth of the cutoff, they become zero. A value that is not
-    /// solved for has the relative error of the coarser level. The largest error measured was a
-    /// quarter of the cutoff.
+    /// Nodes that are not solved for keep the values interpolated from the next coarser level. Each coarser
+    /// level has a quarter of the cutoff, so it is solved farther out. Values below a thousandth of the
+    /// cutoff for all functions become zero. A value that is not solved for has the relative error of the
+    /// coarser level; the largest error measured was a quarter of the cutoff.
     void start(Block& block, std::size_t first, double cutoff = 0, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
         block.keep_going_ = &keep_going;
@@ -137,20 +131,20 @@ public:
         for (std::uint32_t n = 0; n < levels_[coarsest].nodes(); ++n) block.levels_[coarsest].mark(n, active);
         list_active(block, coarsest);
         for (std::size_t l = coarsest; l > 0; --l) {
-            (void)descend(block, l);
-            if (cutoff > 0) grow(block, l);
-            take_over(block, l - 1);
+            (void)v_cycle(block, l);
+            if (cutoff > 0) activate_more(block, l);
+            interpolate_solution(block, l - 1);
             relax_data(block, l - 1);
         }
     }
 
-    /// Runs one V(2,1) cycle. Returns the largest change of any of the first `functions`. With a
-    /// cutoff, nodes may become active.
+    /// Runs one V(2,1) cycle. Returns the largest change of the first `functions` functions. With a cutoff,
+    /// nodes may become active.
     double cycle(Block& block, std::size_t functions, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
         block.keep_going_ = &keep_going;
-        const Simd largest = descend(block, 0);
-        if (block.cutoff_ > 0) grow(block, 0);
+        const Simd largest = v_cycle(block, 0);
+        if (block.cutoff_ > 0) activate_more(block, 0);
         detail::NodeRow row;
         largest.store(row);
         double change = 0;
@@ -158,7 +152,7 @@ public:
         return change;
     }
 
-    /// Moves the functions to double. The residual becomes the right-hand side of the next cycles.
+    /// Adds the functions to those in double. The residual becomes the right-hand side of the next cycles.
     void refine(Block& block, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
         block.keep_going_ = &keep_going;
@@ -175,8 +169,8 @@ public:
                 for (std::size_t k = 0; k < width; ++k) sum[k] += double(weight) * block.refined_[column][k];
             }
         };
-        // Boundary data is sorted by handle. Its nodes are collected first, since they are few, and
-        // summed in double.
+        // Boundary data is sorted by handle. Its nodes are few; they are collected first and summed in
+        // double.
         Buffer<Values> rows;
         Buffer<std::uint32_t> data_nodes;
         for (const TreeData& entry : block.data_) data_nodes.push_back(entry.node);
@@ -201,7 +195,7 @@ private:
     static constexpr std::uint8_t active = 1; ///< a flag: the node is solved for
     static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
-    /// Calls f(n) for n < count, in order, and KeepGoing at times. Returns false if that ended it early.
+    /// Calls f(n) for n < count in order, and regularly KeepGoing. Returns false if that stopped it.
     template <class F>
     static bool for_each(const Block& block, std::size_t count, const F& f) {
         constexpr std::size_t together = std::size_t{1} << 18; // some hundredths of a second
@@ -213,7 +207,7 @@ private:
         return true;
     }
 
-    // ---- which nodes are solved for -------------------------------------------------------------------
+    // ---- active nodes -----------------------------------------------------------------------------
 
     static void clear(Block& block) {
         bool whole = true;
@@ -233,8 +227,7 @@ private:
         }
         block.is_zero_ = whole;
     }
-    /// Sets the right-hand sides of all levels: the data of the finest level, restricted to the
-    /// others.
+    /// Sets the right-hand sides of all levels: the data on the finest level, restricted to the others.
     void set_data(Block& block) const {
         const auto by_handle = [](const TreeData& a, std::size_t handle) { return a.handle < handle; };
         const auto from = std::lower_bound(data_.begin(), data_.end(), block.first_, by_handle);
@@ -264,13 +257,12 @@ private:
         for (std::size_t k = 0; k < width; ++k) any |= std::fabs(row[k]) > limit;
         return any;
     }
-    /// Returns the cutoff of a level. Each coarser level is less exact by a factor of four, so its
-    /// cutoff is smaller by four.
+    /// Returns the cutoff of a level, a quarter on each coarser level because its error is four times as
+    /// large.
     static float cutoff_of(const Block& block, std::size_t l) noexcept {
         return float(std::ldexp(block.cutoff_, -2 * int(l)));
     }
-    /// Lists the active nodes of a level. On the coarser levels it activates the same nodes where
-    /// they remain.
+    /// Lists the active nodes of a level. On coarser levels activates the nodes that remain.
     void list_active(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         level.list.clear();
@@ -289,10 +281,10 @@ private:
             }
         }
     }
-    /// Interpolates the functions from the next coarser level and sets them to zero there, where
-    /// corrections will be stored. The interpolation lacks the boundary values, so relax_data
-    /// follows. Activates nodes with data and nodes where a function exceeds the cutoff.
-    void take_over(Block& block, std::size_t l) const {
+    /// Interpolates the functions from the next coarser level and clears them there for corrections. The
+    /// interpolation lacks the boundary values, so relax_data follows. Activates nodes with data and nodes
+    /// where a function exceeds the cutoff.
+    void interpolate_solution(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
         const float cutoff = cutoff_of(block, l), least = float(1e-3 * block.cutoff_);
@@ -311,7 +303,8 @@ private:
                 sum.store(row);
                 any = any_larger(row, least);
                 if (any) level.mark(n, any_larger(row, cutoff) ? active : std::uint8_t{0});
-                // A value that stays unsolved is made non-negative, since the functions are.
+                // Values that are not solved for are clamped to zero, because the functions are not
+                // negative.
                 if ((level.flags[n] & active) == 0) sum = (detail::max)(sum, Simd(0.0f));
                 if (level.flags[n] != 0) sum.store(level.u[n]);
             }
@@ -339,7 +332,7 @@ private:
         level.rim = std::move(rim);
     }
     /// Activates more nodes where a function exceeds the cutoff on the rim.
-    void grow(Block& block, std::size_t l) const {
+    void activate_more(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         Buffer<std::uint32_t> large, rest;
         const float cutoff = cutoff_of(block, l);
@@ -353,11 +346,10 @@ private:
 
     // ---- cycles, on the active nodes ------------------------------------------------------------------
 
-    /// Returns b + neighbours · u at a node.
     CAGEFORM_DETAIL_INLINE Simd sum_about(const typename Block::Level& at, std::size_t l,
                                           std::uint32_t n) const noexcept {
         const auto row = levels_[l].neighbours.of(n);
-        Simd even = Simd::load(at.b[n]), odd(0.0f); // two sums, so that neither waits for the other
+        Simd even = Simd::load(at.b[n]), odd(0.0f); // two independent sums hide the latency of additions
         std::size_t k = 0;
         for (; k + 2 <= row.size(); k += 2) {
             even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
@@ -366,7 +358,7 @@ private:
         if (k < row.size()) even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
         return even + odd;
     }
-    /// One Gauss-Seidel sweep over the active nodes, along the Morton curve.
+    /// One Gauss-Seidel sweep over the active nodes, in Morton order.
     ///
     ///   largest  out: the largest change, if keeps_largest
     template <bool keeps_largest = false>
@@ -379,10 +371,8 @@ private:
             u.store(at.u[n]);
         });
     }
-    /// Relaxes only the nodes next to the boundary, which have data. The prolongation leaves out
-    /// the shares of boundary values. That is right for corrections, but take_over applies it to the
-    /// solution, which comes out too small beside data. These sweeps solve the equations there,
-    /// whose right-hand sides have the boundary values.
+    /// Relaxes only the nodes with data. The prolongation lacks the terms of boundary values, so
+    /// interpolate_solution gives too small values next to the boundary. These sweeps correct them.
     void relax_data(Block& block, std::size_t l) const noexcept {
         auto& at = block.levels_[l];
         for (std::size_t sweep = 0; sweep < data_sweeps; ++sweep) {
@@ -392,7 +382,7 @@ private:
             }
         }
     }
-    /// Makes the residual of a level, restricted by Pᵀ, the right-hand side of the next.
+    /// Sets the right-hand side of the next level to the restricted residual.
     void restrict_residual(Block& block, std::size_t l) const {
         const auto& at = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
@@ -421,7 +411,7 @@ private:
         });
     }
     /// Runs one V-cycle from a level down. Returns the largest change.
-    Simd descend(Block& block, std::size_t l) const {
+    Simd v_cycle(Block& block, std::size_t l) const {
         Simd largest(0.0f);
         relax<true>(block, l, &largest);
         if (l + 1 == levels_.size()) {
@@ -431,7 +421,7 @@ private:
         relax(block, l);
         restrict_residual(block, l);
         for (const std::uint32_t n : block.levels_[l + 1].list) Simd(0.0f).store(block.levels_[l + 1].u[n]);
-        (void)descend(block, l + 1);
+        (void)v_cycle(block, l + 1);
         interpolate(block, l, largest);
         relax(block, l);
         return largest;
@@ -442,6 +432,4 @@ private:
     std::vector<detail::TreeLevel> levels_; ///< the finest first
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::grid

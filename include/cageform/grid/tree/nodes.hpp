@@ -1,4 +1,4 @@
-// The unknowns of a problem on a tree of cells: the corners of leaves that lie inside the domain.
+// The unknowns on a tree of cells: the corners of leaves inside the domain.
 #pragma once
 
 #include <cageform/grid/tree/cut_tree.hpp>
@@ -7,7 +7,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Sorts numbers: runs of `least` or more in parallel, then merges of two. Reports after each run and merge.
+/// Sorts keys: runs of `least` or more in parallel, then pairwise merges. Reports progress after each.
 template <class Key>
 void sort_in_runs(Buffer<Key>& keys, const Running& running, std::size_t least = std::size_t{1} << 20) {
     const std::size_t count = keys.size();
@@ -32,17 +32,16 @@ void sort_in_runs(Buffer<Key>& keys, const Running& running, std::size_t least =
 
 namespace grid {
 
-/// The nodes, numbered along the Morton curve. Converts between the number and the position of a
-/// node.
+/// The nodes, in Morton order. Converts between the index in this order and the position of a node.
 template <std::size_t D>
 class TreeNodes {
 public:
     using Index = std::array<std::int32_t, D>;
-    using Key = std::uint64_t; ///< the bits of the coordinates interleaved, 21 each: the Morton code
+    using Key = std::uint64_t; ///< the Morton code: interleaved bits of the coordinates, 21 each
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     TreeNodes() = default;
-    /// Makes the nodes from keys that are ascending and distinct.
+    /// Makes the nodes from ascending, distinct keys.
     explicit TreeNodes(Buffer<Key> keys)
         : keys_(std::move(keys)) {
         keys_.shrink_to_fit();
@@ -60,7 +59,7 @@ public:
         return keys_.capacity() * sizeof(Key) + table_.capacity() * sizeof(std::uint32_t);
     }
     Index index(std::uint32_t node) const noexcept { return index_of(keys_[node]); }
-    /// Returns the number of the node at a position, or `none`.
+    /// Returns the index of the node at a position, or `none`.
     std::uint32_t find(const Index& index) const noexcept {
         const Key wanted = key(index);
         for (std::size_t at = slot(wanted);; at = (at + 1) & (table_.size() - 1)) {
@@ -73,7 +72,7 @@ public:
         for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(gathered(key >> k));
         return index;
     }
-    /// Returns the Morton code of a position. Coordinates lie in [0, 2^20].
+    /// Returns the Morton code of a position with coordinates in [0, 2^20].
     static Key key(const Index& index) noexcept {
         Key key = 0;
         for (std::size_t k = 0; k < D; ++k) key |= spread(std::uint64_t(std::uint32_t(index[k]))) << k;
@@ -81,8 +80,7 @@ public:
     }
 
 private:
-    /// Moves bit n to bit D · n, for D = 2 and 3 by halves (Warren, Hacker's Delight (2002), sec.
-    /// 7-2).
+    /// Moves bit n to bit D · n, for D = 2 and 3 by halves (Warren, Hacker's Delight (2002), sec. 7-2).
     static Key spread(Key x) noexcept {
         if constexpr (D == 2) {
             x = (x | x << 16) & 0x0000ffff0000ffff;
@@ -99,7 +97,7 @@ private:
         }
         return x;
     }
-    /// Undoes `spread`: moves bit D · n to bit n.
+    /// The inverse of `spread`: moves bit D · n to bit n.
     static Key gathered(Key x) noexcept {
         if constexpr (D == 2) {
             x &= 0x5555555555555555;
@@ -124,15 +122,15 @@ private:
 
     Buffer<Key> keys_;
     unsigned bits_ = 0;
-    Buffer<std::uint32_t> table_{1, none}; ///< a hash table of node numbers, at most half full
+    Buffer<std::uint32_t> table_{1, none}; ///< hash table of node indices, at most half full
 };
 
-/// A corner nearer to the boundary than this, in units of the tree, or within a bone, is no node.
+/// A corner closer to the boundary than this, in units, or within a bone, is not a node.
 inline constexpr double on_facet_distance = 1e-6;
 
 /// Returns the nodes of a tree: the distinct corners, inside the domain, of all leaves that are not
-/// outside. A corner of an inside leaf is inside without a test. Other corners are tested in
-/// integer arithmetic.
+/// outside. Corners of inside leaves are inside without a test. Other corners are tested in integer
+/// arithmetic.
 template <std::size_t D>
 TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
     using Key = typename TreeNodes<D>::Key;

@@ -1,8 +1,8 @@
-// Refines a tree until every cell is small enough.
+// Refines a tree until every cell has the allowed size.
 //
-// The Refiner visits cells from the root down and splits those larger than allowed. How large a
-// cell may be depends on the facets that pass it, on bones, and on the features near it (reflex
-// edges and vertices, see Features). RefinementPlanner estimates the number of leaves beforehand.
+// The Refiner visits cells from the root down and splits those larger than allowed. The allowed size
+// depends on the facets that intersect the cell, on bones, and on the features near it (reflex edges and
+// vertices, see Features). RefinementPlanner predicts the number of leaves.
 #pragma once
 
 #include <cageform/grid/tree/features.hpp>
@@ -10,15 +10,14 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// Forecasts a tree before it is made.
+/// A prediction of a tree.
 struct RefinementPlan {
-    /// The scale of the cube, for TreeBoundary. Cell sizes are powers of two times the scale, and
-    /// this scale wastes the fewest cells on sizes smaller than needed.
+    /// The scale of the cube for TreeBoundary. Cell sizes are powers of two times the scale; this scale
+    /// gives the fewest cells.
     double scale = 1;
-    double leaves = 0; ///< an estimate, within a factor of two on the cages measured
+    double leaves = 0; ///< estimate, within a factor of two on the measured cages
 };
 
-/// Describes the finest cells of a tree.
 template <std::size_t D>
 struct FinestCells {
     double size = std::numeric_limits<double>::infinity(); ///< in units
@@ -30,12 +29,11 @@ struct FinestCells {
 
 namespace detail {
 
-/// Refines a tree that consists of one cell.
 template <std::size_t D>
 class Refiner {
 public:
     using Cell = typename grid::CellTree<D>::Cell;
-    using Demand = typename CellSizes<D>::Demand;
+    using SizeLimit = typename CellSizes<D>::SizeLimit;
     using ThinPoint = typename CellSizes<D>::ThinPoint;
 
     Refiner(grid::CutTree<D>& tree, const grid::RefinementOptions& options, std::size_t most_leaves,
@@ -48,29 +46,29 @@ public:
         , most_leaves_(most_leaves) {}
 
     bool make() {
-        tree_.find_states(); // only the root exists; splits keep the states up to date
+        tree_.find_states(); // only the root exists; splits update the states
         for (std::uint32_t n = 0; n < features_.size(); ++n) near_.push_back(n);
         ranges_.push_back({0, std::uint32_t(near_.size())});
         const auto& cells = tree_.cells();
         constexpr double of_rounds = 0.7, of_thin = 0.85; // of the progress
         const double most_rounds = (1 + std::log2(double(cells.size()))) / of_rounds;
         double round = 0;
-        // Every round splits the cells that the round before has added.
+        // Every round splits the cells added by the round before.
         for (std::uint32_t first = 0, last = 0; first < cells.cells(); first = last) {
             last = std::uint32_t(cells.cells());
             std::uint32_t number = first;
             const Running of_round = running_.subtask(round / most_rounds, (round + 1) / most_rounds);
             ++round;
-            for (const Demands& part : demands_of(first, last, of_round.subtask(0, 0.5))) {
+            for (const SizeLimits& part : size_limits(first, last, of_round.subtask(0, 0.5))) {
                 report_progress(of_round, 0.5 + 0.5 * double(number - first) / double(last - first));
                 thin_.insert(thin_.end(), part.thin.begin(), part.thin.end());
-                for (const auto& demand : part.list) {
-                    split_if_too_large(cells.cell(number++), demand);
+                for (const auto& limit : part.list) {
+                    split_if_too_large(cells.cell(number++), limit);
                     if (cells.leaves() > most_leaves_) return false;
                 }
             }
         }
-        // Makes cells in the middle of a thin domain as small as at its surface.
+        // Splits cells in the middle of a thin domain to the size at its surface.
         for (std::size_t n = 0; n < thin_.size(); ++n) {
             const auto& thin = thin_[n];
             if (n % 1024 == 0)
@@ -89,21 +87,23 @@ private:
         std::uint32_t begin, end; ///< in near_
     };
 
-    /// The sizes that cells may have, and where the domain is thin.
-    struct Demands {
-        std::vector<Demand> list;
+    /// The allowed cell sizes, and the points where the domain is thin.
+    struct SizeLimits {
+        std::vector<SizeLimit> list;
         std::vector<ThinPoint> thin;
     };
-    /// Returns what facets, bones and features allow for cells first … last − 1, in order.
-    std::vector<Demands> demands_of(std::uint32_t first, std::uint32_t last, const Running& running) const {
-        return in_runs<Demands>(running, last - first, 256, [&] {
-            return [this, first, sizes = sizes_](std::size_t begin, std::size_t end, Demands& out) mutable {
-                for (std::size_t n = begin; n < end; ++n)
-                    out.list.push_back(demand_of(std::uint32_t(first + n), sizes, out.thin));
-            };
+    /// Returns the sizes that facets, bones and features allow for cells first … last − 1, in order.
+    std::vector<SizeLimits> size_limits(std::uint32_t first, std::uint32_t last,
+                                        const Running& running) const {
+        return in_runs<SizeLimits>(running, last - first, 256, [&] {
+            return
+                [this, first, sizes = sizes_](std::size_t begin, std::size_t end, SizeLimits& out) mutable {
+                    for (std::size_t n = begin; n < end; ++n)
+                        out.list.push_back(size_limit(std::uint32_t(first + n), sizes, out.thin));
+                };
         });
     }
-    Demand demand_of(std::uint32_t number, CellSizes<D>& sizes, std::vector<ThinPoint>& thin) const {
+    SizeLimit size_limit(std::uint32_t number, CellSizes<D>& sizes, std::vector<ThinPoint>& thin) const {
         const Cell cell = tree_.cells().cell(number);
         if (tree_.state(cell.number) == grid::CellState::out)
             return {std::numeric_limits<double>::infinity(), SizeReason::largest};
@@ -118,17 +118,17 @@ private:
         }
         return least;
     }
-    /// Splits a cell if it is larger than is allowed.
-    void split_if_too_large(const Cell& cell, const Demand& allowed) {
+    void split_if_too_large(const Cell& cell, const SizeLimit& allowed) {
         if (cell.size == 1 || cell.size <= allowed.size) return;
         const Range features = ranges_[cell.number];
         tree_.split(cell);
         if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, cell.middle(), allowed.reason};
         for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n)
-            hand_down(features, tree_.cells().child(cell, n));
+            add_features(features, tree_.cells().child(cell, n));
     }
-    /// Passes a feature on to a child if it limits the size of the child or of cells in it.
-    void hand_down(const Range& features, const Cell& child) {
+    /// Lists the features of a child: those of its parent that limit the size of the child or of cells in
+    /// it.
+    void add_features(const Range& features, const Cell& child) {
         const auto middle = child.middle();
         const auto begin = std::uint32_t(near_.size());
         const bool counts = tree_.state(child.number) != grid::CellState::out;
@@ -137,7 +137,7 @@ private:
         }
         ranges_.push_back({begin, std::uint32_t(near_.size())});
     }
-    /// Splits the leaf at a point until it is no larger than `size`.
+    /// Splits the leaf at a point until its size is at most `size`.
     void split_at(const Vec<double, D>& position, double size) {
         typename grid::CellTree<D>::Index doubled{};
         for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * position[k]));
@@ -155,7 +155,7 @@ private:
     std::vector<Feature<D>> features_;
     std::size_t most_leaves_;
     Buffer<std::uint32_t> near_; ///< indices of features
-    Buffer<Range> ranges_;       ///< ranges of near_, by cell
+    Buffer<Range> ranges_;       ///< per cell, ranges of near_
     std::vector<ThinPoint> thin_;
     grid::FinestCells<D> finest_;
 };
@@ -163,7 +163,7 @@ private:
 } // namespace detail
 namespace grid {
 
-/// Estimates the number of leaves of trees about a boundary.
+/// Predicts the number of leaves of trees over a boundary.
 template <std::size_t D>
 class RefinementPlanner {
 public:
@@ -183,9 +183,9 @@ public:
     }
 
     RefinementPlan plan(const RefinementOptions& options) const noexcept {
-        // Measured: leaves made for each one that the area of a face, or the length of an edge, needs.
+        // Measured: leaves per leaf that the area of a face, or the length of an edge, requires.
         constexpr double of_surface = D == 2 ? 2.5 : 6.5;
-        // In the plane the largest size is chosen for the scale 1.
+        // In 2D the largest size is chosen for the scale 1.
         constexpr int steps = D == 2 ? 1 : 16;
         RefinementPlan best{1, std::numeric_limits<double>::infinity()};
         for (int step = 0; step < steps; ++step) {
@@ -200,12 +200,12 @@ public:
                     {largest, patch.altitude / options.per_facet, options.of_root_area * patch.root_area});
                 patch.for_each_part(options, most, [&](double size, double area) {
                     size = rounded(size);
-                    // Cells reach beyond narrow facets.
+                    // Cells extend beyond narrow facets.
                     const double beyond = 1 + size / (std::max)(patch.altitude, 1e-3);
                     leaves += of_surface * area / std::pow(size, double(D - 1)) * beyond;
                 });
             }
-            const double g = options.corner_gradation; // measured: leaves made for each halving
+            const double g = options.corner_gradation; // measured: leaves per halving
             leaves += options.corner_levels * inverse_exponents_ * (12 + 5.5 * g * g);
             if (leaves < best.leaves) best = {scale, leaves};
         }
@@ -216,14 +216,14 @@ private:
     double cage_size_;
     std::vector<typename detail::CellSizes<D>::Patch> patches_;
     double volume_ = 0;
-    double inverse_exponents_ = 0; ///< in the plane
+    double inverse_exponents_ = 0; ///< in 2D
 };
 
-/// Refines a tree that consists of one cell, down to cells of one unit, and then balances it.
+/// Refines a tree of one cell, down to cells of one unit, and then balances it.
 ///
-///   most_leaves  returns false if more would be needed; the tree is then incomplete
+///   most_leaves  limit; if it is exceeded, the tree is incomplete and the result false
 ///   finest       out
-///   cost         a ray across the domain for each facet in each cell
+///   cost         one ray across the domain per facet in each cell
 template <std::size_t D>
 bool refine(CutTree<D>& tree, const RefinementOptions& options, std::size_t most_leaves,
             FinestCells<D>& finest, const Running& running = {}) {

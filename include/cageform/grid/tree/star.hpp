@@ -1,11 +1,9 @@
-// The star of a point in the plane: the nodes and boundary points about it that its value is
-// computed from.
+// The star of a point in 2D: the nodes and boundary points that its value is computed from.
 //
-// In generalised finite differences the star is the set of points that the equation of a node
-// involves. Here it holds the corners of the leaves about the point. Where a facet lies between the
-// point and a corner, the star holds the point of that facet instead, whose value is known. The
-// point is said to see what no facet hides. grid/tree/harmonic_mean.hpp computes weights for a
-// star.
+// In generalised finite differences the star is the set of points in the equation of a node. Here it has
+// the corners of the leaves around the point. If a facet lies between the point and a corner, the point on
+// that facet, whose value is known, replaces the corner. A point is *visible* if no facet lies in between.
+// grid/tree/harmonic_mean.hpp computes weights for a star.
 #pragma once
 
 #include <cageform/grid/tree/harmonic_mean.hpp>
@@ -16,36 +14,35 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Collects a star: at most HarmonicMean::most points.
+/// Collects a star of at most HarmonicMean::most points.
 class Star {
 public:
     using Nodes = grid::TreeNodes<2>;
     using Index = Nodes::Index;
     using Cell = grid::CellTree<2>::Cell;
     struct StarPoint {
-        Vec<double, 2> offset; ///< from the centre of the star, in units of the tree
-        std::uint32_t node;    ///< none: the point lies on the boundary
-        // Only of a point on the boundary.
-        BoundaryValue<2> value;
+        Vec<double, 2> offset;  ///< from the centre of the star, in units of the tree
+        std::uint32_t node;     ///< none: the point lies on the boundary
+        BoundaryValue<2> value; ///< only for a point on the boundary
     };
 
     Star(const grid::CutTree<2>& tree, const Nodes& nodes)
         : tree_(tree)
         , nodes_(nodes) {}
 
-    /// Collects the star of a node. Returns false if a bone passes a leaf about it, since a star
-    /// cannot tell what a bone hides.
-    bool look(const Index& index, const LeavesAbout<2>& about) {
+    /// Collects the star of a node. Returns false if a bone intersects a leaf around it, because visibility
+    /// ignores bones.
+    bool collect(const Index& index, const LeavesAbout<2>& about) {
         begin(node_position<2>(index), about.smallest()->size);
-        return look_about(index, about);
+        return add_leaves(index, about);
     }
-    /// Collects the star of a point in a leaf: what it sees in its leaf, the boundary along the
-    /// four axis directions, and then the stars of the leaf's corners that it sees, the nearest
-    /// first. Returns false if a bone passes the leaf.
-    bool look(const Vec<double, 2>& p, const Cell& leaf) {
+    /// Collects the star of a point in a leaf: the visible points of the leaf, the boundary along the four
+    /// axis directions, and then the stars of the visible corners of the leaf, the nearest first. Returns
+    /// false if a bone intersects the leaf.
+    bool collect(const Vec<double, 2>& p, const Cell& leaf) {
         begin(p, leaf.size);
         const auto facets = tree_.facets(leaf.number);
-        if (!look_at(p, leaf)) return false;
+        if (!add_leaf(p, leaf)) return false;
         for (std::size_t side = 0; side < 4 && !facets.empty(); ++side) {
             Vec<double, 2> along{};
             along[side / 2] =
@@ -64,15 +61,14 @@ public:
         std::sort(corners.begin(), corners.begin() + std::ptrdiff_t(count));
         for (std::size_t n = 0; n < count; ++n) {
             add_node(corners[n].second);
-            if (!look_about(corners[n].second, leaves_about(tree_, corners[n].second))) break;
+            if (!add_leaves(corners[n].second, leaves_about(tree_, corners[n].second))) break;
         }
         return true;
     }
-    /// Adds what a point sees in evenly spaced directions, up to the leaf's size away: the
-    /// boundary, or the nodes of the leaf that lies there. Adds nothing if a bone is within twice
-    /// that distance. This serves limbs narrower than a leaf, where the leaf itself may have no
-    /// node.
-    void look_around(const Vec<double, 2>& p, const Cell& leaf) {
+    /// Adds the visible points in evenly spaced directions, up to the leaf's size away: the boundary, or
+    /// the nodes of the leaf at that distance. Adds nothing if a bone is within twice that distance. This
+    /// is for parts of the domain narrower than a leaf, where the leaf may have no node.
+    void add_directions(const Vec<double, 2>& p, const Cell& leaf) {
         constexpr std::size_t directions = 16;
         const auto& boundary = tree_.boundary();
         if (boundary.bones().nearest(p, 2.0 * leaf.size)) return;
@@ -91,7 +87,7 @@ public:
             }
         }
     }
-    /// The size of the smallest leaf about the node, or of the point's leaf.
+    /// Returns the size of the smallest leaf around the node, or of the point's leaf.
     double size() const noexcept { return size_; }
     std::span<const StarPoint> points() const noexcept { return {points_.data(), points_.size()}; }
 
@@ -101,8 +97,8 @@ private:
         centre_ = centre;
         size_ = size;
     }
-    /// Target 0 to 3: a corner of the leaf. Targets 4 to 7: the middle of a side, rounded to a
-    /// unit; it only gives a direction to look in.
+    /// Returns a target: 0 to 3 is a corner of the leaf, 4 to 7 the middle of a side, rounded to a unit,
+    /// which only gives a direction.
     static Index on_rim(const Cell& leaf, std::size_t target) noexcept {
         Index at = leaf.low;
         if (target < 4) {
@@ -114,16 +110,16 @@ private:
         }
         return at;
     }
-    /// Looks from a node into each leaf about it that is not outside.
-    bool look_about(const Index& index, const LeavesAbout<2>& about) {
+    /// Adds the visible points of each leaf around a node that is not outside.
+    bool add_leaves(const Index& index, const LeavesAbout<2>& about) {
         for (std::size_t n = 0; n < about.leaf.size(); ++n) {
-            if (about.counts[n] && !look_at(node_position<2>(index), about.leaf[n])) return false;
+            if (about.counts[n] && !add_leaf(node_position<2>(index), about.leaf[n])) return false;
         }
         return true;
     }
-    /// Looks from a point towards the corners of a leaf, and if facets pass the leaf also towards
-    /// the middles of its sides. Adds the node or the boundary point met in each direction.
-    bool look_at(const Vec<double, 2>& from, const Cell& leaf) {
+    /// Adds the first node or boundary point towards each corner of a leaf and, if the leaf has facets,
+    /// towards the middles of its sides.
+    bool add_leaf(const Vec<double, 2>& from, const Cell& leaf) {
         const auto facets = tree_.facets(leaf.number);
         if (!facets.empty() && facets.back() >= tree_.boundary().size()) return false;
         for (std::size_t target = 0; target < (facets.empty() ? 4 : 8); ++target) {
@@ -160,16 +156,15 @@ private:
     std::vector<StarPoint> points_;
 };
 
-/// Returns the value at a point in a leaf as a mean over its star, exact for harmonic polynomials
-/// up to degree `most_degree` or the highest lower degree that works. Weights of either sign are
-/// tried first, because they reach a higher degree. Returns none if the star is too small or
-/// unknown.
+/// Returns the value at a point in a leaf as a mean over its star, exact for harmonic polynomials up to
+/// degree `most_degree`, or up to the highest lower degree that works. Weights of either sign are tried
+/// first, because they reach a higher degree. Returns nullopt if the star is too small or next to a bone.
 inline std::optional<grid::CutStencil<2>>
 harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, const Vec<double, 2>& p,
                  const grid::CellTree<2>::Cell& leaf, unsigned most_degree) {
     constexpr double largest_sum = 4; // limit of Σ |weight|
     Star star(tree, nodes);
-    if (!star.look(p, leaf)) return std::nullopt;
+    if (!star.collect(p, leaf)) return std::nullopt;
     HarmonicMean mean;
     const auto take_points = [&] {
         mean.clear();
@@ -177,7 +172,7 @@ harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, 
     };
     take_points();
     if (mean.solve_signed(most_degree, 3, largest_sum) == 0) {
-        star.look_around(p, leaf);
+        star.add_directions(p, leaf);
         take_points();
         if (mean.solve_signed(most_degree, 2, largest_sum) == 0 && mean.solve(most_degree, 1) == 0)
             return std::nullopt;

@@ -85,13 +85,14 @@ struct SolverReport {
     };
     Tree tree;
 
-    /// The averaging pyramid (papers/averaging_pyramid.hpp).
-    struct Pyramid {
+    /// A solver of your own that sweeps over its grid.
+    struct Relaxation {
         std::size_t sweeps = 0;         ///< sweeps over the finest grid, summed over all functions
         double largest_mean_change = 0; ///< the largest change in the last sweep, over all functions
-        std::size_t crowded_cells = 0;  ///< cells that contain edges or faces without a common vertex
     };
-    Pyramid pyramid;
+    Relaxation relaxation;
+    /// The number of cells or links that contain edges, faces or strokes without a common vertex.
+    std::size_t crowded_cells = 0;
 
     // ---- refused problems: the culprit, and what would work -------------------------------------
     /// For grid_too_coarse: the first handle whose data reaches no link of the grid.
@@ -155,10 +156,10 @@ struct SolverReport {
             tree.finest_position = other.tree.finest_position;
             tree.finest_reason = other.tree.finest_reason;
         }
-        pyramid.sweeps += other.pyramid.sweeps;
-        pyramid.largest_mean_change =
-            (std::max)(pyramid.largest_mean_change, other.pyramid.largest_mean_change);
-        pyramid.crowded_cells += other.pyramid.crowded_cells;
+        relaxation.sweeps += other.relaxation.sweeps;
+        relaxation.largest_mean_change =
+            (std::max)(relaxation.largest_mean_change, other.relaxation.largest_mean_change);
+        crowded_cells += other.crowded_cells;
     }
 
 private:

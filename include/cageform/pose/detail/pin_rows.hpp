@@ -14,19 +14,12 @@ template <Scalar T, std::size_t D>
 double stored_weight(const PackedBindingView<T, D>& view, std::size_t row, std::size_t lane) noexcept {
     using Register = typename Simd<T>::Register;
     constexpr std::size_t step = lane_count<T> / Simd<T>::count;
-    const auto read = [&]<WeightFormat F>() {
+    return with_format(view.format, [&]<WeightFormat F>() {
         const std::size_t first = row * lane_count<T> + lane / step * step;
         T values[step];
         store_bytes<Register>(values, load_weights<F, T>(view.weights + first * weight_bytes<T>(F)));
         return double(values[lane % step]);
-    };
-    switch (view.format) {
-    case WeightFormat::scalar: return read.template operator()<WeightFormat::scalar>();
-    case WeightFormat::half: return read.template operator()<WeightFormat::half>();
-    case WeightFormat::int16: return read.template operator()<WeightFormat::int16>();
-    case WeightFormat::int8: return read.template operator()<WeightFormat::int8>();
-    }
-    return 0;
+    });
 }
 
 /// Returns where a point is stored; points may be in another order.

@@ -132,8 +132,7 @@ Status pack_pose_samples(const PoseSamples<T, D>& samples, const PosePackOptions
     for_each_pose_array<T, D>(header, samples,
                               [&](std::uint64_t& offset, const auto& part, std::uint64_t count) {
                                   sound = sound && (count == 0 || part.size() == count);
-                                  offset = count != 0 ? end : 0;
-                                  end += (bytes_of(part, count) + 63) / 64 * 64;
+                                  place_array(end, offset, bytes_of(part, count), count != 0);
                               });
     if (!sound) return Status::input_malformed;
     header.bytes = end;
@@ -155,14 +154,10 @@ Status read_pose_samples(const std::byte* data, const PoseBlobHeader& header, Po
     bool sound = header.handles > 0 && header.handles <= samples.most_handles && header.clusters > 0 &&
                  header.clusters <= most && header.unfelt_count <= header.handles && header.samples <= most;
     if (!sound) return Status::blob_malformed;
-    for_each_pose_array<T, D>(header, samples,
-                              [&](std::uint64_t offset, const auto& part, std::uint64_t count) {
-                                  const bool is_there = offset != 0;
-                                  if (is_there != (count != 0) || offset % 64 != 0 ||
-                                      (is_there && offset < sizeof(PoseBlobHeader)) ||
-                                      offset > header.bytes || bytes_of(part, count) > header.bytes - offset)
-                                      sound = false;
-                              });
+    for_each_pose_array<T, D>(
+        header, samples, [&](std::uint64_t offset, const auto& part, std::uint64_t count) {
+            sound = sound && holds_array(header, offset, bytes_of(part, count), count != 0);
+        });
     if (!sound) return Status::blob_malformed;
     for_each_pose_array<T, D>(header, samples, [&](std::uint64_t offset, auto& part, std::uint64_t count) {
         part.resize(std::size_t(count));
@@ -204,14 +199,10 @@ Result<PoseSamples<T, D>, BlobReport> open_pose_samples(std::span<const std::byt
                                                         const BlobExpectation& expected = {}) noexcept {
     Result<PoseSamples<T, D>, BlobReport> opened;
     Status& status = opened.report.status;
-    status = detail::check_prefix(data, detail::prefix_of(PoseBlobHeader{}), sizeof(PoseBlobHeader),
-                                  expected.check, Status::not_pose_samples);
-    if (status != Status::ok) return opened;
     PoseBlobHeader header;
-    std::memcpy(&header, data.data(), sizeof(header));
-    if (header.scalar_bytes != sizeof(T) || header.dimension != D)
-        status = Status::blob_kind_differs;
-    else if (expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
+    status = detail::read_header(data, expected.check, Status::not_pose_samples, sizeof(T), D, header);
+    if (status != Status::ok) return opened;
+    if (expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
         status = Status::blob_of_another_cage;
     else
         status = detail::guard_memory(

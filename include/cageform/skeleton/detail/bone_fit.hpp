@@ -1,4 +1,4 @@
-// Bones and weights that follow a motion, and the steps that make them better.
+// State of a skeleton fit, and the steps that improve it.
 #pragma once
 
 #include <cageform/pose/detail/nearest_rotation.hpp>
@@ -9,10 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The state of a fit. The sum of squared distances falls in each step, but for what smooths the weights.
-/// All sums over frames are taken once for a step, so that the weights of a vertex cost the same for any
-/// number of frames, and all sums over vertices, so that the bones of a frame cost the same for any number
-/// of vertices.
+/// Bones and weights. The sum of squared distances falls in each step, except for the smoothing of weights.
+/// Steps of weights sum over the frames once, so the cost of a vertex does not depend on their number. Steps
+/// of bones sum over the vertices once, so the cost of a frame does not depend on their number.
 class BoneFit {
 public:
     BoneFit(const Motion& motion, BoneKind kind, std::size_t influences)
@@ -21,20 +20,20 @@ public:
         , weights_{influences, std::vector<std::uint32_t>(motion.vertices * influences, 0),
                    std::vector<double>(motion.vertices * influences, 0)}
         , errors_(motion.vertices, 0)
-        , emphasis_(motion.vertices, 1) {}
+        , importance_(motion.vertices, 1) {}
 
     std::size_t bones() const noexcept { return bones_; }
     const VertexWeights& weights() const noexcept { return weights_; }
-    /// The squared distances of each vertex, summed over the frames, and their sum, after the last step of
-    /// weights.
+    /// Squared distances of each vertex, summed over the frames, after the last step of weights; then their
+    /// sum.
     const std::vector<double>& errors() const noexcept { return errors_; }
     double error() const noexcept { return error_; }
-    /// The entry (axis, column) of a bone's map in all frames; column 3 is the shift.
+    /// Entry (axis, column) of a bone's map in all frames; column 3 is the translation.
     const double* map(std::size_t bone, std::size_t axis, std::size_t column) const noexcept {
-        return maps_.data() + ((4 * bone + column) * 3 + axis) * motion_->lanes;
+        return maps_.data() + row(bone, column, axis);
     }
 
-    /// The largest squared distance of each vertex in any frame.
+    /// Maximum squared distance of each vertex over the frames.
     std::vector<double> largest_squares(const Running& running) const {
         std::vector<double> squares(motion_->vertices, 0);
         in_parallel(running, motion_->vertices, 32, [&](std::size_t begin, std::size_t end) {
@@ -62,45 +61,40 @@ public:
         return squares;
     }
 
-    /// From now on bones mind a vertex the more, the larger its error is: up to `most` times as much.
-    void emphasise(double most) {
+    /// Sets the importance of each vertex in later steps of bones, from 1 to `most`, by its error.
+    void reweight_by_error(double most) {
         const double mean = error_ / double(errors_.size());
         for (std::size_t i = 0; i < errors_.size(); ++i)
-            emphasis_[i] = mean > 0 ? 1 + (std::fmin)(errors_[i] / mean, most - 1) : 1;
+            importance_[i] = mean > 0 ? 1 + (std::fmin)(errors_[i] / mean, most - 1) : 1;
     }
 
-    /// Multiplies the emphasis of vertices by factors above 1, up to `most`.
-    void emphasise(const std::vector<double>& factors, double most) {
+    /// Multiplies the importance of vertices by factors above 1, up to `most`.
+    void reweight(const std::vector<double>& factors, double most) {
         for (std::size_t i = 0; i < factors.size(); ++i)
-            emphasis_[i] = (std::fmin)(emphasis_[i] * (std::fmax)(factors[i], 1.0), most);
+            importance_[i] = (std::fmin)(importance_[i] * (std::fmax)(factors[i], 1.0), most);
     }
 
-    /// Adds a bone that moves given vertices best, and owns them where `owns`. Returns its number.
+    /// Adds a bone with the best map for some vertices, which it owns if `owns`. Returns its index.
     std::size_t add_bone(std::span<const std::uint32_t> vertices, bool owns, const Running& running) {
         const std::size_t lanes = motion_->lanes, bone = bones_++;
         maps_.resize(bones_ * 12 * lanes, 0);
-        turns_.resize(bones_ * 9 * lanes, 0);
+        rotations_.resize(bones_ * 9 * lanes, 0);
         std::vector<Share> shares;
         for (const std::uint32_t i : vertices) shares.push_back({i, 1});
         Couplings alone;
         alone.of.resize(bones_);
-        alone.firsts.resize(bones_);
-        sum_shares(bone, shares, alone);
+        alone.right_sides.resize(bones_);
+        sum_couplings(bone, shares, alone);
         in_parallel(running, lanes / Motion::group, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t g = begin; g < end; ++g) fit_bone(bone, g, alone);
         });
         if (owns) {
-            for (const std::uint32_t i : vertices) {
-                for (std::size_t k = 0; k < weights_.width; ++k) {
-                    weights_.joints[i * weights_.width + k] = k == 0 ? std::uint32_t(bone) : 0;
-                    weights_.weights[i * weights_.width + k] = k == 0 ? 1 : 0;
-                }
-            }
+            for (const std::uint32_t i : vertices) weights_.set_single(i, std::uint32_t(bone));
         }
         return bone;
     }
 
-    /// Finds the best maps for the weights: sweeps over the bones, one at a time, in every frame.
+    /// Optimises the maps for fixed weights: sweeps over the bones, one at a time, in every frame.
     void fit_bones(std::size_t sweeps, const Running& running) {
         Couplings couplings = couple(running);
         in_parallel(running, motion_->lanes / Motion::group, 1, [&](std::size_t begin, std::size_t end) {
@@ -112,8 +106,8 @@ public:
         });
     }
 
-    /// Finds the best weights for the maps. With `removals` also the error that each bone's removal would
-    /// add.
+    /// Optimises the weights for fixed maps. With `removals`, also computes the error added by removing each
+    /// bone.
     void fit_weights(const WeightStep& step, const Running& running) {
         const std::size_t n = motion_->vertices, b = bones_;
         const MapPairs pairs = pair_maps(running);
@@ -137,13 +131,11 @@ public:
                 }
             }
         });
-        error_ = 0;
-        for (const double e : errors_) error_ += e;
+        error_ = std::accumulate(errors_.begin(), errors_.end(), 0.0);
         removals_.assign(b, 0);
         for (std::size_t k = 0; k < removal.size(); ++k) removals_[weights_.joints[k]] += removal[k];
     }
-    /// Goes on from the weights of `last` by a share of the way from there to these; bones that a vertex has
-    /// not now stay out.
+    /// Extrapolates the weights by a share of the difference to `last`; does not add bones to vertices.
     void extrapolate(const VertexWeights& last, double share) noexcept {
         const std::size_t width = weights_.width;
         for (std::size_t i = 0; i < motion_->vertices; ++i) {
@@ -161,10 +153,10 @@ public:
             for (std::size_t k = 0; k < width; ++k) w[k] /= sum;
         }
     }
-    /// By bone, after a step of weights that asked for it.
+    /// Per bone, after a step of weights that requested it.
     const std::vector<double>& removals() const noexcept { return removals_; }
 
-    /// Removes bones; vertices keep their other weights.
+    /// Removes bones and renormalises the remaining weights.
     void remove_bones(const std::vector<bool>& removed) {
         const std::size_t lanes = motion_->lanes;
         std::vector<std::uint32_t> number(bones_, 0);
@@ -174,12 +166,12 @@ public:
             number[j] = std::uint32_t(kept);
             std::copy_n(maps_.begin() + std::ptrdiff_t(12 * lanes * j), 12 * lanes,
                         maps_.begin() + std::ptrdiff_t(12 * lanes * kept));
-            std::copy_n(turns_.begin() + std::ptrdiff_t(9 * lanes * j), 9 * lanes,
-                        turns_.begin() + std::ptrdiff_t(9 * lanes * kept));
+            std::copy_n(rotations_.begin() + std::ptrdiff_t(9 * lanes * j), 9 * lanes,
+                        rotations_.begin() + std::ptrdiff_t(9 * lanes * kept));
             ++kept;
         }
         maps_.resize(kept * 12 * lanes);
-        turns_.resize(kept * 9 * lanes);
+        rotations_.resize(kept * 9 * lanes);
         for (std::size_t i = 0; i < motion_->vertices; ++i) {
             double* const w = weights_.weights.data() + i * weights_.width;
             std::uint32_t* const owner = weights_.joints.data() + i * weights_.width;
@@ -200,29 +192,30 @@ private:
         std::uint32_t vertex;
         double weight;
     };
-    /// Σ_i w_ij w_ik (x, y, z, 1)(x, y, z, 1)ᵀ of two bones, and Σ_i w_ij (x, y, z, 1) x_iᵀ of each, where
-    /// every vertex has its emphasis.
+    /// Σ_i w_ij w_ik (x, y, z, 1)(x, y, z, 1)ᵀ of two bones, and Σ_i w_ij (x, y, z, 1) x_iᵀ of each, with all
+    /// vertices weighted by importance.
     struct Couplings {
         struct Other {
             std::uint32_t bone;
             Products sum;
         };
-        std::vector<Products> of;                ///< of a bone with itself
-        std::vector<std::vector<Other>> others;  ///< of a bone
-        std::vector<std::vector<double>> firsts; ///< of a bone, as its map lies in memory; empty: it is idle
+        std::vector<Products> of;               ///< of each bone with itself
+        std::vector<std::vector<Other>> others; ///< of each bone with others
+        std::vector<std::vector<double>>
+            right_sides; ///< per bone, laid out as its map; empty for an idle bone
     };
-    void sum_shares(std::size_t bone, std::span<const Share> shares, Couplings& to) const {
+    void sum_couplings(std::size_t bone, std::span<const Share> shares, Couplings& to) const {
         const std::size_t numbers = 3 * motion_->lanes;
         Products& own = to.of[bone];
         own = {};
-        auto& first = to.firsts[bone];
+        auto& first = to.right_sides[bone];
         first.assign(shares.empty() ? 0 : 4 * numbers, 0);
         for (const auto& [i, w] : shares) {
             const auto v = products_of(motion_->rest[i]);
-            for (std::size_t n = 0; n < v.size(); ++n) own[n] += emphasis_[i] * w * w * v[n];
+            for (std::size_t n = 0; n < v.size(); ++n) own[n] += importance_[i] * w * w * v[n];
             const double* const path = motion_->path(i);
             for (std::size_t c = 0; c < 4; ++c) {
-                const double factor = emphasis_[i] * w * v[product_of[c][3]];
+                const double factor = importance_[i] * w * v[product_of[c][3]];
                 double* const row = first.data() + c * numbers;
                 for (std::size_t n = 0; n < numbers; ++n) row[n] += factor * path[n];
             }
@@ -232,7 +225,7 @@ private:
     Couplings couple(const Running& running) const {
         Couplings result;
         result.of.resize(bones_);
-        result.firsts.resize(bones_);
+        result.right_sides.resize(bones_);
         result.others.resize(bones_);
         std::vector<std::vector<Share>> shares(bones_);
         for (std::size_t i = 0; i < motion_->vertices; ++i) {
@@ -244,7 +237,7 @@ private:
         in_parallel(running, bones_, 1, [&](std::size_t begin, std::size_t end) {
             std::vector<std::uint32_t> place(bones_);
             for (std::size_t j = begin; j < end; ++j) {
-                sum_shares(j, shares[j], result);
+                sum_couplings(j, shares[j], result);
                 auto& others = result.others[j];
                 std::fill(place.begin(), place.end(), std::uint32_t(bones_));
                 for (const auto& [i, w] : shares[j]) {
@@ -258,7 +251,7 @@ private:
                             others.push_back({other, {}});
                         }
                         Products& sum = others[place[other]].sum;
-                        for (std::size_t m = 0; m < v.size(); ++m) sum[m] += emphasis_[i] * w * with * v[m];
+                        for (std::size_t m = 0; m < v.size(); ++m) sum[m] += importance_[i] * w * with * v[m];
                     }
                 }
             }
@@ -266,63 +259,71 @@ private:
         return result;
     }
 
-    /// Fits the map of a bone to what the others leave, in the frames of a group.
-    void fit_bone(std::size_t bone, std::size_t group, const Couplings& couplings) noexcept {
-        if (couplings.firsts[bone].empty()) return;
-        const std::size_t lanes = motion_->lanes, at = group * Motion::group;
-        const auto row = [&](std::size_t j, std::size_t c, std::size_t r) {
-            return ((4 * j + c) * 3 + r) * lanes + at;
-        };
-        const auto load = [](const double* from) {
-            Lanes<double> numbers;
-            for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
-            return Lanes8::load(numbers);
-        };
-        Lanes8 left[4][3];
+    /// Index of the entry (axis, column) of a bone's map in frame 0.
+    std::size_t row(std::size_t bone, std::size_t column, std::size_t axis) const noexcept {
+        return ((4 * bone + column) * 3 + axis) * motion_->lanes;
+    }
+    static Lanes8 load(const double* from) noexcept {
+        Lanes<double> numbers;
+        for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
+        return Lanes8::load(numbers);
+    }
+    /// Right sides of a bone minus the contributions of other bones, by column and axis, in the frames of a
+    /// group that starts at `at`.
+    std::array<std::array<Lanes8, 3>, 4> residual_of(std::size_t bone, std::size_t at,
+                                                     const Couplings& couplings) const noexcept {
+        std::array<std::array<Lanes8, 3>, 4> left;
         for (std::size_t c = 0; c < 4; ++c) {
             for (std::size_t r = 0; r < 3; ++r)
-                left[c][r] = load(couplings.firsts[bone].data() + row(0, c, r));
+                left[c][r] = load(couplings.right_sides[bone].data() + row(0, c, r) + at);
         }
-        if (!couplings.others.empty()) {
-            for (const auto& [other, sum] : couplings.others[bone]) {
-                for (std::size_t r = 0; r < 3; ++r) {
-                    Lanes8 map[4];
-                    for (std::size_t c = 0; c < 4; ++c) map[c] = load(maps_.data() + row(other, c, r));
-                    for (std::size_t c = 0; c < 4; ++c) {
-                        for (std::size_t d = 0; d < 4; ++d)
-                            left[c][r] = multiply_add(Lanes8(-sum[product_of[c][d]]), map[d], left[c][r]);
-                    }
+        if (couplings.others.empty()) return left;
+        for (const auto& [other, sum] : couplings.others[bone]) {
+            for (std::size_t r = 0; r < 3; ++r) {
+                Lanes8 map[4];
+                for (std::size_t c = 0; c < 4; ++c) map[c] = load(maps_.data() + row(other, c, r) + at);
+                for (std::size_t c = 0; c < 4; ++c) {
+                    for (std::size_t d = 0; d < 4; ++d)
+                        left[c][r] = multiply_add(Lanes8(-sum[product_of[c][d]]), map[d], left[c][r]);
                 }
             }
         }
+        return left;
+    }
+    /// Fits the map of a bone to the residual of the other bones, in the frames of a group.
+    void fit_bone(std::size_t bone, std::size_t group, const Couplings& couplings) noexcept {
+        if (couplings.right_sides[bone].empty()) return;
+        const std::size_t at = group * Motion::group;
+        const auto left = residual_of(bone, at, couplings);
         const Products& own = couplings.of[bone];
         const double mass = own[9];
         if (!(mass > 1e-12)) return;
         const Vec<double, 3> centre{own[3] / mass, own[6] / mass, own[8] / mass};
-        // The spread of the vertices about their mean, and J, of which the rotation is found.
+        // Covariance of the vertices, and J, from which the rotation is computed.
         double spread[3][3];
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c)
                 spread[r][c] = own[product_of[r][c]] - mass * centre[r] * centre[c];
         }
         const double size = (std::fmax)(spread[0][0] + spread[1][1] + spread[2][2], 0.0);
-        LinearMap<Lanes8, 3> j, turn, drawn;
+        LinearMap<Lanes8, 3> j, turn, pulled;
         const auto turn_row = [&](std::size_t r, std::size_t c) {
-            return ((3 * bone + r) * 3 + c) * lanes + at;
+            return rotations_.data() + ((3 * bone + r) * 3 + c) * motion_->lanes + at;
         };
-        const double draw = 1e-4 * size + 1e-9 * mass; // to the last rotation, which decides where J does not
+        // Pulls towards the last rotation, which decides where J is singular.
+        const double pull = 1e-4 * size + 1e-9 * mass;
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) {
                 j.at[r][c] = left[c][r] - Lanes8(centre[c]) * left[3][r];
-                turn.at[r][c] = load(turns_.data() + turn_row(r, c));
-                drawn.at[r][c] =
-                    j.at[r][c] + Lanes8(draw) * (r == c ? turn.at[r][c] + Lanes8(1) : turn.at[r][c]);
+                turn.at[r][c] = load(turn_row(r, c));
+                pulled.at[r][c] =
+                    j.at[r][c] + Lanes8(pull) * (r == c ? turn.at[r][c] + Lanes8(1) : turn.at[r][c]);
             }
         }
-        nearest_rotation(drawn, turn);
+        nearest_rotation(pulled, turn);
         LinearMap<Lanes8, 3> linear = turn;
         for (std::size_t r = 0; r < 3; ++r) linear.at[r][r] += Lanes8(1);
-        if (kind_ == BoneKind::similar) scale(linear, j, size, draw);
+        if (kind_ == BoneKind::similar) scale(linear, j, size, pull);
         if (kind_ == BoneKind::stretched) stretch(linear, j, spread, size + 1e-9 * mass);
         const auto store = [&](const Lanes8& x, double* to) {
             Lanes<double> numbers;
@@ -333,25 +334,25 @@ private:
             Lanes8 shift = Lanes8(1 / mass) * left[3][r];
             for (std::size_t c = 0; c < 3; ++c) {
                 shift -= linear.at[r][c] * Lanes8(centre[c]);
-                store(linear.at[r][c], maps_.data() + row(bone, c, r));
-                store(turn.at[r][c], turns_.data() + turn_row(r, c));
+                store(linear.at[r][c], maps_.data() + row(bone, c, r) + at);
+                store(turn.at[r][c], turn_row(r, c));
             }
-            store(shift, maps_.data() + row(bone, 3, r));
+            store(shift, maps_.data() + row(bone, 3, r) + at);
         }
     }
     /// Multiplies a rotation by the scale that fits J best.
-    static void scale(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j, double size, double draw) {
-        Lanes8 along(draw);
+    static void scale(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j, double size, double pull) {
+        Lanes8 along(pull);
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) along = multiply_add(turn.at[r][c], j.at[r][c], along);
         }
-        const Lanes8 factor = (max)(along / Lanes8(size + draw), Lanes8(1e-3));
+        const Lanes8 factor = (max)(along / Lanes8(size + pull), Lanes8(1e-3));
         for (auto& line : turn.at) {
             for (Lanes8& x : line) x *= factor;
         }
     }
-    /// Replaces a rotation by the affine map that fits J best; where the vertices are flat, the rotation
-    /// stays.
+    /// Replaces a rotation by the affine map that fits J best. The rotation is kept in directions without
+    /// extent.
     static void stretch(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j,
                         const double (&spread)[3][3], double size) {
         const double hold = 1e-3 * size / 3;
@@ -407,10 +408,10 @@ private:
     BoneKind kind_;
     VertexWeights weights_;
     std::size_t bones_ = 0;
-    std::vector<double> maps_;  ///< #bones · 4 columns · 3 axes · lanes
-    std::vector<double> turns_; ///< #bones · 9 · lanes: the rotations less the identity
+    std::vector<double> maps_;      ///< #bones · 4 columns · 3 axes · lanes
+    std::vector<double> rotations_; ///< #bones · 9 · lanes: rotations minus the identity
     std::vector<double> errors_, removals_;
-    std::vector<double> emphasis_; ///< of each vertex in the fit of bones
+    std::vector<double> importance_; ///< of each vertex in the step of bones
     double error_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Fits a skeleton to a Motion: as many bones as asked for, or as few as the distance needs.
+// Fits a skeleton to a Motion, by number of bones or by distance.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -8,8 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Turns a fit into what users have: bones in the order of their tree, weights in single precision, places in
-/// the figure's units.
+/// Converts a fit to the public type: bones in tree order, single-precision weights, the figure's units.
 template <class T>
 FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
     const JointTree tree(motion, fit);
@@ -54,7 +53,7 @@ FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
             weights[k] = float(w);
             left -= double(weights[k]);
         }
-        // The rounding of the others can make the first one smaller than some.
+        // Rounding can make the first weight smaller than others.
         for (std::size_t k = 1; k < width && weights[k - 1] < weights[k]; ++k) {
             std::swap(weights[k - 1], weights[k]);
             std::swap(joints[k - 1], joints[k]);
@@ -63,60 +62,72 @@ FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
     return result;
 }
 
-/// Measures a skeleton as it is stored, over all vertices and frames.
+/// Errors of a skeleton in one frame, in the units of Motion.
+struct FrameErrors {
+    double sum = 0;                    ///< of squares, over all input vertices
+    double largest = -1;               ///< square
+    std::size_t vertex = 0;            ///< input vertex with the largest error
+    std::vector<float> turns;          ///< rotation error of each face with an area, in degrees
+    std::vector<std::uint32_t> beyond; ///< vertices beyond the distance
+};
+
+/// Measures a skeleton in frame t.
+///
+///   copies  number of input vertices of each vertex
+///   given   first of these
+///   most    the distance; 0: none
+template <class T>
+FrameErrors frame_errors(const Motion& motion, const FittedSkeleton<T>& skeleton, std::size_t t,
+                         std::span<const std::uint32_t> copies, std::span<const std::uint32_t> given,
+                         double most) {
+    FrameErrors frame;
+    std::vector<Vec<double, 3>> right(motion.vertices), played(motion.vertices);
+    for (std::uint32_t i = 0; i < motion.vertices; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) right[i][k] = motion.path(i)[k * motion.lanes + t];
+        const auto rest = vec_cast<T>(motion.size * motion.rest[i] + motion.centre);
+        const auto place = vec_cast<double>(skeleton.place(t, given[i], rest));
+        for (std::size_t k = 0; k < 3; ++k) played[i][k] = (place[k] - motion.centres[t][k]) / motion.size;
+        const auto d = played[i] - right[i];
+        const double square = dot(d, d);
+        frame.sum += copies[i] * square;
+        if (most > 0 && square > most * most) frame.beyond.push_back(i);
+        if (square <= frame.largest) continue;
+        frame.largest = square;
+        frame.vertex = given[i];
+    }
+    for (const auto& face : motion.faces) {
+        const auto a = cross(right[face[1]] - right[face[0]], right[face[2]] - right[face[0]]);
+        const auto b = cross(played[face[1]] - played[face[0]], played[face[2]] - played[face[0]]);
+        const auto across = cross(a, b);
+        if (!(dot(a, a) > 0) || !(dot(b, b) > 0)) continue;
+        constexpr double degrees = 180 / 3.14159265358979323846;
+        frame.turns.push_back(float(degrees * std::atan2(std::sqrt(dot(across, across)), dot(a, b))));
+    }
+    return frame;
+}
+
+/// Measures a stored skeleton over all vertices and frames.
 template <class T>
 void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double most, SkeletonReport& report,
              const Running& running) {
-    const std::size_t n = motion.vertices;
-    std::vector<std::uint32_t> copies(n, 0), given(n, 0);
+    std::vector<std::uint32_t> copies(motion.vertices, 0), given(motion.vertices, 0);
     for (std::size_t i = motion.welded.size(); i-- > 0;) {
         ++copies[motion.welded[i]];
         given[motion.welded[i]] = std::uint32_t(i);
     }
-    struct Frame {
-        double sum = 0, largest = -1;
-        std::size_t vertex = 0;
-        std::vector<float> turns;
-        std::vector<bool> beyond;
-    };
-    std::vector<Frame> frames(motion.frames);
+    std::vector<FrameErrors> frames(motion.frames);
     in_parallel(running, motion.frames, 1, [&](std::size_t begin, std::size_t end) {
-        std::vector<Vec<double, 3>> right(n), played(n);
-        for (std::size_t t = begin; t < end; ++t) {
-            Frame& frame = frames[t];
-            frame.beyond.assign(n, false);
-            for (std::size_t i = 0; i < n; ++i) {
-                for (std::size_t k = 0; k < 3; ++k) right[i][k] = motion.path(i)[k * motion.lanes + t];
-                const auto rest = vec_cast<T>(motion.size * motion.rest[i] + motion.centre);
-                const auto place = vec_cast<double>(skeleton.place(t, given[i], rest));
-                for (std::size_t k = 0; k < 3; ++k)
-                    played[i][k] = (place[k] - motion.centres[t][k]) / motion.size;
-                const auto d = played[i] - right[i];
-                const double square = dot(d, d);
-                frame.sum += copies[i] * square;
-                frame.beyond[i] = most > 0 && square > most * most;
-                if (square <= frame.largest) continue;
-                frame.largest = square;
-                frame.vertex = given[i];
-            }
-            for (const auto& face : motion.faces) {
-                const auto a = cross(right[face[1]] - right[face[0]], right[face[2]] - right[face[0]]);
-                const auto b = cross(played[face[1]] - played[face[0]], played[face[2]] - played[face[0]]);
-                const auto across = cross(a, b);
-                if (!(dot(a, a) > 0) || !(dot(b, b) > 0)) continue;
-                constexpr double degrees = 180 / 3.14159265358979323846;
-                frame.turns.push_back(float(degrees * std::atan2(std::sqrt(dot(across, across)), dot(a, b))));
-            }
-        }
+        for (std::size_t t = begin; t < end; ++t)
+            frames[t] = frame_errors(motion, skeleton, t, copies, given, most);
     });
     double sum = 0, largest = -1;
     std::vector<float> turns;
-    std::vector<bool> beyond(n, false);
+    report.beyond = 0;
     for (std::size_t t = 0; t < frames.size(); ++t) {
-        const Frame& frame = frames[t];
+        const FrameErrors& frame = frames[t];
         sum += frame.sum;
         turns.insert(turns.end(), frame.turns.begin(), frame.turns.end());
-        for (std::size_t i = 0; i < n; ++i) beyond[i] = beyond[i] || frame.beyond[i];
+        for (const std::uint32_t i : frame.beyond) report.beyond += std::exchange(copies[i], 0);
         if (frame.largest <= largest) continue;
         largest = frame.largest;
         report.frame = t;
@@ -131,15 +142,13 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
         std::nth_element(turns.begin(), at, turns.end());
         report.turn = double(*at);
     }
-    report.beyond = 0;
-    for (std::size_t i = 0; i < n; ++i) report.beyond += beyond[i] ? copies[i] : 0;
-    std::size_t used = 0;
-    for (const float w : skeleton.skin.weights) used += w > 0 ? 1 : 0;
+    const auto used = std::count_if(skeleton.skin.weights.begin(), skeleton.skin.weights.end(),
+                                    [](float w) { return w > 0; });
     report.mean_influences = double(used) / double(motion.welded.size());
 }
 
-/// Refuses places so far from the others that their products overflow, and names the farthest of the first
-/// frame that has any.
+/// Rejects positions so far away that their products overflow; reports the farthest of the first frame with
+/// any.
 inline Status check_reach(const Motion& motion, SkeletonReport& report) noexcept {
     constexpr double reach = 1e30;
     std::size_t first = motion.frames;

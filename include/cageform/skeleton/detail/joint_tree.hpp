@@ -1,5 +1,5 @@
-// Joints between the bones of a fit, and a hierarchy (after Le and Deng, Robust and accurate skeletal rigging
-// from mesh sequences, ACM TOG 33(4), 2014, sec. 4).
+// Joints between the bones of a fit, and their hierarchy (after Le and Deng, Robust and accurate skeletal
+// rigging from mesh sequences, ACM TOG 33(4), 2014, sec. 4).
 #pragma once
 
 #include <cageform/core/detail/disjoint_sets.hpp>
@@ -11,10 +11,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The joint of bones a and b is the p that minimises Σ_t |M_a^t p − M_b^t p|² + λ |p − c|², where c is the
-/// mean of the vertices, weighted by the products of their two weights, and λ is 1e-2 of the first term's
-/// scale, or as much more as brings p within the standard deviation of those vertices. The tree has the
-/// largest Σ_i w_ia w_ib exp(−r), r the root of the mean square of the distances that remain.
+/// The joint p of bones a and b minimises Σ_t |M_a^t p − M_b^t p|² + λ |p − c|². c is the mean of the
+/// vertices, weighted by the products of their two weights. λ is 1e-2 of the scale of the first term,
+/// increased until p is within the standard deviation of those vertices. The tree maximises Σ_i w_ia w_ib
+/// exp(−r), where r is the RMS of the remaining distances.
 class JointTree {
 public:
     static constexpr std::uint32_t none = 0xffffffff;
@@ -26,9 +26,9 @@ public:
         grow();
     }
 
-    std::vector<std::uint32_t> order;   ///< bones, parents before their children
-    std::vector<std::uint32_t> parents; ///< of each bone; none: the root
-    std::vector<Vec<double, 3>> places; ///< of each bone's joint, at rest in the motion's units
+    std::vector<std::uint32_t> order;   ///< bones, parents before children
+    std::vector<std::uint32_t> parents; ///< per bone; none for the root
+    std::vector<Vec<double, 3>> places; ///< joint of each bone in the rest pose, in the units of Motion
 
 private:
     struct Shared {
@@ -84,7 +84,7 @@ private:
         const Vec<double, 3> mean = (1 / shared.weight) * shared.sum;
         const Eigen::Vector3d centre(mean[0], mean[1], mean[2]);
         const double spread = (std::max)(shared.squares / shared.weight - centre.squaredNorm(), 0.0);
-        constexpr double most = 1e6; // where the place is the mean
+        constexpr double most = 1e6; // then the position is the mean
         Eigen::Vector3d p = centre;
         for (double more = 1; more < most; more *= 4) {
             const double hold = more * (1e-2 * square.trace() / 3 + 1e-12 * double(motion_.frames));
@@ -119,7 +119,7 @@ private:
         std::stable_sort(heaviest.begin(), heaviest.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return masses_[a] > masses_[b]; });
         std::vector<bool> seen(bones, false);
-        for (const std::uint32_t root : heaviest) { // of each part that shares no weights with another
+        for (const std::uint32_t root : heaviest) { // of each set of bones without common weights
             if (seen[root]) continue;
             if (root != heaviest[0]) parents[root] = heaviest[0];
             seen[root] = true;
@@ -139,7 +139,7 @@ private:
 
     const Motion& motion_;
     const BoneFit& fit_;
-    std::vector<double> masses_; ///< the sum of each bone's weights
+    std::vector<double> masses_; ///< sum of each bone's weights
     std::map<Pair, Shared> shared_;
 };
 

@@ -1,4 +1,4 @@
-// Leaves out the keys of a skeleton's motion that the figure does without.
+// Drops keys of a skeleton's motion within a distance tolerance.
 #pragma once
 
 #include <cageform/parallel/running.hpp>
@@ -8,13 +8,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Goes through the bones, parents first, and through their channels. The error that a vertex has from the
-/// channels so far may be the share of the distance that their weights are of its sum; keys are as far apart
-/// as that allows. With a key in each frame a bone would be at its place whatever its parent does, as local
-/// transforms are those to the parent as it is played. So the errors of a chain do not add up, and the figure
-/// is within the distance when all bones are done. Rotations without tangents keep the distance by slerp, and
-/// those of each bone also by nlerp. Neighbouring keys are at most 90° apart. Between neighbouring frames
-/// there are keys where slerp and nlerp differ by more than the distance.
+/// Processes bones in order, parents first, channel by channel. The tolerance of a vertex is the distance
+/// times (the sum of its weights of finished bones + share · its weight of the current bone); the share grows
+/// from channel to channel. Keys are as far apart as this allows. Local transforms are relative to the parent
+/// as played, so errors do not accumulate along a chain. Rotations without tangents keep the distance by
+/// slerp, and per bone also by nlerp. Neighbouring keys are at most 90° apart. Keys are added between
+/// neighbouring frames where slerp and nlerp differ by more than the distance.
 class KeyFitter {
 public:
     using Map = FittedSkeleton<double>::Map;
@@ -30,14 +29,14 @@ public:
         , share_(1 / size)
         , tangents_(options.tangents)
         , errors_(rest.size() * skeleton.frames)
-        , used_(rest.size(), 0)
-        , parts_(skeleton.bones)
+        , used_weight_(rest.size(), 0)
+        , influences_(skeleton.bones)
         , nodes_(skeleton.bones * skeleton.frames) {
         const std::size_t most = skeleton.skin.influences;
         for (std::size_t i = 0; i < rest.size(); ++i) {
             for (std::size_t k = i * most; k < (i + 1) * most; ++k) {
                 const auto weight = double(skeleton.skin.weights[k]);
-                if (weight > 0) parts_[skeleton.skin.joints[k]].push_back({i, weight});
+                if (weight > 0) influences_[skeleton.skin.joints[k]].push_back({i, weight});
             }
         }
     }
@@ -56,22 +55,22 @@ public:
     Keys keys;
 
 private:
-    struct Part {
+    struct Influence {
         std::size_t vertex;
         double weight;
     };
-    /// A range of a transform's values that have their keys at one time.
+    /// A range of transform values with common key times.
     struct Range {
         std::size_t begin, end;
     };
-    /// From a frame to another, with tangents.
-    struct Piece {
+    /// A segment between two frames, with tangents.
+    struct Segment {
         std::size_t from, to;
         std::array<double, NodeTransform::size> out{}, in{};
     };
-    struct Pieces {
+    struct Segments {
         bool cubic = false;
-        std::vector<Piece> list;
+        std::vector<Segment> list;
         std::vector<NodeTransform> played; ///< #frames
 
         std::size_t numbers(const Range& range) const {
@@ -115,7 +114,7 @@ private:
     Map node(std::size_t t, const NodeTransform& local) const {
         return skeleton_.parents[bone_] == no_parent ? local.map() : parent(t).after(local.map());
     }
-    /// Returns by how much the played map differs from the exact one.
+    /// Returns the difference of the played and the exact map.
     Map difference(std::size_t t, const Map& played) const {
         const Map& exact = skeleton_.map(t, bone_);
         Map result;
@@ -123,35 +122,41 @@ private:
         result.shift = played(-1.0 * skeleton_.joints[bone_]) - exact.shift;
         return result;
     }
-    Vec<double, 3> error(std::size_t t, const Part& part, const Map& difference) const {
-        return vec_cast<double>(errors_[t * rest_.size() + part.vertex]) +
-               share_ * part.weight * difference(rest_[part.vertex]);
+    Vec<double, 3> error(std::size_t t, const Influence& influence, const Map& difference) const {
+        return vec_cast<double>(errors_[t * rest_.size() + influence.vertex]) +
+               share_ * influence.weight * difference(rest_[influence.vertex]);
     }
-    /// Whether a local transform will do, where `share` of the bone's part of the distance may be used.
-    bool will_do(std::size_t t, const NodeTransform& local, double share) const {
+    /// True if a local transform is within tolerance when `share` of the bone's part of the distance may be
+    /// used.
+    bool is_within(std::size_t t, const NodeTransform& local, double share) const {
         const Map by = difference(t, node(t, local));
-        for (const Part& part : parts_[bone_]) {
-            const auto e = error(t, part, by);
-            const double most = distance_ * (used_[part.vertex] + share * part.weight);
+        for (const Influence& influence : influences_[bone_]) {
+            const auto e = error(t, influence, by);
+            const double most = distance_ * (used_weight_[influence.vertex] + share * influence.weight);
             if (!(dot(e, e) <= most * most)) return false;
         }
         return true;
     }
 
-    static void normalise(NodeTransform& local, const Range& range) {
+    template <class Visit>
+    static void for_each_rotation(const Range& range, const Visit& visit) {
         for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at < range.begin || at >= range.end) continue;
+            if (at >= range.begin && at < range.end) visit(at);
+        }
+    }
+    static void normalise(NodeTransform& local, const Range& range) {
+        for_each_rotation(range, [&](std::size_t at) {
             double square = 0;
             for (std::size_t k = 0; k < 4; ++k) square += local.values[at + k] * local.values[at + k];
             for (std::size_t k = 0; k < 4; ++k) local.values[at + k] /= std::sqrt(square);
-        }
+        });
     }
-    /// A piece through the frames at its ends whose tangents bring it near to those between; so far as these
-    /// leave them open, to differences of neighbours.
-    Piece piece(std::size_t from, std::size_t to, const Range& range) const {
+    /// Cubic segment through its end frames with least-squares tangents for the frames between. Regularised
+    /// by finite differences.
+    Segment segment(std::size_t from, std::size_t to, const Range& range) const {
         const double length = times_[to] - times_[from];
         double aa = 0, ab = 0, bb = 0;
-        Piece result{from, to};
+        Segment result{from, to};
         std::array<double, NodeTransform::size> right_a{}, right_b{};
         const auto add = [&](double a, double b, std::size_t c, double value) {
             right_a[c] += a * value;
@@ -186,11 +191,10 @@ private:
         const std::size_t a = t == 0 ? 0 : t - 1, b = t + 1 == exact_.size() ? t : t + 1;
         return (exact_[b].values[c] - exact_[a].values[c]) / (times_[b] - times_[a]);
     }
-    /// How a piece is played: LINEAR turns at constant speed (slerp), or, in players without that, along the
-    /// chord (nlerp).
-    enum class Play { linear, linear_by_chord, cubic };
+    /// Interpolation of a segment: slerp, nlerp, or cubic.
+    enum class Play { linear, nlerp, cubic };
 
-    /// The angle between rotations up to which slerp and nlerp agree within a distance; at most 90°.
+    /// Largest angle between rotations at which slerp and nlerp agree within a distance; at most 90°.
     static double largest_step(double distance, double radius) {
         constexpr double right_angle = 1.5707963267948966, least = 1e-4;
         constexpr double of_cube = 0.00405; // slerp and nlerp differ by at most of_cube · angle³
@@ -201,33 +205,33 @@ private:
     }
     static constexpr double cosine_of_45 = 0.70710678118654752;
 
-    /// Whether rotations of a range differ by more than an angle between two transforms, by default 90°.
-    /// Between keys farther apart, nlerp and slerp differ much.
-    static bool turns_far(const NodeTransform& a, const NodeTransform& b, const Range& range,
-                          double cosine = cosine_of_45) {
-        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at >= range.begin && at < range.end &&
-                std::fabs(cosine_of_half(a.turn(at), b.turn(at))) < cosine)
-                return true;
-        }
-        return false;
+    /// True if the rotations in a range differ by more than an angle (default 90°). For larger angles, slerp
+    /// and nlerp differ too much.
+    static bool exceeds_angle(const NodeTransform& a, const NodeTransform& b, const Range& range,
+                              double cosine = cosine_of_45) {
+        bool exceeds = false;
+        for_each_rotation(range, [&](std::size_t at) {
+            exceeds = exceeds || std::fabs(cosine_of_half(a.turn(at), b.turn(at))) < cosine;
+        });
+        return exceeds;
     }
-    /// Stores keys between two frames until slerp and nlerp agree. The middle is the same by both.
+    /// Bisects between two frames until slerp and nlerp agree; both have the same midpoint. Stores the
+    /// midpoints.
     template <class Store>
-    void halve(double begin, const NodeTransform& a, double end, const NodeTransform& b, const Range& range,
-               const Store& store) const {
+    void bisect(double begin, const NodeTransform& a, double end, const NodeTransform& b, const Range& range,
+                const Store& store) const {
         const auto time = double(float(0.5 * (begin + end))); // files have single precision
-        if (!(begin < time && time < end) || !turns_far(a, b, range, cosine_of_half_step_)) return;
+        if (!(begin < time && time < end) || !exceeds_angle(a, b, range, cosine_of_half_step_)) return;
         NodeTransform middle;
         for (std::size_t c = range.begin; c < range.end; ++c)
             middle.values[c] = 0.5 * (a.values[c] + b.values[c]);
         normalise(middle, range);
-        halve(begin, a, time, middle, range, store);
+        bisect(begin, a, time, middle, range, store);
         store(time, middle);
-        halve(time, middle, end, b, range, store);
+        bisect(time, middle, end, b, range, store);
     }
-    /// Gives a transform the values of a piece at a frame.
-    void play(const Piece& of, Play how, std::size_t t, const Range& range, NodeTransform& local) const {
+    /// Evaluates a segment at a frame.
+    void play(const Segment& of, Play how, std::size_t t, const Range& range, NodeTransform& local) const {
         const bool cubic = how == Play::cubic;
         const NodeTransform &a = exact_[of.from], &b = exact_[of.to];
         const double length = times_[of.to] - times_[of.from];
@@ -238,35 +242,34 @@ private:
             if (!cubic) local.values[c] = a.values[c] + u * (b.values[c] - a.values[c]);
         }
         if (cubic) return normalise(local, range);
-        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at < range.begin || at >= range.end) continue;
+        for_each_rotation(range, [&](std::size_t at) {
             const Quaternion<double> begin = a.turn(at), end = b.turn(at);
             Quaternion<double> turn = slerp(begin, end, u);
             const double sign = cosine_of_half(begin, end) < 0 ? -1 : 1;
-            for (std::size_t k = 0; how == Play::linear_by_chord && k < 4; ++k)
+            for (std::size_t k = 0; how == Play::nlerp && k < 4; ++k)
                 turn[k] = v * begin[k] + u * sign * end[k];
             local.set_turn(at, turn);
-        }
-        if (how == Play::linear_by_chord) normalise(local, range);
+        });
+        if (how == Play::nlerp) normalise(local, range);
     }
-    /// Pieces as long as will do, from frame to frame.
-    Pieces pieces(bool cubic, const Range& range, double share) const {
+    /// Segments from frame to frame, as long as possible.
+    Segments segments(bool cubic, const Range& range, double share) const {
         const bool turns = range.end > NodeTransform::rotation && range.begin != NodeTransform::scale;
         std::vector<Play> ways{cubic ? Play::cubic : Play::linear};
-        if (!cubic && turns) ways.push_back(Play::linear_by_chord);
-        Pieces result{cubic, {}, played_};
+        if (!cubic && turns) ways.push_back(Play::nlerp);
+        Segments result{cubic, {}, played_};
         const std::size_t frames = exact_.size();
-        Piece last{0, 0};
+        Segment last{0, 0};
         const auto reaches = [&](std::size_t from, std::size_t to) {
-            const Piece next = cubic ? piece(from, to, range) : Piece{from, to};
+            const Segment next = cubic ? segment(from, to, range) : Segment{from, to};
             const std::size_t between = to - from - 1;
-            if (!cubic && between > 0 && turns_far(exact_[from], exact_[to], range)) return false;
-            for (std::size_t n = 0; n < between; ++n) { // from the middle on, where errors are largest
+            if (!cubic && between > 0 && exceeds_angle(exact_[from], exact_[to], range)) return false;
+            for (std::size_t n = 0; n < between; ++n) { // from the middle, where errors are largest
                 const std::size_t t = from + 1 + (between / 2 + n) % between;
                 for (const Play how : ways) {
                     NodeTransform local = played_[t];
                     play(next, how, t, range, local);
-                    if (!will_do(t, local, share)) return false;
+                    if (!is_within(t, local, share)) return false;
                 }
             }
             last = next;
@@ -288,7 +291,7 @@ private:
         }
         return result;
     }
-    /// The mean of all frames, in place of a range of values.
+    /// Computes the mean over the frames of a range of values; returns true if it is within tolerance.
     bool is_constant(const Range& range, double share, NodeTransform& mean) const {
         mean = exact_[0];
         bool are_alike = true;
@@ -301,32 +304,32 @@ private:
         }
         if (are_alike) return true;
         normalise(mean, range);
-        return stands(range, share, mean);
+        return may_be_constant(range, share, mean);
     }
-    /// Whether a range of values may be those of one transform in all frames.
-    bool stands(const Range& range, double share, const NodeTransform& one) const {
+    /// True if a range of values may be constant.
+    bool may_be_constant(const Range& range, double share, const NodeTransform& one) const {
         for (std::size_t t = 0; t < exact_.size(); ++t) {
-            if (!will_do(t, replaced(played_[t], one, range), share)) return false;
+            if (!is_within(t, replaced(played_[t], one, range), share)) return false;
         }
         return true;
     }
-    void hold(const Range& range, const NodeTransform& one) {
+    void set_constant(const Range& range, const NodeTransform& one) {
         for (NodeTransform& local : played_) local = replaced(local, one, range);
     }
     static NodeTransform replaced(NodeTransform local, const NodeTransform& by, const Range& range) {
         for (std::size_t c = range.begin; c < range.end; ++c) local.values[c] = by.values[c];
         return local;
     }
-    /// Makes keys of a range of values and plays them from now on. store(time, values, in, out) gets each.
+    /// Makes keys of a range of values and plays them. store(time, values, in, out) receives each key.
     template <class Store>
     void fit(const Range& range, double share, const Store& store) {
         if (NodeTransform mean; is_constant(range, share, mean)) {
-            hold(range, mean);
+            set_constant(range, mean);
             return store(times_[0], mean, nullptr, nullptr);
         }
-        Pieces best = pieces(false, range, share);
+        Segments best = segments(false, range, share);
         if (tangents_) {
-            if (Pieces other = pieces(true, range, share); other.numbers(range) <= best.numbers(range))
+            if (Segments other = segments(true, range, share); other.numbers(range) <= best.numbers(range))
                 best = std::move(other);
         }
         constexpr std::array<double, NodeTransform::size> none{};
@@ -343,12 +346,12 @@ private:
         };
         for (std::size_t k = 0; k <= best.list.size(); ++k) {
             const std::size_t t = k == 0 ? 0 : best.list[k - 1].to, from = k == 0 ? 0 : best.list[k - 1].from;
-            if (best.cubic) { // follows the path
+            if (best.cubic) { // signs follow the path
                 store(times_[t], exact_[t], k == 0 ? none.data() : best.list[k - 1].in.data(),
                       k == best.list.size() ? none.data() : best.list[k].out.data());
                 continue;
             }
-            if (t == from + 1) halve(times_[from], exact_[from], times_[t], exact_[t], range, store_near);
+            if (t == from + 1) bisect(times_[from], exact_[from], times_[t], exact_[t], range, store_near);
             store_near(times_[t], exact_[t]);
         }
         played_ = std::move(best.played);
@@ -357,19 +360,20 @@ private:
     void append(Keys::Channel<V>& to, std::size_t at, double time, const NodeTransform& value,
                 const double* in, const double* out) const {
         constexpr std::size_t size = std::is_same_v<V, Quaternion<double>> ? 4 : 3;
-        const auto part = [&](const double* all) {
+        const auto slice = [&](const double* all) {
             V result{};
             for (std::size_t k = 0; k < size; ++k) result[k] = all[at + k];
             return result;
         };
         to.times.push_back(time);
-        to.values.push_back(part(value.values.data()));
+        to.values.push_back(slice(value.values.data()));
         if (in == nullptr) return;
-        to.in_tangents.push_back(part(in));
-        to.out_tangents.push_back(part(out));
+        to.in_tangents.push_back(slice(in));
+        to.out_tangents.push_back(slice(out));
     }
     void fit_bone(Keys::Bone& to) {
-        constexpr double of_translation = 0.4, of_axes = 0.5, of_scale = 0.7; // and what is before it
+        // Cumulative shares of the distance.
+        constexpr double of_translation = 0.4, of_axes = 0.5, of_scale = 0.7;
         using Node = NodeTransform;
         fit({0, Node::rotation}, of_translation, [&](double time, const Node& v, auto... tangents) {
             append(to.translation, 0, time, v, tangents...);
@@ -385,7 +389,7 @@ private:
         };
         const Range axes{Node::axes, Node::size};
         NodeTransform standing;
-        if (!stands(axes, of_axes, standing) && !is_constant(axes, of_axes, standing)) {
+        if (!may_be_constant(axes, of_axes, standing) && !is_constant(axes, of_axes, standing)) {
             fit({Node::rotation, Node::size}, 1, [&](double time, const Node& v, auto... tangents) {
                 take_rotation(time, v, tangents...);
                 take_scale(time, v, tangents...);
@@ -393,33 +397,34 @@ private:
             });
             return;
         }
-        hold(axes, standing);
+        set_constant(axes, standing);
         take_axes(times_[0], standing, nullptr, nullptr);
         fit({Node::scale, Node::axes}, of_scale, take_scale);
         fit({Node::rotation, Node::scale}, 1, take_rotation);
     }
-    /// Adds the errors that the bone's channels leave, and keeps where it is.
+    /// Adds the errors of the bone's channels to the vertices and stores its played transforms.
     void end() {
         for (std::size_t t = 0; t < skeleton_.frames; ++t) {
             const Map own = node(t, played_[t]), by = difference(t, own);
-            for (const Part& part : parts_[bone_])
-                errors_[t * rest_.size() + part.vertex] = vec_cast<float>(error(t, part, by));
+            for (const Influence& influence : influences_[bone_])
+                errors_[t * rest_.size() + influence.vertex] = vec_cast<float>(error(t, influence, by));
             nodes_[t * skeleton_.bones + bone_] = own;
         }
-        for (const Part& part : parts_[bone_]) used_[part.vertex] += part.weight;
+        for (const Influence& influence : influences_[bone_])
+            used_weight_[influence.vertex] += influence.weight;
     }
 
     const FittedSkeleton<double>& skeleton_;
     const std::vector<Vec<double, 3>>& rest_;
     const std::vector<double>& times_;
-    double distance_, share_, cosine_of_half_step_ = 0; ///< the last of the bone
+    double distance_, share_, cosine_of_half_step_ = 0; ///< the last one per bone
     bool tangents_;
-    std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices, in sizes, of the bones that are done
-    std::vector<double> used_;          ///< #vertices: the sum of their weights
-    std::vector<std::vector<Part>> parts_;
-    std::vector<Map> nodes_; ///< #frames · #bones, as they are played
+    std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices, relative to the size, of finished bones
+    std::vector<double> used_weight_;   ///< #vertices: sum of the weights of finished bones
+    std::vector<std::vector<Influence>> influences_;
+    std::vector<Map> nodes_; ///< #frames · #bones, as played
     std::size_t bone_ = 0;
-    std::vector<NodeTransform> exact_, played_; ///< #frames, of the bone
+    std::vector<NodeTransform> exact_, played_; ///< #frames, of the current bone
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

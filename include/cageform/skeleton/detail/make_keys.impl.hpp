@@ -1,4 +1,4 @@
-// Checks a skeleton, makes its keys and measures them.
+// Validates a skeleton, makes its keys and measures them.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -42,7 +42,7 @@ Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, s
     return Status::ok;
 }
 
-/// The largest distance between the figure by maps and by keys, in units of `size`.
+/// Measures the maximum distance between vertices by maps and by keys, relative to `size`.
 template <class T>
 void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
                   std::span<const T> times, double size, const SkeletonKeys<T>& keys,
@@ -61,6 +61,26 @@ void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<doubl
             report.vertex = i;
         }
     }
+}
+
+/// Converts a channel to scalars of type T and counts its keys.
+template <class T, class To, class From>
+void store_channel(To& to, const From& from, SkeletonKeysReport& report) {
+    using V = std::decay_t<decltype(to.values[0])>;
+    constexpr std::size_t size = sizeof(V) / sizeof(T);
+    const auto cast = [](const auto& list) {
+        std::vector<V> copies(list.size());
+        for (std::size_t n = 0; n < list.size(); ++n) {
+            for (std::size_t k = 0; k < size; ++k) copies[n][k] = T(list[n][k]);
+        }
+        return copies;
+    };
+    to.times.assign(from.times.begin(), from.times.end());
+    to.values = cast(from.values);
+    to.in_tangents = cast(from.in_tangents);
+    to.out_tangents = cast(from.out_tangents);
+    report.keys += from.times.size();
+    report.numbers += from.times.size() * ((from.in_tangents.empty() ? 1 : 3) * size + 1);
 }
 
 template <class T>
@@ -83,26 +103,8 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
     double size = figure_size(rest);
     if (!(size > 0)) size = 1;
     const std::vector<double> seconds(times.begin(), times.end());
-    const auto copy = [&](auto& to, const auto& from) {
-        using V = std::decay_t<decltype(to.values[0])>;
-        const auto cast = [](const auto& list) {
-            std::vector<V> copies;
-            for (const auto& value : list) {
-                V& copied = copies.emplace_back();
-                for (std::size_t k = 0; k < sizeof(V) / sizeof(T); ++k) copied[k] = T(value[k]);
-            }
-            return copies;
-        };
-        to.times.assign(from.times.begin(), from.times.end());
-        to.values = cast(from.values);
-        to.in_tangents = cast(from.in_tangents);
-        to.out_tangents = cast(from.out_tangents);
-        const std::size_t rows = from.in_tangents.empty() ? 1 : 3;
-        result.report.keys += from.times.size();
-        result.report.numbers += from.times.size() * (rows * (sizeof(V) / sizeof(T)) + 1);
-    };
-    // Differences of slerp and nlerp add up along a chain. The fit is repeated with a smaller distance; the
-    // last round keeps every frame.
+    // Differences of slerp and nlerp accumulate along a chain. The fit is repeated with a smaller distance;
+    // the last round keeps every frame.
     constexpr int rounds = 6;
     SkeletonKeyOptions smaller = options;
     for (int round = 0; round < rounds; ++round) {
@@ -112,15 +114,15 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
         if (const Status status = fitter.run(of_round); status != Status::ok) return status;
         for (const SkeletonKeys<double>::Bone& bone : fitter.keys.bones) {
             auto& to = result.value.bones.emplace_back();
-            copy(to.translation, bone.translation);
-            copy(to.rotation, bone.rotation);
-            copy(to.scale, bone.scale);
-            copy(to.axes, bone.axes);
+            store_channel<T>(to.translation, bone.translation, result.report);
+            store_channel<T>(to.rotation, bone.rotation, result.report);
+            store_channel<T>(to.scale, bone.scale, result.report);
+            store_channel<T>(to.axes, bone.axes, result.report);
         }
         SkeletonKeysReport by_nlerp;
         measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::slerp, result.report);
         measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::nlerp, by_nlerp);
-        const double most = (std::max)(options.max_distance, result.report.max_distance); // also by rounding
+        const double most = (std::max)(options.max_distance, result.report.max_distance); // covers rounding
         if (smaller.max_distance == 0 || by_nlerp.max_distance <= most) break;
         smaller.max_distance *= round + 2 < rounds ? 0.97 * most / by_nlerp.max_distance : 0;
     }

@@ -1,4 +1,4 @@
-// A figure's motion as the fit of a skeleton reads it.
+// The input motion in the layout of the fit.
 #pragma once
 
 #include <cageform/core/types/bounds.hpp>
@@ -11,36 +11,36 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the diagonal of a figure; 0 where it is lost in the rounding of its places.
+/// Returns the diagonal of a figure; 0 if it is below the rounding of its positions.
 inline double figure_size(const std::vector<Vec<double, 3>>& places) noexcept {
     const auto bounds = bounds_of(std::span<const Vec<double, 3>>(places));
     const double size = bounds.diagonal();
     return size > 1e-14 * bounds.magnitude() ? size : 0;
 }
 
-/// Vertices that are together in all frames are one. Lengths are shares of `size`; the rest is seen from its
-/// mean, every frame from its own.
+/// A motion with welded vertices (equal in all frames). Lengths are relative to `size`; positions are
+/// relative to the mean of their frame or of the rest pose.
 struct Motion {
-    static constexpr std::size_t group = 8; ///< frames whose numbers are computed side by side
+    static constexpr std::size_t group = 8; ///< frames per SIMD group
 
     std::size_t vertices = 0;
     std::size_t frames = 0;
-    std::size_t lanes = 0; ///< frames, rounded up to whole groups; those past the last hold zeros
-    double size = 1;       ///< the diagonal of the figure at rest; of the first frame where that is 0
+    std::size_t lanes = 0; ///< frames, rounded up to whole groups; padded with zeros
+    double size = 1;       ///< diagonal in the rest pose, or in the first frame if that is 0
     Vec<double, 3> centre{};
-    std::vector<Vec<double, 3>> centres; ///< of the frames
+    std::vector<Vec<double, 3>> centres; ///< mean of each frame
     std::vector<Vec<double, 3>> rest;    ///< #vertices
     std::vector<double> places;          ///< #vertices · 3 · lanes
-    std::vector<double> squares;         ///< #vertices: the sum of the squares of its places
-    std::vector<std::uint32_t> welded;   ///< of every vertex given, its number here
+    std::vector<double> squares;         ///< #vertices: sum of squared positions
+    std::vector<std::uint32_t> welded;   ///< welded index of each input vertex
     std::vector<std::array<std::uint32_t, 3>> faces;
-    std::vector<std::uint32_t> first_neighbour, neighbours; ///< along edges, of each vertex
+    std::vector<std::uint32_t> first_neighbour, neighbours; ///< along edges, per vertex (CSR)
 
     double* path(std::size_t i) noexcept { return places.data() + i * 3 * lanes; }
     const double* path(std::size_t i) const noexcept { return places.data() + i * 3 * lanes; }
 
-    /// Allots the memory for vertices as they are given.
-    void allot(std::size_t vertex_count, std::size_t frame_count) {
+    /// Allocates memory for the input vertices.
+    void allocate(std::size_t vertex_count, std::size_t frame_count) {
         vertices = vertex_count;
         frames = frame_count;
         lanes = (frames + group - 1) / group * group;
@@ -48,7 +48,7 @@ struct Motion {
         places.assign(vertices * 3 * lanes, 0);
         centres.resize(frames);
     }
-    /// Makes all else of `rest`, `places` and `faces`.
+    /// Computes all other members from `rest`, `places` and `faces`.
     void prepare() {
         weld();
         normalise();

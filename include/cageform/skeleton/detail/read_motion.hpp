@@ -1,4 +1,4 @@
-// Reads the frames that a user gives, and refuses what cannot be fitted.
+// Reads and validates the frames of fit_skeleton.
 #pragma once
 
 #include <cageform/core/view.hpp>
@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A sequence whose element t is a range of points.
+/// A sequence of point ranges, one per frame.
 template <class Frames, std::size_t D>
 concept FramesIn = PointRangeIn<std::remove_cvref_t<decltype(std::declval<const Frames&>()[0])>, D>;
 
@@ -26,7 +26,7 @@ Status read_motion(const R& rest, const Frames& frames, const F& faces, const Sk
         report.frame = t;
         if (std::size(frames[t]) != vertices) return Status::frames_do_not_match;
     }
-    motion.allot(vertices, count);
+    motion.allocate(vertices, count);
     const auto is_finite = [](const Vec<double, 3>& p) {
         for (std::size_t k = 0; k < 3; ++k) {
             if (!(std::fabs(p[k]) <= 1e100)) return false;

@@ -1,4 +1,4 @@
-// The weights of one vertex: a small quadratic problem on the simplex, with few weights that are not 0.
+// Sparse weights of one vertex: a small quadratic program on the simplex.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -9,25 +9,25 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Minimises wᵀQw − 2fᵀw for w ≥ 0 and Σw = 1 by active sets (after Lawson and Hanson, Solving Least Squares
-/// Problems, 1974, ch. 23). Q is positive definite.
+/// Minimises wᵀQw − 2fᵀw for w ≥ 0, Σw = 1 by an active set method (after Lawson and Hanson, Solving Least
+/// Squares Problems, 1974, ch. 23). Q is positive definite.
 class SimplexWeights {
 public:
-    static constexpr std::size_t most = 24;
+    static constexpr std::size_t max_candidates = 24;
 
-    std::size_t count = 0; ///< candidates
-    std::array<std::array<double, most>, most> q;
-    std::array<double, most> f;
+    std::size_t count = 0;
+    std::array<std::array<double, max_candidates>, max_candidates> q;
+    std::array<double, max_candidates> f;
     /// In: a feasible start. Out: the solution.
-    std::array<double, most> w;
+    std::array<double, max_candidates> w;
 
-    /// Makes the start feasible: weights are divided by their sum, or the first candidate has all.
+    /// Makes the start feasible: divides weights by their sum, or sets the first one to 1.
     void start() noexcept {
         double sum = 0;
         for (std::size_t c = 0; c < count; ++c) sum += w[c];
         for (std::size_t c = 0; c < count; ++c) w[c] = sum > 0 ? w[c] / sum : c == 0 ? 1 : 0;
     }
-    /// Solves it; while more than `influences` weights are positive, drops the least and solves for the rest.
+    /// Solves; while more than `influences` weights are positive, removes the smallest and solves again.
     void solve(std::size_t influences) noexcept {
         size_ = 0;
         for (std::size_t c = 0; c < count; ++c) {
@@ -37,8 +37,8 @@ public:
         for (std::size_t c = 0; c < count; ++c) trace += q[c][c];
         const double tolerance = 1e-10 * trace / double(count);
         std::size_t last = count;
-        for (std::size_t step = 0; step < 4 * most; ++step) {
-            if (!settle()) continue;
+        for (std::size_t step = 0; step < 4 * max_candidates; ++step) {
+            if (!move_to_minimum()) continue;
             const std::size_t next = steepest(tolerance);
             if (next == count || next == last) break;
             last = next;
@@ -52,7 +52,7 @@ public:
             }
             drop(least);
             normalise();
-            while (!settle()) {}
+            while (!move_to_minimum()) {}
         }
     }
 
@@ -78,36 +78,36 @@ private:
         for (std::size_t a = 0; a < size_; ++a)
             w[active_[a]] = sum > 0 ? w[active_[a]] / sum : 1 / double(size_);
     }
-    /// Goes to the minimum over the active weights whose sum is 1, or up to where one of them is 0, which is
-    /// dropped. Returns whether it arrived.
-    bool settle() noexcept {
+    /// Moves to the minimum over the active weights with sum 1. Stops where a weight reaches 0 and removes
+    /// that weight. Returns true if the minimum was reached.
+    bool move_to_minimum() noexcept {
         if (size_ == 1) {
             w[active_[0]] = 1;
             return true;
         }
-        std::array<double, most> y;
+        std::array<double, max_candidates> y;
         minimum(y);
-        double way = 1;
+        double fraction = 1;
         std::size_t first = size_;
         for (std::size_t a = 0; a < size_; ++a) {
             if (y[a] > 0) continue;
             const double here = w[active_[a]], to = here / (here - y[a]);
-            if (first < size_ && !(to < way)) continue;
+            if (first < size_ && !(to < fraction)) continue;
             first = a;
-            way = here > 0 ? to : 0;
+            fraction = here > 0 ? to : 0;
         }
         for (std::size_t a = 0; a < size_; ++a) {
             double& x = w[active_[a]];
-            x = first == size_ ? y[a] : std::fmax(0.0, x + way * (y[a] - x));
+            x = first == size_ ? y[a] : std::fmax(0.0, x + fraction * (y[a] - x));
         }
         if (first == size_) return true;
         drop(first);
         normalise();
         return false;
     }
-    /// The minimum over the active weights whose sum is 1, of any sign.
-    void minimum(std::array<double, most>& y) noexcept {
-        std::array<double, most> ones;
+    /// Minimum over the active weights with sum 1, without bounds.
+    void minimum(std::array<double, max_candidates>& y) noexcept {
+        std::array<double, max_candidates> ones;
         for (std::size_t r = 0; r < size_; ++r) {
             const std::size_t i = active_[r];
             for (std::size_t c = 0; c <= r; ++c) {
@@ -143,7 +143,7 @@ private:
         for (std::size_t a = 0; a < size_; ++a) g += q[c][active_[a]] * w[active_[a]];
         return g;
     }
-    /// The candidate by which the value falls fastest, or `count`.
+    /// Candidate of steepest descent, or `count`.
     std::size_t steepest(double tolerance) const noexcept {
         double level = 0;
         for (std::size_t a = 0; a < size_; ++a) level += w[active_[a]] * slope(active_[a]);
@@ -161,9 +161,9 @@ private:
     }
 
     std::size_t size_ = 0;
-    std::array<std::size_t, most + 1> active_;
-    std::array<std::array<double, most>, most> l_;
-    std::array<double, most> inverse_;
+    std::array<std::size_t, max_candidates + 1> active_;
+    std::array<std::array<double, max_candidates>, max_candidates> l_;
+    std::array<double, max_candidates> inverse_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Fits a skeleton to a motion: clusters, rounds of weights and bones, moves of idle bones.
+// Fits a skeleton to a motion: clusters, rounds of weights and bones, relocation of idle bones.
 #pragma once
 
 #include <cageform/skeleton/detail/bone_fit.hpp>
@@ -16,11 +16,11 @@ public:
 
     const BoneFit& fit() const noexcept { return fit_; }
 
-    /// Fits so many bones, or fewer: bones that no vertex needs are left out.
+    /// Fits up to `bones` bones; bones without vertices are removed.
     Status run(std::size_t bones) {
         steps_ = 1 + first_rounds + 4 * options_.moves + options_.rounds;
         if (!start(bones)) return Status::cancelled;
-        more_ = (std::max)(std::size_t{1}, fit_.bones() / 6);
+        extra_ = (std::max)(std::size_t{1}, fit_.bones() / 6);
         for (std::size_t move = 0; move < options_.moves; ++move) {
             if (!relocate()) return Status::cancelled;
         }
@@ -30,7 +30,7 @@ public:
         return Status::ok;
     }
 
-    // The steps of which a fit is made; false: it is cancelled.
+    // Steps of a fit; they return false if cancelled.
 
     /// Starts with clusters of vertices that move together.
     bool start(std::size_t bones) {
@@ -42,18 +42,19 @@ public:
         return rounds(first_rounds);
     }
     void weights() { weights(false, smoothing_); }
-    /// Moves bones such that they mind the worst vertices more.
-    bool mind_the_worst() {
-        fit_.emphasise(emphasis);
+    /// Sets the importance of vertices from their errors and refits the bones.
+    bool reweight_by_error() {
+        fit_.reweight_by_error(max_importance);
         return move_bones();
     }
-    /// Moves bones such that they mind vertices by these factors more than before.
-    bool mind(const std::vector<double>& factors, bool first) {
-        if (first) fit_.emphasise(emphasis);
-        fit_.emphasise(factors, 10 * emphasis);
+    /// Multiplies the importance of vertices by factors and refits the bones.
+    bool reweight(const std::vector<double>& factors, bool first) {
+        if (first) fit_.reweight_by_error(max_importance);
+        fit_.reweight(factors, 10 * max_importance);
         return move_bones();
     }
-    /// Adds bones where the errors are largest, `more` than are to be, and removes those that matter least.
+    /// Adds bones at the largest errors (`more` than requested), then removes those whose removal costs
+    /// least.
     bool exchange(std::size_t bones, std::size_t more) {
         std::vector<double> errors = fit_.errors();
         while (fit_.bones() < bones + more) {
@@ -63,9 +64,9 @@ public:
                     worst = i;
             }
             if (worst == errors.size()) break;
-            const auto around_it = around(worst);
-            fit_.add_bone(around_it, false, running_);
-            for (const std::uint32_t i : around_it) errors[i] = 0;
+            const auto nearest = nearest_at_rest(worst);
+            fit_.add_bone(nearest, false, running_);
+            for (const std::uint32_t i : nearest) errors[i] = 0;
             tried_[worst] = true;
         }
         if (fit_.bones() < bones) tried_.assign(motion_.vertices, false);
@@ -89,14 +90,13 @@ public:
         }
         fit_.remove_bones(idle);
     }
-    /// Goes back to an earlier fit.
     void restore(BoneFit fit) { fit_ = std::move(fit); }
 
 private:
-    static constexpr std::size_t sweeps = 6, first_rounds = 3, plain_rounds = 10, least = 6, about = 24;
-    static constexpr double emphasis =
-        10; // of the worst vertices in the last rounds: a quarter off the largest
-            // distance for 1 % of the mean
+    static constexpr std::size_t sweeps = 6, first_rounds = 3, plain_rounds = 10, min_cluster = 6,
+                                 patch_size = 24;
+    /// Upper bound of the factors by error. Cuts the maximum error by 25 % and raises the mean by 1 %.
+    static constexpr double max_importance = 10;
 
     void weights(bool removals, double smoothing) {
         fit_.fit_weights({options_.influences, smoothing, removals}, running_);
@@ -108,18 +108,17 @@ private:
         }
         return true;
     }
-    /// Rounds in which bones mind the worst vertices most. Later ones change little, so weights then go on as
-    /// they went, the farther the longer the error has fallen (Ang and Gillis, Accelerating nonnegative
-    /// matrix factorization algorithms using extrapolation, Neural Computation 31(2), 2019; restarts as in
-    /// O'Donoghue and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3),
-    /// 2015).
+    /// Rounds with vertices weighted by importance. Later rounds extrapolate the weights, with momentum that
+    /// grows while the error falls (Ang and Gillis, Accelerating nonnegative matrix factorization algorithms
+    /// using extrapolation, Neural Computation 31(2), 2019; restarts as in O'Donoghue and Candès, Adaptive
+    /// restart for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
     bool last_rounds() {
         VertexWeights last;
         double error = 0;
         std::size_t falls = 0;
         for (std::size_t n = 0; n < options_.rounds; ++n) {
             weights();
-            fit_.emphasise(emphasis);
+            fit_.reweight_by_error(max_importance);
             falls = n >= plain_rounds && fit_.error() < error ? falls + 1 : 0;
             error = fit_.error();
             VertexWeights now = fit_.weights();
@@ -138,7 +137,7 @@ private:
         fit_.fit_bones(sweeps, running_);
         return keep_going(1);
     }
-    /// Clusters of vertices that move together: those with the largest errors are halved as long as needed.
+    /// Clusters vertices that move together: bisects the clusters with the largest errors.
     bool begin(std::size_t bones) {
         std::vector<std::uint32_t> all(motion_.vertices);
         std::iota(all.begin(), all.end(), std::uint32_t{0});
@@ -170,25 +169,23 @@ private:
         for (const std::size_t j : order) {
             if (fit_.bones() == bones) break;
             const auto& cluster = clusters[j];
-            if (cluster.size() < 2 * least) continue;
-            std::uint32_t a = cluster[0];
-            for (const std::uint32_t i : cluster) {
-                if (fit_.errors()[i] > fit_.errors()[a]) a = i;
-            }
+            if (cluster.size() < 2 * min_cluster) continue;
+            const auto by_error = [&](std::uint32_t i, std::uint32_t k) {
+                return fit_.errors()[i] < fit_.errors()[k];
+            };
+            const std::uint32_t a = *std::max_element(cluster.begin(), cluster.end(), by_error);
             std::uint32_t b = a;
             double farthest = 0;
             for (const std::uint32_t i : cluster) {
                 const double d = path_distance(i, a);
-                if (d > farthest) {
-                    farthest = d;
-                    b = i;
-                }
+                if (d > farthest) b = i;
+                farthest = (std::max)(farthest, d);
             }
             std::vector<std::uint32_t> nearer;
             for (const std::uint32_t i : cluster) {
                 if (path_distance(i, a) < path_distance(i, b)) nearer.push_back(i);
             }
-            if (nearer.size() < least || cluster.size() - nearer.size() < least) continue;
+            if (nearer.size() < min_cluster || cluster.size() - nearer.size() < min_cluster) continue;
             fit_.add_bone(nearer, true, running_);
         }
         return fit_.bones() > had;
@@ -200,27 +197,27 @@ private:
         return sum;
     }
 
-    /// Moves bones to where the errors are largest. If that does not help, all is as before, and the next
-    /// time there are fewer, elsewhere.
+    /// Moves bones to the largest errors. If the error does not fall, reverts and halves their number for the
+    /// next time.
     bool relocate() {
         BoneFit before = fit_;
-        if (!exchange(fit_.bones(), more_)) return false;
+        if (!exchange(fit_.bones(), extra_)) return false;
         if (fit_.error() < before.error()) {
             tried_.assign(motion_.vertices, false);
         } else {
             fit_ = std::move(before);
-            more_ = (more_ + 1) / 2;
+            extra_ = (extra_ + 1) / 2;
         }
         return true;
     }
-    /// The vertices next to one at rest.
-    std::vector<std::uint32_t> around(std::size_t i) const {
+    /// The nearest vertices in the rest pose.
+    std::vector<std::uint32_t> nearest_at_rest(std::size_t i) const {
         std::vector<std::pair<double, std::uint32_t>> order(motion_.vertices);
         for (std::uint32_t k = 0; k < motion_.vertices; ++k) {
             const auto d = motion_.rest[k] - motion_.rest[i];
             order[k] = {dot(d, d), k};
         }
-        const std::size_t count = (std::min)(about, order.size());
+        const std::size_t count = (std::min)(patch_size, order.size());
         std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(count), order.end());
         std::vector<std::uint32_t> result;
         for (std::size_t n = 0; n < count; ++n) result.push_back(order[n].second);
@@ -232,9 +229,9 @@ private:
     const Running& running_;
     double smoothing_;
     BoneFit fit_;
-    std::size_t step_ = 0, steps_ = 0; ///< done, and of a fit by number
-    std::size_t more_ = 1;             ///< bones that a move adds
-    std::vector<bool> tried_;          ///< vertices where a bone did not help
+    std::size_t step_ = 0, steps_ = 0; ///< steps done, and all steps of a fit by number
+    std::size_t extra_ = 1;            ///< bones added by a relocation
+    std::vector<bool> tried_;          ///< vertices at which an added bone did not help
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

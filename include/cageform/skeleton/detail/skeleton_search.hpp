@@ -1,4 +1,4 @@
-// Looks for the fewest bones that keep every vertex within a distance.
+// Searches for the fewest bones that keep all vertices within a distance.
 #pragma once
 
 #include <cageform/skeleton/detail/skeleton_fitter.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Short fits grow until one is near enough. It then loses bones as long as it stays so and the work lasts,
-/// which is two and a half times that of a fit by number.
+/// Adds bones to short fits until one is within the distance, then removes bones while the limit holds. The
+/// total cost is limited to two and a half times that of a fit by number.
 class SkeletonSearch {
 public:
     struct Trial {
@@ -23,12 +23,12 @@ public:
         , moves_((std::max)(std::size_t{1}, options.moves / 4))
         , fitter_(motion, options, running) {}
 
-    /// The fit of the fewest bones that holds; where none does, the nearest one.
+    /// The valid fit with the fewest bones; if there is none, the one with the smallest distance.
     const BoneFit& best() const noexcept { return *best_; }
-    /// The numbers that were tried, in this order.
+    /// Numbers tried, in order.
     const std::vector<Trial>& trials() const noexcept { return trials_; }
 
-    /// Tries 1 to `most` bones; holds(fit) says whether a fit is within the distance as it will be stored.
+    /// Tries 1 to `most` bones; holds(fit) returns true if a fit is within the distance as stored.
     template <class Holds>
     Status run(std::size_t most, const Holds& holds) {
         if (!start(1) || !polish(holds)) return Status::cancelled;
@@ -38,10 +38,10 @@ public:
         while (!found_) {
             if (high == most) return Status::ok;
             low = high;
-            const double factor = std::pow(largest_ / options_.max_distance, 0.7);
+            const double factor = std::pow(trial_distance_ / options_.max_distance, 0.7);
             const double next = double(low) * (std::fmin)((std::fmax)(factor, 1.1), 2.0);
             high = (std::min)((std::max)(low + 1, std::size_t(next)), most);
-            // A large step begins with clusters again, which spread many bones better.
+            // A large step restarts from clusters, which distribute many bones better.
             if (double(high) >= 1.3 * double(low) && !start(high)) return Status::cancelled;
             if (!change(high) || !polish(holds)) return Status::cancelled;
         }
@@ -49,9 +49,10 @@ public:
     }
 
 private:
-    // The steps below return false where they are cancelled.
+    // Steps; they return false if cancelled.
 
-    /// Takes bones off the fit that was found. One that does not hold goes on once; then fewer are taken off.
+    /// Removes bones from the fit found. After a fit beyond the distance, tries once more, then removes
+    /// fewer.
     template <class Holds>
     bool shrink(std::size_t low, const Holds& holds) {
         std::size_t high = best_->bones();
@@ -75,12 +76,12 @@ private:
         }
         return true;
     }
-    /// Some rounds as fits by number have them, for the mean of the distances.
+    /// Rounds as in a fit by number, which lower the mean distance.
     template <class Holds>
     bool smooth(const Holds& holds) {
         fitter_.restore(*best_);
         for (std::size_t n = 0; n < options_.rounds / 2; ++n) {
-            if (!fitter_.mind_the_worst()) return false;
+            if (!fitter_.reweight_by_error()) return false;
             fitter_.weights();
             fitter_.remove_idle();
             if (largest_of(fitter_.fit().largest_squares(running_)) <= options_.max_distance &&
@@ -90,38 +91,38 @@ private:
         return true;
     }
     bool start(std::size_t bones) {
-        count(4, bones);
+        spend(4, bones);
         return fitter_.start(bones);
     }
-    /// Goes over to another number of bones.
+    /// Changes the number of bones.
     bool change(std::size_t bones) {
         for (std::size_t move = 0; move < moves_; ++move) {
-            count(4, bones);
+            spend(4, bones);
             if (!fitter_.exchange(bones, (std::max)(std::size_t{1}, bones / 6))) return false;
         }
         return true;
     }
-    /// Rounds in which bones mind the vertices beyond the distance, until there are none.
+    /// Rounds that re-fit with vertices over the limit weighted up, until there are none.
     template <class Holds>
     bool polish(const Holds& holds) {
         const std::size_t rounds = fitter_.fit().bones() > 1 ? options_.rounds : 0;
-        largest_ = std::numeric_limits<double>::infinity();
+        trial_distance_ = std::numeric_limits<double>::infinity();
         found_ = false;
         for (std::size_t n = 0;; ++n) {
             fitter_.weights();
             fitter_.remove_idle();
             std::vector<double> squares = fitter_.fit().largest_squares(running_);
             const double now = largest_of(squares);
-            largest_ = (std::fmin)(largest_, now);
+            trial_distance_ = (std::fmin)(trial_distance_, now);
             found_ = now <= options_.max_distance && holds(fitter_.fit());
-            if (found_ || !best_ || now < nearest_) {
+            if (found_ || !best_ || now < best_distance_) {
                 best_ = fitter_.fit();
-                nearest_ = found_ ? 0 : now;
+                best_distance_ = found_ ? 0 : now;
             }
             if (found_ || n == rounds) break;
             for (double& x : squares) x /= options_.max_distance * options_.max_distance;
-            count(1, fitter_.fit().bones());
-            if (!fitter_.mind(squares, n == 0)) return false;
+            spend(1, fitter_.fit().bones());
+            if (!fitter_.reweight(squares, n == 0)) return false;
         }
         trials_.push_back({fitter_.fit().bones(), found_});
         return true;
@@ -130,26 +131,26 @@ private:
         return std::sqrt(*std::max_element(squares.begin(), squares.end()));
     }
 
-    /// The cost of a round grows with the bones, but not from 0.
+    /// Relative cost of rounds: linear in the number of bones, with a constant part.
     static double cost(std::size_t rounds, std::size_t bones) noexcept {
         return double(rounds) * double(bones + 12);
     }
-    void count(std::size_t rounds, std::size_t bones) noexcept { work_ += cost(rounds, bones); }
-    /// Whether there is work left to try so many bones.
+    void spend(std::size_t rounds, std::size_t bones) noexcept { spent_ += cost(rounds, bones); }
+    /// True if the remaining budget allows a trial with so many bones.
     bool is_affordable(std::size_t bones) const noexcept {
-        return work_ + cost(4 * moves_ + options_.rounds, bones) <
+        return spent_ + cost(4 * moves_ + options_.rounds, bones) <
                2.5 * cost(4 + 4 * options_.moves + options_.rounds, bones);
     }
 
     const SkeletonOptions& options_;
     const Running& running_;
-    std::size_t moves_; ///< of idle bones for each number
+    std::size_t moves_; ///< relocations per number of bones
     SkeletonFitter fitter_;
     std::optional<BoneFit> best_;
-    double nearest_ = 0; ///< the largest distance of the best; 0: it holds
-    double largest_ = 0; ///< the least largest distance in the last trial
-    double work_ = 0;
-    bool found_ = false; ///< whether the last trial holds
+    double best_distance_ = 0;  ///< maximum distance of the best fit; 0: within the limit
+    double trial_distance_ = 0; ///< smallest maximum distance in the last trial
+    double spent_ = 0;
+    bool found_ = false; ///< true if the last trial is within the limit
     std::vector<Trial> trials_;
 };
 

@@ -1,4 +1,4 @@
-// Cuts maps into translations, rotations and scales.
+// Decomposes maps into translation, rotation and scale.
 #pragma once
 
 #include <cageform/skeleton/types/skeleton_keys.hpp>
@@ -10,9 +10,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A local transform: translation, rotation, scale, axes, side by side.
+/// A local transform as one array: translation, rotation, scale, axes.
 struct NodeTransform {
-    static constexpr std::size_t rotation = 3, scale = 7, axes = 10, size = 14; ///< where each begins
+    static constexpr std::size_t rotation = 3, scale = 7, axes = 10, size = 14; ///< first index of each
 
     std::array<double, size> values{0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 1};
 
@@ -30,10 +30,9 @@ struct NodeTransform {
     }
 };
 
-/// Transforms that change little from frame to frame.
+/// Decomposes a sequence of maps; successive transforms are as similar as possible.
 class TransformPath {
 public:
-    /// Cuts the next frame's map.
     NodeTransform next(const SkeletonKeys<double>::Map& map) {
         Eigen::Matrix3d a;
         for (Eigen::Index c = 0; c < 3; ++c) {
@@ -42,13 +41,13 @@ public:
         NodeTransform result;
         for (std::size_t k = 0; k < 3; ++k) result.values[k] = map.shift[k];
         const double determinant = a.determinant(), scale = std::cbrt(determinant);
-        constexpr double rounding = 1e-6; // of maps of floats
+        constexpr double rounding = 1e-6; // of single-precision maps
         const Eigen::Matrix3d square = a.transpose() * a / (scale * scale);
         const bool is_similar = determinant > 0 && (square - Eigen::Matrix3d::Identity()).norm() < rounding;
         if (is_similar) {
             const double kept = std::fabs(scale - 1) < rounding ? 1 : scale;
             for (std::size_t k = 0; k < 3; ++k) result.values[NodeTransform::scale + k] = kept;
-            // Equal scales do not show their axes, which stay.
+            // Equal scales leave the axes undetermined: keep the last ones.
             const Quaternion<double> axes = last_.turn(NodeTransform::axes);
             result.set_turn(NodeTransform::axes, axes);
             set(result, NodeTransform::rotation, a / scale * matrix(axes).transpose());
@@ -62,8 +61,8 @@ private:
     static Eigen::Matrix3d matrix(const Quaternion<double>& q) {
         return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
     }
-    /// Sets a rotation, with the sign nearer to the last one. After half a turn both signs are equally near:
-    /// then the axis decides. So repeated half turns about one axis go one way.
+    /// Sets a rotation with the sign nearer to the last one. After a half turn both signs are equally near
+    /// and the axis decides, so repeated half turns about one axis have the same direction.
     void set(NodeTransform& to, std::size_t at, const Eigen::Matrix3d& rotation) const {
         const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
         const Quaternion<double> last = last_.turn(at);
@@ -71,13 +70,13 @@ private:
         const Eigen::Quaterniond step =
             q * Eigen::Quaterniond(last[3], last[0], last[1], last[2]).conjugate();
         constexpr double half_turn = 1e-6;
-        const double side = step.vec().dot(
-            Eigen::Vector3d(1, 0.61, 0.37)); // the normal of a plane that holds no coordinate axis
+        const double side =
+            step.vec().dot(Eigen::Vector3d(1, 0.61, 0.37)); // normal of a plane without coordinate axes
         const double sign = (std::fabs(along) < half_turn ? side : along) < 0 ? -1 : 1;
         to.set_turn(at, {sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w()});
     }
-    /// U S Vᵀ with rotations U and V, whose columns have the order and the signs that bring V nearest to the
-    /// last frame's.
+    /// U S Vᵀ with rotations U and V. Columns are ordered and signed so that V is nearest to that of the last
+    /// frame.
     void stretch(const Eigen::Matrix3d& a, NodeTransform& result) const {
         const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
         Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();

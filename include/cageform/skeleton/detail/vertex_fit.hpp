@@ -1,4 +1,4 @@
-// The best weights of a vertex for given bones.
+// Optimal weights of a vertex for fixed bones.
 #pragma once
 
 #include <cageform/skeleton/detail/motion.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The products of (x, y, z, 1) with itself, ten numbers; and where that of two entries is.
+/// Products of (x, y, z, 1) with itself: ten numbers, and the index of the product of two entries.
 using Products = std::array<double, 10>;
 inline constexpr std::size_t product_of[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
 inline Products products_of(const Vec<double, 3>& v) noexcept {
@@ -16,8 +16,8 @@ inline Products products_of(const Vec<double, 3>& v) noexcept {
             v[1] * v[2], v[1],        v[2] * v[2], v[2], 1};
 }
 
-/// Sums over all frames of the products of two bones' maps, such that the product of the places to which they
-/// bring v is the dot product with products_of(v).
+/// Sums over all frames of products of two maps. The dot product with products_of(v) is the sum of dot
+/// products of the two images of v.
 struct MapPairs {
     std::size_t bones = 0;
     std::vector<Products> of;
@@ -32,18 +32,26 @@ struct MapPairs {
 
 struct WeightStep {
     std::size_t influences = 4;
-    double smoothing = 0;  ///< λ: adds λ |w − the mean of the neighbours' weights|²
-    bool removals = false; ///< find what each bone's removal would cost, too
+    double smoothing = 0;  ///< λ: adds λ |w − mean of the neighbours' weights|²
+    bool removals = false; ///< also compute the error added by removing each bone
 };
 
-/// The weights of all vertices: `width` bones and weights for each.
+/// Weights of all vertices: `width` bones and weights each.
 struct VertexWeights {
     std::size_t width = 0;
     std::vector<std::uint32_t> joints;
     std::vector<double> weights;
+
+    /// Gives all weight of vertex i to one bone.
+    void set_single(std::size_t i, std::uint32_t bone) noexcept {
+        for (std::size_t k = i * width; k < (i + 1) * width; ++k) {
+            joints[k] = k == i * width ? bone : 0;
+            weights[k] = k == i * width ? 1 : 0;
+        }
+    }
 };
 
-/// Finds the weights of vertices, one at a time; each thread has its own.
+/// Computes the weights of vertices, one at a time; one object per thread.
 class VertexFit {
 public:
     VertexFit(const Motion& motion, const MapPairs& pairs, const VertexWeights& before,
@@ -57,32 +65,32 @@ public:
         , mean_(pairs.bones, 0)
         , taken_(pairs.bones, 0) {}
 
-    /// Finds the weights of vertex i.
+    /// Computes the weights of vertex i.
     ///
-    ///   against  #bones · 4: Σ_t of the columns of a bone's maps times the vertex's places
-    ///   returns  the sum over the frames of its squared distances
-    double fit(std::size_t i, const double* against, VertexWeights& to) {
+    ///   correlations  #bones · 4: Σ_t of the columns of a bone's maps times the vertex's positions
+    ///   returns       the sum over the frames of squared distances
+    double fit(std::size_t i, const double* correlations, VertexWeights& to) {
         v_ = products_of(motion_.rest[i]);
         square_ = motion_.squares[i];
         for (std::size_t j = 0; j < own_.size(); ++j) {
             across_[j] = 0;
-            for (std::size_t c = 0; c < 4; ++c) across_[j] += v_[product_of[c][3]] * against[4 * j + c];
+            for (std::size_t c = 0; c < 4; ++c) across_[j] += v_[product_of[c][3]] * correlations[4 * j + c];
             own_[j] = std::fmax(pairs_.at(j, j, v_) - 2 * across_[j] + square_, 0.0);
         }
         if (step_.influences == 1) return take_nearest(i, to);
-        choose(i);
-        pose_problem();
-        whole_ = problem_;
+        choose_candidates(i);
+        set_up();
+        full_ = problem_;
         problem_.solve(step_.influences);
         return store(i, to);
     }
-    /// The increase of the error without the k-th bone of the vertex that was fitted last.
+    /// Increase of the error without the k-th bone of the last fitted vertex.
     double removal(std::size_t k) {
         const double before = problem_.value();
-        without_ = whole_;
+        without_ = full_;
         const std::size_t c = order_[k], last = --without_.count;
         for (std::size_t a = 0; a < last; ++a) without_.w[a] = problem_.w[a];
-        if (c != last) { // the last candidate takes its place
+        if (c != last) { // move the last candidate into its slot
             for (std::size_t a = 0; a <= last; ++a) without_.q[c][a] = without_.q[last][a];
             without_.q[c][c] = without_.q[last][last];
             for (std::size_t a = 0; a < last; ++a) without_.q[a][c] = without_.q[c][a];
@@ -99,25 +107,19 @@ private:
     static constexpr std::size_t nearest = 10;
 
     double take_nearest(std::size_t i, VertexWeights& to) {
-        std::size_t best = 0;
-        for (std::size_t j = 1; j < own_.size(); ++j) {
-            if (own_[j] < own_[best]) best = j;
-        }
-        for (std::size_t k = 0; k < to.width; ++k) {
-            to.joints[i * to.width + k] = k == 0 ? std::uint32_t(best) : 0;
-            to.weights[i * to.width + k] = k == 0 ? 1 : 0;
-        }
+        const auto best = std::min_element(own_.begin(), own_.end());
+        to.set_single(i, std::uint32_t(best - own_.begin()));
         used_ = 0;
-        return own_[best];
+        return *best;
     }
     void take(std::uint32_t bone, double weight) {
-        if (problem_.count == SimplexWeights::most || taken_[bone] != 0) return;
+        if (problem_.count == SimplexWeights::max_candidates || taken_[bone] != 0) return;
         taken_[bone] = 1;
         candidates_[problem_.count] = bone;
         problem_.w[problem_.count++] = weight;
     }
-    /// Candidates: the bones that it has, the nearest, and those of its neighbours.
-    void choose(std::size_t i) {
+    /// Candidates: current bones, nearest bones, and bones of neighbours.
+    void choose_candidates(std::size_t i) {
         const std::size_t width = before_.width;
         problem_.count = 0;
         for (std::size_t n = i * width; n < (i + 1) * width; ++n) {
@@ -143,7 +145,7 @@ private:
         has_neighbours_ = first != last;
         for (std::size_t a = 0; a < problem_.count; ++a) taken_[candidates_[a]] = 0;
     }
-    void pose_problem() {
+    void set_up() {
         const std::size_t m = problem_.count;
         double trace = 0;
         for (std::size_t a = 0; a < m; ++a) {
@@ -193,8 +195,8 @@ private:
     std::vector<double> mean_; ///< of the neighbours' weights
     std::vector<std::uint8_t> taken_;
     std::vector<std::uint32_t> order_;
-    std::array<std::uint32_t, SimplexWeights::most> candidates_;
-    SimplexWeights problem_, whole_, without_;
+    std::array<std::uint32_t, SimplexWeights::max_candidates> candidates_;
+    SimplexWeights problem_, full_, without_;
     Products v_{};
     double square_ = 0, ridge_ = 0;
     std::size_t used_ = 0;

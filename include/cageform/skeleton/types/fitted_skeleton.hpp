@@ -1,4 +1,4 @@
-// A skeleton with its skin and its motion.
+// A skeleton with skinning weights and motion.
 #pragma once
 
 #include <cageform/binding/types/skin_weights.hpp>
@@ -8,11 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A skin of bones, and where each bone goes in each frame. A vertex v is in frame t at
+/// Skinning weights, and the map of each bone in each frame. The position of vertex v in frame t is
 ///
 ///     Σ_k weight_k · map(t, joint_k)(v)
 ///
-/// At rest every map is the identity. Parents come before their children.
+/// In the rest pose all maps are the identity. Parents precede children.
 template <class T>
 struct FittedSkeleton {
     static constexpr std::uint32_t no_parent = 0xffffffff;
@@ -25,18 +25,18 @@ struct FittedSkeleton {
         Vec<T, 3> operator()(const Vec<T, 3>& x) const noexcept {
             return x[0] * axes[0] + (x[1] * axes[1] + (x[2] * axes[2] + shift));
         }
-        /// Returns where a direction goes.
+        /// Returns the linear part applied to a direction.
         Vec<T, 3> turned(const Vec<T, 3>& x) const noexcept {
             return x[0] * axes[0] + (x[1] * axes[1] + x[2] * axes[2]);
         }
-        /// Returns the map x ↦ this(inner(x)).
+        /// Returns the composition x ↦ this(inner(x)).
         Map after(const Map& inner) const noexcept {
             Map result;
             for (std::size_t c = 0; c < 3; ++c) result.axes[c] = turned(inner.axes[c]);
             result.shift = (*this)(inner.shift);
             return result;
         }
-        /// Returns the inverse of a map whose axes are not in a plane.
+        /// Returns the inverse; the axes must be linearly independent.
         Map inverse() const noexcept {
             const std::array<Vec<T, 3>, 3> rows{cross(axes[1], axes[2]), cross(axes[2], axes[0]),
                                                 cross(axes[0], axes[1])};
@@ -53,14 +53,14 @@ struct FittedSkeleton {
 
     std::size_t bones = 0;
     std::size_t frames = 0;
-    SkinWeights skin;                   ///< its joints are bones, which also turn
-    std::vector<Map> maps;              ///< #frames · #bones: those of a frame side by side
-    std::vector<std::uint32_t> parents; ///< #bones; bone 0 is the root and has no_parent
-    std::vector<Vec<T, 3>> joints;      ///< #bones: where each meets its parent, at rest
+    SkinWeights skin;                   ///< `joints` are indices of bones
+    std::vector<Map> maps;              ///< #frames · #bones, frame by frame
+    std::vector<std::uint32_t> parents; ///< #bones; no_parent for the root, bone 0
+    std::vector<Vec<T, 3>> joints;      ///< #bones: pivot of each bone in the rest pose
 
     const Map& map(std::size_t frame, std::size_t bone) const noexcept { return maps[frame * bones + bone]; }
 
-    /// Returns where a vertex that is at `rest` at rest is in a frame.
+    /// Returns the position of a vertex in a frame, given its position in the rest pose.
     Vec<T, 3> place(std::size_t frame, std::size_t vertex, const Vec<T, 3>& rest) const noexcept {
         Vec<T, 3> sum{};
         for (std::size_t k = vertex * skin.influences; k < (vertex + 1) * skin.influences; ++k) {
@@ -68,9 +68,9 @@ struct FittedSkeleton {
         }
         return sum;
     }
-    /// Returns the transform of a bone's node in a frame: from its own axes, whose origin is its joint, to
-    /// those of its parent, or of the world for the root. The product of these along the way from the root
-    /// is map(frame, bone), after a shift by the joint.
+    /// Returns the local transform of a bone's node in a frame: from its own axes, with the origin at its
+    /// joint, to those of its parent (the world for a root). map(frame, bone) is the product of these from
+    /// the root, after a translation by minus the joint.
     Map local(std::size_t frame, std::size_t bone) const noexcept {
         const Map own = node(frame, bone);
         return parents[bone] == no_parent ? own : node(frame, parents[bone]).inverse().after(own);

@@ -1,4 +1,4 @@
-// The keys of a skeleton's motion, as engines play them.
+// Keys of a skeleton's motion.
 #pragma once
 
 #include <cageform/clip/curves/rigid_motion.hpp>
@@ -6,46 +6,44 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Keys of every bone's node, as glTF has them. A node's local transform is
+/// Keys of each bone's node, as in glTF. The local transform of a node is
 ///
 ///     x ↦ rotation(scale · axes(x)) + translation
 ///
-/// It goes from the node's own axes, whose origin is the bone's joint, to those of its parent.
+/// It maps the node's own axes, with the origin at the bone's joint, to those of its parent.
 template <class T>
 struct SkeletonKeys {
     using Map = typename FittedSkeleton<T>::Map;
 
-    /// How players turn between keys without tangents: at constant speed (slerp), as glTF asks, or by
-    /// components, normalised (nlerp), as many do.
+    /// Interpolation of rotations without tangents: slerp as glTF requires, or nlerp as in many players.
     enum class Turn { slerp, nlerp };
 
-    /// Without tangents, values go straight between keys, and rotations turn at constant speed along the
-    /// shorter arc (LINEAR). With tangents they are cubics; those of rotations are then normalised
-    /// (CUBICSPLINE).
+    /// Without tangents, values are interpolated linearly and rotations by slerp along the shorter arc
+    /// (LINEAR). With tangents, values are cubic splines; those of rotations are normalised (CUBICSPLINE).
     template <class V>
     struct Channel {
         std::vector<T> times;                     ///< in seconds, ascending; a single key holds at all times
-        std::vector<V> values;                    ///< #times; neighbouring rotations have one sign
+        std::vector<V> values;                    ///< #times; dot products of neighbouring rotations are >= 0
         std::vector<V> in_tangents, out_tangents; ///< #times, per second; or none
     };
     struct Bone {
         Channel<Vec<T, 3>> translation;
         Channel<Quaternion<T>> rotation;
-        Channel<Vec<T, 3>> scale; ///< (1, 1, 1) of rigid bones
-        /// Turns to the axes that are scaled; the identity unless bones are stretched. glTF needs a second
-        /// node for it, a child that carries the joint and the children.
+        Channel<Vec<T, 3>> scale; ///< (1, 1, 1) for rigid bones
+        /// Rotates to the axes of the scale; the identity unless bones are stretched. glTF needs a second
+        /// node for it: a child with the joint and the children.
         Channel<Quaternion<T>> axes;
     };
     std::vector<Bone> bones;
 
-    /// Returns a bone's local transform at a time; before the first key and after the last, theirs.
+    /// Returns the local transform of a bone at a time, clamped to the first and last key.
     Map local(std::size_t bone, T time, Turn way = Turn::slerp) const noexcept {
         const Bone& of = bones[bone];
         return composed(at(of.translation, time, way), at(of.rotation, time, way), at(of.scale, time, way),
                         at(of.axes, time, way));
     }
-    /// Returns where each bone takes a vertex from its place at rest at a time, as FittedSkeleton::map does
-    /// in a frame; #bones.
+    /// Returns the map of each bone from the rest pose to a time, like FittedSkeleton::map for a frame;
+    /// #bones.
     std::vector<Map> maps(const FittedSkeleton<T>& skeleton, T time, Turn way = Turn::slerp) const {
         std::vector<Map> nodes(bones.size());
         for (std::size_t b = 0; b < bones.size(); ++b) {
@@ -57,7 +55,7 @@ struct SkeletonKeys {
         return nodes;
     }
 
-    /// Returns the local transform that the values of the four channels make.
+    /// Returns the local transform of the four channel values.
     static Map composed(const Vec<T, 3>& translation, const Quaternion<T>& rotation, const Vec<T, 3>& scale,
                         const Quaternion<T>& axes) noexcept {
         const Map outer = turn(rotation), inner = turn(axes);
@@ -85,7 +83,7 @@ private:
         const std::vector<T>& times = channel.times;
         if (!(time > times.front())) return channel.values.front();
         if (!(time < times.back())) return channel.values.back();
-        std::size_t low = 0, high = times.size() - 1; // the time is between theirs
+        std::size_t low = 0, high = times.size() - 1; // the time is between these two keys
         while (high - low > 1) {
             const std::size_t middle = (low + high) / 2;
             (times[middle] <= time ? low : high) = middle;
@@ -112,23 +110,23 @@ private:
     }
 };
 
-/// Controls how keys are made; see skeleton/fit_skeleton.hpp.
+/// Options of fit_skeleton_keys.
 struct SkeletonKeyOptions {
-    /// How far the keys may bring a vertex from where the maps bring it, a share of the figure's diagonal at
-    /// rest. 0: a key in each frame, where more than one is needed.
+    /// Maximum distance of a vertex by keys from its position by maps, relative to the figure's diagonal in
+    /// the rest pose. 0: a key in each frame, except in constant channels.
     double max_distance = 0;
-    /// Whether a channel may have tangents where it then stores fewer numbers. Players of glTF read them;
-    /// Blender 3.4 does not: it makes tangents of its own.
+    /// Uses tangents in channels where these need fewer numbers. glTF players support them; Blender 3.4
+    /// replaces them by its own.
     bool tangents = false;
 };
 
 struct SkeletonKeysReport {
     Status status = Status::ok;
-    std::size_t keys = 0;    ///< of all channels
-    std::size_t numbers = 0; ///< that they store: times, values and tangents
-    /// The largest distance between the figure by maps and by keys, a share of its diagonal at rest.
+    std::size_t keys = 0;    ///< in all channels
+    std::size_t numbers = 0; ///< stored: times, values and tangents
+    /// Maximum distance between vertices by maps and by keys, relative to the diagonal in the rest pose.
     double max_distance = 0;
-    std::size_t frame = 0, vertex = 0; ///< where it is
+    std::size_t frame = 0, vertex = 0; ///< where max_distance is reached
     double seconds = 0;
 };
 

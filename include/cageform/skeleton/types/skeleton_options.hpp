@@ -1,4 +1,4 @@
-// The options and the report of `fit_skeleton`.
+// Options and report of `fit_skeleton`.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -8,37 +8,37 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How the bones of a skeleton move.
+/// Maps of bones.
 enum class BoneKind : std::uint8_t {
-    rigid,     ///< they turn and move: every engine plays these
-    similar,   ///< one scale besides; the children of a bone scale with it
-    stretched, ///< any affine map: only players that multiply matrices show these
+    rigid,     ///< rotation and translation: supported by all engines
+    similar,   ///< also a uniform scale; children scale too
+    stretched, ///< affine: only for players that use matrices
 };
 
 struct SkeletonOptions {
     static constexpr std::size_t largest_bones = 1024;
 
-    std::size_t bones = 0;      ///< 0: as few as keep max_distance
-    std::size_t influences = 4; ///< weights a vertex, 1 to 8
+    std::size_t bones = 0;      ///< 0: as few as max_distance allows
+    std::size_t influences = 4; ///< maximum number of weights per vertex, 1 to 8
     BoneKind kind = BoneKind::rigid;
-    /// The distance, a share of the figure's diagonal at rest, within which every vertex is to stay in every
-    /// frame; 0: none. With `bones` the report counts the vertices that are farther away.
+    /// Maximum distance of every vertex in every frame, relative to the figure's diagonal in the rest pose;
+    /// 0: none. If `bones` is set, the report counts the vertices beyond it.
     double max_distance = 0;
-    /// Rounds of weights and bones, after idle bones have found their places. Those after the tenth are
-    /// accelerated; more moves often help more.
+    /// Rounds of weights and bones after idle bones have been moved; accelerated after the tenth. More moves
+    /// often help more than more rounds.
     std::size_t rounds = 10;
-    std::size_t moves = 8; ///< tries to move idle bones to where the error is largest
+    std::size_t moves = 8; ///< attempts to move idle bones to the largest errors
 };
 
 struct SkeletonReport {
     Status status = Status::ok;
-    std::size_t bones = 0;             ///< of the skeleton
-    double rms = 0;                    ///< of all distances, a share of the figure's diagonal at rest
-    double max_distance = 0;           ///< the largest, as such a share
-    std::size_t frame = 0, vertex = 0; ///< where it is; if the status is frame_not_finite, where that is
-    double turn = 0;                   ///< degrees by which 99 % of the faces are turned wrongly at most
-    double mean_influences = 0;        ///< weights above 0 of a vertex
-    std::size_t beyond = 0;            ///< vertices farther away than SkeletonOptions::max_distance
+    std::size_t bones = 0;
+    double rms = 0;          ///< of all distances, relative to the figure's diagonal in the rest pose
+    double max_distance = 0; ///< relative to the same diagonal
+    std::size_t frame = 0, vertex = 0; ///< of max_distance; with frame_not_finite, of the invalid point
+    double turn = 0;                   ///< rotation error of the faces: 99th percentile, in degrees
+    double mean_influences = 0;        ///< mean number of weights above 0 per vertex
+    std::size_t beyond = 0;            ///< vertices beyond SkeletonOptions::max_distance
     double seconds = 0;
 };
 

@@ -179,6 +179,8 @@ def struct(of: Type[Struct], /, **members: Any) -> Struct:
 
 
 def choice(choices: Dict[Any, int], given: Any, name: str) -> int:
+    if isinstance(given, str) and given not in choices:
+        given = given.replace('_', '-')
     if given not in choices:
         raise ValueError('%s: one of %s, not %r' % (name, ', '.join(map(repr, choices)), given))
     return choices[given]

@@ -20,18 +20,11 @@ from .errors import check
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-_TYPES = {'mean-value': _c.CAGEFORM_MEAN_VALUE, 'harmonic': _c.CAGEFORM_HARMONIC, 'green': _c.CAGEFORM_GREEN,
-          'sibson': _c.CAGEFORM_SIBSON, 'barycentric': _c.CAGEFORM_BARYCENTRIC, 'wachspress': _c.CAGEFORM_WACHSPRESS,
-          'discrete-harmonic': _c.CAGEFORM_DISCRETE_HARMONIC, 'splines': _c.CAGEFORM_SPLINES}
-_DEFAULTS = {_c.CAGEFORM_LATTICE: 'splines', _c.CAGEFORM_SITES: 'sibson', _c.CAGEFORM_CURVES: 'green'}
-_OUTSIDE = {'extend': _c.CAGEFORM_EXTEND, 'keep_in_place': _c.CAGEFORM_KEEP_IN_PLACE,
-            'nearest_boundary': _c.CAGEFORM_NEAREST_BOUNDARY}
-_FORMATS = {'smallest': _c.CAGEFORM_FORMAT_SMALLEST, 'scalar': _c.CAGEFORM_FORMAT_SCALAR, 'half': _c.CAGEFORM_FORMAT_HALF,
-            'int16': _c.CAGEFORM_FORMAT_INT16, 'int8': _c.CAGEFORM_FORMAT_INT8}
+_DEFAULTS = {_c.CAGEFORM_LATTICE: 'splines', _c.CAGEFORM_SITES: 'sibson', _c.CAGEFORM_CURVES: 'curved-green'}
 
 
 def _options(kind: str, dtype: npt.DTypeLike, accuracy: float, memory_limit: int) -> Any:
-    return arrays.struct(_c.cageform_coordinates_options, type=arrays.choice(_TYPES, kind, 'kind'),
+    return arrays.struct(_c.cageform_coordinates_options, type=arrays.choice(_c.CHOICES['coordinate_type'], kind, 'kind'),
                          scalar=arrays.scalar_of(dtype), accuracy=accuracy, memory_limit=memory_limit)
 
 
@@ -39,24 +32,23 @@ class Coordinates(Owner):
     """Coordinates of a cage, by which figures are bound.
 
     cage          a Cage, which is copied from
-    kind          'mean-value', 'harmonic', 'green', 'sibson', 'barycentric', 'wachspress', 'discrete-harmonic',
-                  'splines'; None: the one of this kind of cage, of polygons and meshes 'mean-value'
+    kind          one of Coordinates.kinds; None: the one of this kind of cage, of polygons and meshes 'mean-value'
     dtype         of weights, poses and clones: float32 or float64
     accuracy      harmonic: the largest error of a weight, 1e-5 to 0.1; 0: 1e-3
     memory_limit  harmonic: in bytes; 0: 8 GiB
-    degree        Sibson: 1, or 3, smooth at the sites
-    disk          Green on curves: (x, y, radius) of a disk
+    disk          curved-green: (x, y, radius) of a disk
 
     report, cage (a list if they are blended), dtype, handles (their number; vectors are among them in 'green'), vertices (handles that are
     points), dimension, has_weights_outside, has_gradients
     """
 
+    kinds: Tuple[str, ...] = tuple(_c.CHOICES['coordinate_type'])
+
     def __init__(self, cage: Cage, kind: Optional[str] = None, dtype: npt.DTypeLike = np.float64, accuracy: float = 0,
-                 memory_limit: int = 0, degree: int = 1, disk: Optional[Tuple[float, float, float]] = None) -> None:
+                 memory_limit: int = 0, disk: Optional[Tuple[float, float, float]] = None) -> None:
         if kind is None:
             kind = _DEFAULTS.get(cage.kind, 'mean-value')
         options = _options(kind, dtype, accuracy, memory_limit)
-        arrays.set_member(options, 'sibson_degree', degree)
         if disk is not None:
             options.disk[:] = arrays.doubles(disk, 'disk', 3, 'of x, y, radius').tolist()
         self._adopt(cage, dtype, *make(library.cageform_coordinates_create, cage._describe(), options))
@@ -101,7 +93,7 @@ class Coordinates(Owner):
         points    (#points, dimension)
         normals   (#points, dimension)
         tangents  (#points, 3), or 4 with the handedness; in space
-        outside   what becomes of points outside: 'extend', 'keep_in_place', 'nearest_boundary'
+        outside   what becomes of points outside: 'extend', 'keep-in-place', 'nearest-boundary'
         falloff   outside, displacements fade to nothing at this distance; 0: they do not
         leave_linear_precision  leaves weights as the coordinates gave them
         threads   None: all processors
@@ -110,7 +102,7 @@ class Coordinates(Owner):
         bound = arrays.points(points, 'points', self.dimension)
         turned = None if normals is None else arrays.points(normals, 'normals', self.dimension)
         along = None if tangents is None else arrays.points(tangents, 'tangents', dimensions=(3, 4))
-        options = arrays.struct(_c.cageform_bind_options, outside=arrays.choice(_OUTSIDE, outside, 'outside'),
+        options = arrays.struct(_c.cageform_bind_options, outside=arrays.choice(_c.CHOICES['outside_points'], outside, 'outside'),
                                 leave_linear_precision=leave_linear_precision, falloff=falloff)
         handle, report = make(library.cageform_bind, self._object, arrays.view(bound),
                               None if turned is None else arrays.view(turned),
@@ -219,7 +211,7 @@ class Binding(Owner):
         Returns the bytes (#bytes,) as uint8, read-only, at a multiple of 64, and a Report. Their tofile() writes a file.
         """
         options = arrays.struct(_c.cageform_pack_options, tolerance=tolerance, threshold=threshold, largest=largest,
-                                reach=reach, format=arrays.choice(_FORMATS, format, 'format'))
+                                reach=reach, format=arrays.choice(_c.CHOICES['weight_format'], format, 'format'))
         options.origin[:len(origin)] = list(origin)
         listed = None if poses is None else arrays.poses(poses, 'poses', '#poses, #handles')
         if listed is not None:

@@ -171,7 +171,6 @@ def check(cage: Cage) -> List[Fault]:
     return [Fault._of(fault) for fault in faults[:count.value]]
 
 
-_SHAPES = {'figure': _c.CAGEFORM_SHAPE_FIGURE, 'hull': _c.CAGEFORM_SHAPE_HULL, 'box': _c.CAGEFORM_SHAPE_BOX}
 _MIRRORS = {None: 0, 'x': 1, 'y': 2, 'z': 3}
 
 
@@ -206,7 +205,7 @@ def make_cage(points: npt.ArrayLike, indices: npt.ArrayLike, vertices: int = 0, 
     own_radii = None if radii is None else arrays.doubles(radii, 'radii', corners.size // 2, 'segment')
     figure.radii = arrays.pointer(own_radii, ctypes.c_double)
     options = arrays.struct(_c.cageform_make_cage_options, vertices=vertices, margin=margin,
-                            shape=arrays.choice(_SHAPES, shape, 'shape'), mirror=arrays.choice(_MIRRORS, mirror, 'mirror'),
+                            shape=arrays.choice(_c.CHOICES['shape'], shape, 'shape'), mirror=arrays.choice(_MIRRORS, mirror, 'mirror'),
                             many_cages=many_cages, holes=holes, fill_tunnels=fill_tunnels, regular=regular)
     handle, report = make(library.cageform_make_cage, figure, options, running=Running(threads, progress))
     its = arrays.struct(_c.cageform_cage)

@@ -197,7 +197,6 @@ class Clip(Owner):
         return arrays.give_back(pose, out)
 
 
-_KEYS = {'smooth': _c.CAGEFORM_SMOOTH, 'linear': _c.CAGEFORM_LINEAR, 'hold': _c.CAGEFORM_HOLD}
 _ENDS = {'stay': _c.CAGEFORM_STAY, 'straight_on': _c.CAGEFORM_GO_STRAIGHT_ON, 'cycle': _c.CAGEFORM_CYCLE,
          'cycle_with_offset': _c.CAGEFORM_CYCLE_WITH_OFFSET, 'ping_pong': _c.CAGEFORM_PING_PONG}
 
@@ -225,7 +224,7 @@ def compile_clip(times: npt.ArrayLike, poses: npt.ArrayLike, tolerance: float = 
         raise ValueError('poses: an array of shape (%d, #vertices, dimension), not %s' % (len(given), posed.shape))
     listed = arrays.poses(posed, 'poses', '#times, #vertices')
     options = arrays.struct(_c.cageform_clip_options, tolerance=tolerance, pack_tolerance=pack_tolerance,
-                            keys=arrays.choice(_KEYS, keys, 'keys'), before=arrays.choice(_ENDS, before, 'before'),
+                            keys=arrays.choice(_c.CHOICES['keys'], keys, 'keys'), before=arrays.choice(_ENDS, before, 'before'),
                             after=arrays.choice(_ENDS, after, 'after'), scalar=arrays.scalar_of(dtype))
     handle, report = make(library.cageform_compile_clip, arrays.pointer(given, ctypes.c_double), len(given),
                           arrays.view(listed), options, running=Running(threads, progress))

@@ -17,8 +17,6 @@ from .errors import check
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-_KINDS = {'rigid': _c.CAGEFORM_RIGID, 'similar': _c.CAGEFORM_SIMILAR, 'stretched': _c.CAGEFORM_STRETCHED}
-
 
 class Transforms(NamedTuple):
     """The transforms of the bones' nodes, as engines play them: x -> rotation(scale * axes(x)) + translation goes from a
@@ -117,7 +115,7 @@ def fit_skeleton(rest: npt.ArrayLike, frames: npt.ArrayLike, faces: Optional[npt
     if faces is not None and corners.size and np.shape(faces)[1:] != (3,):
         raise ValueError('faces: an array of shape (#faces, 3), not %s' % (np.shape(faces),))
     options = arrays.struct(_c.cageform_skeleton_options, bones=bones, influences=influences, max_distance=max_distance,
-                            kind=arrays.choice(_KINDS, kind, 'kind'))
+                            kind=arrays.choice(_c.CHOICES['bone_kind'], kind, 'kind'))
     if influences == 0:
         raise ValueError('influences: 1 to 8, not 0')
     handle, report = make(library.cageform_fit_skeleton, arrays.view(given), arrays.view(in_a_row), arrays.pointer(corners),

@@ -1,13 +1,16 @@
 // Interpolates values between the cells of a grid.
 #pragma once
 
-#include <cageform/coordinates/harmonic/options.hpp>
-#include <cageform/papers/detail/papers_lattice.hpp>
+#include "averaging/lattice.hpp"
 
 #include <span>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform_sources::averaging {
+
+enum class Interpolation : std::uint8_t {
+    nearest_cell, ///< the look-up of the papers: constant within a cell
+    multilinear,  ///< between the 2^D nearest centres, leaving out exterior ones
+};
 
 /// The cells that a value is interpolated from and their weights, for one point. Serves any number
 /// of fields.
@@ -63,6 +66,4 @@ SampleStencil<T, D> sample_stencil(const Lattice<T, D>& lattice, std::span<const
     return stencil;
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform_sources::averaging

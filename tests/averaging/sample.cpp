@@ -1,7 +1,6 @@
+#include "averaging/sample.hpp"
 #include "../catch.hpp"
 #include "../support/cages.hpp"
-
-#include <cageform/papers/detail/sample.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +11,10 @@ namespace sample_tests {
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::Vec;
-using cageform::grid::CellTag;
-using cageform::grid::Interpolation;
-using cageform::grid::sample_stencil;
-using cageform::grid::SampleStencil;
+using cageform_sources::averaging::CellTag;
+using cageform_sources::averaging::Interpolation;
+using cageform_sources::averaging::sample_stencil;
+using cageform_sources::averaging::SampleStencil;
 using cageform_tests::Random;
 
 namespace {

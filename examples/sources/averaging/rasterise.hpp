@@ -1,10 +1,11 @@
 // Scan conversion of a cage onto a grid: finds the cells on the boundary, inside and outside.
 #pragma once
 
+#include "averaging/lattice.hpp"
+
 #include <cageform/cage/detail/nearest_on_edge.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>
-#include <cageform/papers/detail/papers_lattice.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -12,8 +13,13 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform_sources::averaging {
+
+using cageform::BoundaryPoint, cageform::BoundaryValue, cageform::PointState;
+using cageform::Polygon, cageform::TriangleMesh;
+using cageform::value_on_facet, cageform::vec_cast;
+using cageform::detail::Facet, cageform::detail::MeshFace, cageform::detail::nearest_on_facet;
+using cageform::detail::PlacedFacet;
 
 /// The value of a handle's function in a boundary cell.
 template <Scalar T>
@@ -37,10 +43,6 @@ struct GridDomain {
     }
 };
 
-} // namespace grid
-
-namespace detail {
-
 /// In cells. A facet through a corner of cells touches all cells that meet there.
 inline constexpr double touch_slack = 1e-6;
 
@@ -59,8 +61,8 @@ std::optional<std::uint32_t> cell_number(const Lattice<T, D>& lattice,
 
 /// Sorts the data by handle and cell, and adds up values with the same handle and cell.
 template <Scalar T>
-void sort_data(std::vector<grid::CellData<T>>& data) {
-    using Data = grid::CellData<T>;
+void sort_data(std::vector<CellData<T>>& data) {
+    using Data = CellData<T>;
     std::sort(data.begin(), data.end(), [](const Data& a, const Data& b) {
         return a.handle != b.handle ? a.handle < b.handle : a.cell < b.cell;
     });
@@ -98,7 +100,7 @@ struct EdgesOfCell {
 /// The first step of `rasterise` in 2D: marks boundary cells. The data of a cell is taken at the
 /// boundary point nearest to the cell's centre.
 template <Scalar T>
-void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
+void mark_boundary(const Polygon<T>& polygon, GridDomain<T, 2>& domain) {
     constexpr std::size_t none = ~std::size_t{0};
     const Lattice<T, 2>& lattice = domain.lattice;
     std::vector<std::size_t> slot(lattice.size(), none); // index of each boundary cell in `points`
@@ -112,11 +114,11 @@ void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
         for_each_cell(placed, touch_slack, [&](const std::array<std::int32_t, 2>& at) {
             const auto cell = cell_number(lattice, at);
             if (!cell) return;
-            const auto point =
-                detail::nearest_on_edge(polygon, edge[0], edge[1], lattice.centre(lattice.index(*cell)));
+            const auto point = cageform::detail::nearest_on_edge(polygon, edge[0], edge[1],
+                                                                 lattice.centre(lattice.index(*cell)));
             if (slot[*cell] == none) {
                 slot[*cell] = points.size();
-                domain.tags[*cell] = grid::CellTag::boundary;
+                domain.tags[*cell] = CellTag::boundary;
                 cells.push_back(*cell);
                 points.push_back(point);
                 edges.emplace_back();
@@ -172,7 +174,7 @@ public:
         for (std::uint32_t n = 0; n < faces_.size(); ++n) {
             const PlacedFacet<3> face(faces_[n], vertices_, true);
             for_each_cell(face, touch_slack, [&](const std::array<std::int32_t, 3>& at) {
-                const auto middle = node_position<3>(at) + Vec<double, 3>{0.5, 0.5, 0.5};
+                const auto middle = cageform::node_position<3>(at) + Vec<double, 3>{0.5, 0.5, 0.5};
                 if (!apart_across_edges(face, middle, 0.5 + touch_slack)) f(at, n);
             });
         }
@@ -195,7 +197,7 @@ private:
 /// The first step of `rasterise` in 3D: marks boundary cells. The data of a cell is the mean over
 /// the faces that touch it, each taken at its point nearest to the cell's centre.
 template <class C>
-void mark_boundary(const C& cage, grid::GridDomain<typename C::scalar, 3>& domain) {
+void mark_boundary(const C& cage, GridDomain<typename C::scalar, 3>& domain) {
     using T = typename C::scalar;
     struct Touch {
         std::uint32_t cell, face;
@@ -228,7 +230,7 @@ void mark_boundary(const C& cage, grid::GridDomain<typename C::scalar, 3>& domai
                     domain.data.push_back({value.handle[k], cell, T(value.weight[k] / double(end - begin))});
             }
         }
-        domain.tags[cell] = grid::CellTag::boundary;
+        domain.tags[cell] = CellTag::boundary;
         domain.crowded_cells += are_crowded({touches.data() + begin, end - begin}) ? 1 : 0;
     }
 }
@@ -237,7 +239,7 @@ void mark_boundary(const C& cage, grid::GridDomain<typename C::scalar, 3>& domai
 
 /// Tags a cell and all untyped cells connected with it along the axes.
 template <Scalar T, std::size_t D>
-void flood(grid::GridDomain<T, D>& domain, std::size_t seed, grid::CellTag tag) {
+void flood(GridDomain<T, D>& domain, std::size_t seed, CellTag tag) {
     const Lattice<T, D>& lattice = domain.lattice;
     std::vector<std::size_t> front{seed};
     domain.tags[seed] = tag;
@@ -249,16 +251,13 @@ void flood(grid::GridDomain<T, D>& domain, std::size_t seed, grid::CellTag tag) 
             for (const bool up : {false, true}) {
                 if (up ? index[axis] + 1 == lattice.cells[axis] : index[axis] == 0) continue;
                 const std::size_t next = up ? cell + lattice.stride(axis) : cell - lattice.stride(axis);
-                if (domain.tags[next] != grid::CellTag::untyped) continue;
+                if (domain.tags[next] != CellTag::untyped) continue;
                 domain.tags[next] = tag;
                 front.push_back(next);
             }
         }
     }
 }
-
-} // namespace detail
-namespace grid {
 
 /// Tags every cell that a facet (an edge, a triangle, a side of a box) touches as boundary, and
 /// each connected component of the rest as interior or exterior by one inside test. In 2D a
@@ -279,17 +278,15 @@ rasterise(const C& cage, const Lattice<typename C::scalar, C::dimension>& lattic
     GridDomain<typename C::scalar, C::dimension> domain;
     domain.lattice = lattice;
     domain.tags.assign(lattice.size(), CellTag::untyped);
-    detail::mark_boundary(cage, domain);
-    detail::sort_data(domain.data);
+    mark_boundary(cage, domain);
+    sort_data(domain.data);
     for (std::size_t seed = 0; seed < domain.tags.size(); ++seed) {
         if (domain.tags[seed] != CellTag::untyped) continue;
         const auto centre = lattice.centre(lattice.index(seed));
         const bool inside = locate(cage, centre, typename C::scalar(0)) == PointState::inside;
-        detail::flood(domain, seed, inside ? CellTag::interior : CellTag::exterior);
+        flood(domain, seed, inside ? CellTag::interior : CellTag::exterior);
     }
     return domain;
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform_sources::averaging

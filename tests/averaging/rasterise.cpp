@@ -1,3 +1,4 @@
+#include "averaging/rasterise.hpp"
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/effort.hpp"
@@ -5,7 +6,6 @@
 #include "../support/meshes.hpp"
 
 #include <cageform/cage/box_mesh.hpp>
-#include <cageform/papers/detail/rasterise.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -25,10 +25,10 @@ using cageform::Status;
 using cageform::Vec;
 using cageform::vec_cast;
 using cageform::detail::nearest_on_edge;
-using cageform::grid::CellTag;
-using cageform::grid::GridDomain;
-using cageform::grid::lattice_about;
-using cageform::grid::rasterise;
+using cageform_sources::averaging::CellTag;
+using cageform_sources::averaging::GridDomain;
+using cageform_sources::averaging::lattice_about;
+using cageform_sources::averaging::rasterise;
 using cageform_tests::effort;
 using cageform_tests::Points2;
 using cageform_tests::Random;

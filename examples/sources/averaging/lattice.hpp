@@ -4,8 +4,11 @@
 
 #include <cageform/grid/lattice/lattice.hpp>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+#include <cstdint>
+
+namespace cageform_sources::averaging {
+
+using cageform::Bounds, cageform::CellBox, cageform::Lattice, cageform::Scalar, cageform::Vec;
 
 /// The tags of a cell (Joshi et al. 2007, sec. 4).
 enum class CellTag : std::uint8_t {
@@ -37,6 +40,4 @@ Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) 
     return lattice;
 }
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform_sources::averaging

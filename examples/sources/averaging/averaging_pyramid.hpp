@@ -6,8 +6,7 @@
 // published tolerance).
 #pragma once
 
-#include <cageform/coordinates/harmonic/options.hpp>
-#include <cageform/papers/detail/papers_lattice.hpp>
+#include "averaging/lattice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +14,26 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-namespace grid {
+namespace cageform_sources::averaging {
+
+/// The neighbours whose mean a cell's value is.
+enum class Stencil : std::uint8_t {
+    /// 2, 4 or 6 (in 1D, 2D, 3D): the usual discrete Laplace equation.
+    face_neighbours,
+    all_neighbours, ///< 2, 8 or 26, including diagonals, with equal weights: "harmonic crosswords"
+};
+
+struct AveragingOptions {
+    Stencil stencil = Stencil::face_neighbours;
+    /// The pyramid ends at this many cells a side; if it is not below the grid's own size, there is
+    /// one level.
+    std::size_t coarsest = 16;
+    double tolerance = 1e-5;         ///< τ: sweeps end when the mean change of a cell is below it; 0: never
+    std::size_t max_sweeps = 100000; ///< on each level
+    /// Sweeps start with the given values of interior cells instead of 0. There is then one level,
+    /// whatever `coarsest` is.
+    bool first_guess = false;
+};
 
 struct AveragingOutcome {
     std::size_t sweeps = 0; ///< on the finest level
@@ -281,6 +298,4 @@ private:
     std::vector<Level> levels_;
 };
 
-} // namespace grid
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform_sources::averaging

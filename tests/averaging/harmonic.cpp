@@ -1,6 +1,8 @@
 // Harmonic coordinates by the papers' averaging solver, whose cells on the boundary are a staircase.
+#include "averaging/pyramid_solver.hpp"
 #include "catch.hpp"
 #include "support/effort.hpp"
+#include "support/gradients.hpp"
 #include "support/larger.hpp"
 #include "support/meshes.hpp"
 #include "support/oracle.hpp"
@@ -8,7 +10,6 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/cage/box_mesh.hpp>
-#include <cageform/papers/pyramid_solver.hpp>
 
 #include <array>
 
@@ -16,16 +17,28 @@ namespace harmonic_tests {
 
 using namespace cageform_tests;
 using cageform::epsilon;
-using cageform::HarmonicOptions;
 using cageform::Polygon;
-using cageform::grid::Interpolation;
+using namespace cageform_sources::averaging;
 
 namespace {
 
-template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid>;
+struct Options {
+    std::size_t resolution = 0;
+    AveragingOptions averaging{.tolerance = 1e-6};
+    Interpolation interpolation = Interpolation::multilinear;
+    std::size_t handles_at_once = 16;
+};
 
-constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
+template <class C>
+struct Averaged : cageform::HarmonicCoordinates<typename C::scalar, C::dimension> {
+    template <class Cage>
+    Averaged(const Cage& cage, const Options& options)
+        : Averaged::HarmonicCoordinates(
+              cage, {.resolution = options.resolution},
+              AveragingSolver{options.averaging, options.interpolation, options.handles_at_once}) {}
+};
+template <class T>
+using Harmonic = Averaged<Polygon<T>>;
 
 constexpr std::array oracles{"triangle",
                              "unit_square",
@@ -41,9 +54,9 @@ constexpr std::array oracles{"triangle",
                              "hole_hexagon_triangle_hole"};
 
 /// The side of a cell.
-template <class T>
-double spacing(const Polygon<T>& cage, std::size_t resolution) {
-    return double(cageform::grid::lattice_about(cageform::bounds_of(cage.vertices()), resolution).spacing);
+template <class C>
+double spacing(const C& cage, std::size_t resolution) {
+    return double(lattice_about(cageform::bounds_of(cage.vertices()), resolution).spacing);
 }
 
 template <class T>
@@ -83,7 +96,7 @@ TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes fi
             REQUIRE(oracle.points.size() == 20);
             const auto cage = oracle.cage<TestType>();
             const Harmonic<TestType> coordinates(
-                cage, {.solver = pyramid, .resolution = level.resolution, .averaging = {.tolerance = 1e-7}});
+                cage, {.resolution = level.resolution, .averaging = {.tolerance = 1e-7}});
             const auto weights = evaluate_all(coordinates, oracle.points);
             REQUIRE(weights.status() == Status::ok);
             const std::string kind(name);
@@ -120,10 +133,8 @@ TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates]
     const auto cage = seed % 2 == 0 ? Polygon<T>(random_star<T>(std::uint64_t(seed)))
                                     : random_rings<T>(std::uint64_t(seed));
     const double tolerance = sizeof(T) == 4 ? 1e-7 : 1e-13;
-    const Harmonic<T> coordinates(cage, {.solver = pyramid,
-                                         .resolution = 40,
-                                         .averaging = {.tolerance = tolerance},
-                                         .interpolation = interpolation});
+    const Harmonic<T> coordinates(
+        cage, {.resolution = 40, .averaging = {.tolerance = tolerance}, .interpolation = interpolation});
     const auto points = points_inside(cage, 100, std::uint64_t(seed) + 100);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
@@ -145,8 +156,7 @@ TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates]
 TEST_CASE("harmonic weights are not negative in the biped", "[coordinates][harmonic][property]") {
     const auto cage = read_oracle("harmonic2d_biped").cage<double>();
     const auto points = points_inside(cage, 2000, 1);
-    const Harmonic<double> coordinates(
-        cage, {.solver = pyramid, .resolution = 64, .averaging = {.tolerance = 1e-7}});
+    const Harmonic<double> coordinates(cage, {.resolution = 64, .averaging = {.tolerance = 1e-7}});
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
     double least = 1;
@@ -157,10 +167,9 @@ TEST_CASE("harmonic weights are not negative in the biped", "[coordinates][harmo
 TEST_CASE("harmonic weights have no maximum inside", "[coordinates][harmonic][property]") {
     // A cell is the mean of its neighbours, so in one of the four directions a weight does not fall.
     const auto cage = read_oracle("harmonic2d_star").cage<double>();
-    Harmonic<double> coordinates(cage, {.solver = pyramid,
-                                        .resolution = 64,
-                                        .averaging = {.tolerance = 1e-12},
-                                        .interpolation = Interpolation::nearest_cell});
+    Harmonic<double> coordinates(
+        cage,
+        {.resolution = 64, .averaging = {.tolerance = 1e-12}, .interpolation = Interpolation::nearest_cell});
     REQUIRE(coordinates.solve().status == Status::ok);
     const double h = spacing(cage, 64);
     Random random(2);
@@ -186,26 +195,26 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
     CAPTURE(seed);
     const auto cage = random_rings<T>(std::uint64_t(seed));
     const auto points = points_inside(cage, 60, std::uint64_t(seed) + 200);
-    const HarmonicOptions options{.solver = pyramid, .resolution = 32, .averaging = {.tolerance = 1e-6}};
+    const Options options{.resolution = 32, .averaging = {.tolerance = 1e-6}};
     const auto expected = evaluate_all(Harmonic<T>(cage, options), points);
     REQUIRE(expected.status() == Status::ok);
     CHECK(expected.evaluation.solver.solves == cage.size());
 
     for (const std::size_t group : {std::size_t(0), std::size_t(1), std::size_t(3), std::size_t(1000)}) {
-        HarmonicOptions other = options;
+        Options other = options;
         other.handles_at_once = group;
         const auto weights = evaluate_all(Harmonic<T>(cage, other), points);
         CAPTURE(group);
         CHECK(weights.rows == expected.rows);
         CHECK(weights.states == expected.states);
-        CHECK(weights.evaluation.solver.pyramid.sweeps == expected.evaluation.solver.pyramid.sweeps);
+        CHECK(weights.evaluation.solver.relaxation.sweeps == expected.evaluation.solver.relaxation.sweeps);
     }
 
     Harmonic<T> coordinates(cage, options);
     const auto solved = coordinates.solve();
     REQUIRE(solved.status == Status::ok);
     CHECK(solved.solver.solves == cage.size());
-    CHECK(solved.solver.pyramid.sweeps == expected.evaluation.solver.pyramid.sweeps);
+    CHECK(solved.solver.relaxation.sweeps == expected.evaluation.solver.relaxation.sweeps);
     for (std::size_t begin = 0; begin < points.size(); begin += 20) {
         const Points2<T> batch(points.begin() + std::ptrdiff_t(begin),
                                points.begin() + std::ptrdiff_t(begin + 20));
@@ -219,8 +228,8 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
     }
     const Harmonic<T> copy = coordinates; // with what was solved
     CHECK(evaluate_all(copy, points).rows == expected.rows);
-    CHECK(evaluate_all(copy, points).evaluation.solver.pyramid.sweeps ==
-          expected.evaluation.solver.pyramid.sweeps);
+    CHECK(evaluate_all(copy, points).evaluation.solver.relaxation.sweeps ==
+          expected.evaluation.solver.relaxation.sweeps);
 }
 
 TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordinates][harmonic][state]",
@@ -246,8 +255,8 @@ TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordi
     const T nan = std::numeric_limits<T>::quiet_NaN();
     points.push_back({nan, 0});
     points.push_back({bounds.lower[0], std::numeric_limits<T>::infinity()});
-    const auto weights = evaluate_all(
-        Harmonic<T>(cage, {.solver = pyramid, .resolution = 48, .averaging = {.tolerance = 1e-4}}), points);
+    const auto weights =
+        evaluate_all(Harmonic<T>(cage, {.resolution = 48, .averaging = {.tolerance = 1e-4}}), points);
     REQUIRE(weights.status() == Status::ok);
     std::size_t inside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -265,8 +274,7 @@ TEST_CASE("every point inside is reached, by the coarsest grid too", "[coordinat
         const auto cage = read_oracle(std::string("harmonic2d_") + name).cage<double>();
         const auto points = points_inside(cage, 300, 3);
         for (const auto interpolation : {Interpolation::nearest_cell, Interpolation::multilinear}) {
-            const auto weights = evaluate_all(Harmonic<double>(cage, {.solver = pyramid,
-                                                                      .resolution = 8,
+            const auto weights = evaluate_all(Harmonic<double>(cage, {.resolution = 8,
                                                                       .averaging = {.tolerance = 1e-3},
                                                                       .interpolation = interpolation}),
                                               points);
@@ -282,10 +290,9 @@ TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
     // 20 cells, margin of 2 on each side: the unit square takes 16 cells a side, the 16 about its border
     // and the ones beyond being boundary.
     const auto weight = [](Interpolation interpolation, Vec<double, 2> p) {
-        const Harmonic<double> coordinates(square<double>, {.solver = pyramid,
-                                                            .resolution = 20,
-                                                            .averaging = {.tolerance = 1e-13},
-                                                            .interpolation = interpolation});
+        const Harmonic<double> coordinates(
+            square<double>,
+            {.resolution = 20, .averaging = {.tolerance = 1e-13}, .interpolation = interpolation});
         std::array<double, 4> row{};
         CHECK(cageform::weights_at(coordinates, p, row) == PointState::inside);
         return row[2];
@@ -306,8 +313,7 @@ TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
 TEST_CASE("a square's harmonic weights are bilinear but for the staircase", "[coordinates][harmonic]") {
     // The boundary cells at either side of the border (the border runs along cell faces) hold its data, so
     // the solution is that of a square smaller by half a cell.
-    const Harmonic<double> coordinates(
-        square<double>, {.solver = pyramid, .resolution = 36, .averaging = {.tolerance = 1e-13}});
+    const Harmonic<double> coordinates(square<double>, {.resolution = 36, .averaging = {.tolerance = 1e-13}});
     const auto points = points_inside(Polygon<double>(square<double>), 200, 4);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
@@ -329,22 +335,22 @@ TEST_CASE("a square's harmonic weights are bilinear but for the staircase", "[co
 TEMPLATE_TEST_CASE("options of harmonic coordinates out of their range each have a status",
                    "[coordinates][harmonic][status]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto status_of = [](const HarmonicOptions& options) {
+    const auto status_of = [](const Options& options) {
         Harmonic<T> coordinates(square<T>, options);
         CHECK(coordinates.cage_report().status == Status::ok); // no fault of the cage
         const auto weights = evaluate_all(coordinates, Points2<T>{{T(0.5), T(0.5)}});
         CHECK(coordinates.solve().status == weights.status());
         return weights.status();
     };
-    const HarmonicOptions good{.solver = pyramid, .resolution = 16};
+    const Options good{.resolution = 16};
     CHECK(status_of(good) == Status::ok);
     for (const std::size_t resolution :
          {std::size_t(0), std::size_t(4), std::size_t(7), std::size_t(16385), ~std::size_t(0)}) {
-        HarmonicOptions options = good;
+        Options options = good;
         options.resolution = resolution;
         CHECK(status_of(options) == Status::resolution_not_supported);
     }
-    HarmonicOptions options = good;
+    Options options = good;
     options.resolution = 8;
     CHECK(status_of(options) == Status::ok);
     for (const double tolerance : {0.0, -1e-6, std::numeric_limits<double>::quiet_NaN()}) {
@@ -360,17 +366,16 @@ TEMPLATE_TEST_CASE("options of harmonic coordinates out of their range each have
 }
 
 TEST_CASE("a solver that does not converge says how far it came", "[coordinates][harmonic][status]") {
-    const HarmonicOptions options{
-        .solver = pyramid, .resolution = 64, .averaging = {.tolerance = 1e-9, .max_sweeps = 5}};
+    const Options options{.resolution = 64, .averaging = {.tolerance = 1e-9, .max_sweeps = 5}};
     Harmonic<double> coordinates(square<double>, options);
     const auto outcome = coordinates.solve();
     CHECK(outcome.status == Status::not_converged);
     CHECK(outcome.solver.unconverged == 1); // stops at the first
     CHECK(outcome.solver.solves == 1);
-    CHECK(outcome.solver.pyramid.sweeps == 5);
-    CHECK(outcome.solver.pyramid.largest_mean_change > 1e-9);
+    CHECK(outcome.solver.relaxation.sweeps == 5);
+    CHECK(outcome.solver.relaxation.largest_mean_change > 1e-9);
     CHECK(outcome.solver.cells > 1000);
-    CHECK(outcome.solver.pyramid.crowded_cells == 0);
+    CHECK(outcome.solver.crowded_cells == 0);
     // Nothing half solved is kept.
     CHECK(evaluate_all(coordinates, Points2<double>{{0.5, 0.5}}).status() == Status::not_converged);
 }
@@ -378,12 +383,11 @@ TEST_CASE("a solver that does not converge says how far it came", "[coordinates]
 TEST_CASE("harmonic coordinates report cells too crowded to tell edges apart",
           "[coordinates][harmonic][report]") {
     const auto crowded = [](std::size_t resolution) {
-        const Harmonic<double> coordinates(
-            read_oracle("harmonic2d_cat").cage<double>(),
-            {.solver = pyramid, .resolution = resolution, .averaging = {.tolerance = 1e-2}});
+        const Harmonic<double> coordinates(read_oracle("harmonic2d_cat").cage<double>(),
+                                           {.resolution = resolution, .averaging = {.tolerance = 1e-2}});
         const auto weights = evaluate_all(coordinates, Points2<double>{{0, 0}});
         CHECK(weights.status() == Status::ok);
-        return weights.evaluation.solver.pyramid.crowded_cells;
+        return weights.evaluation.solver.crowded_cells;
     };
     CHECK(crowded(8) > crowded(64));
     CHECK(crowded(256) == 0);
@@ -392,8 +396,7 @@ TEST_CASE("harmonic coordinates report cells too crowded to tell edges apart",
 TEST_CASE("harmonic progress never falls and its callback cancels", "[coordinates][harmonic][progress]") {
     const auto cage = read_oracle("harmonic2d_star").cage<double>();
     const auto points = points_inside(cage, 20, 5);
-    const HarmonicOptions options{
-        .solver = pyramid, .resolution = 48, .averaging = {.tolerance = 1e-6}, .handles_at_once = 3};
+    const Options options{.resolution = 48, .averaging = {.tolerance = 1e-6}, .handles_at_once = 3};
     std::vector<double> told;
     cageform::Running evaluate_options;
     evaluate_options.progress = [&](double done) {
@@ -419,8 +422,7 @@ TEST_CASE("harmonic progress never falls and its callback cancels", "[coordinate
     CHECK(evaluate_all(coordinates, points).evaluation.solver.solves == cage.size()); // nothing was kept
 
     // A single long solve can be cancelled before its end.
-    HarmonicOptions endless{
-        .solver = pyramid, .resolution = 256, .averaging = {.tolerance = 1e-16, .max_sweeps = 1000000000}};
+    Options endless{.resolution = 256, .averaging = {.tolerance = 1e-16, .max_sweeps = 1000000000}};
     std::size_t asked = 0;
     evaluate_options.progress = [&](double) { return ++asked < 20; };
     const auto outcome = Harmonic<double>(cage, endless).solve(evaluate_options);
@@ -434,7 +436,7 @@ TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coord
     const double scale = sizeof(T) == 4 ? GENERATE(1e-15, 1e15) : GENERATE(1e-150, 1e150);
     Points2<T> vertices{{0, 0}, {T(0.9), T(0.1)}, {T(0.7), T(0.8)}, {T(0.3), T(0.4)}};
     Points2<T> points = points_inside(Polygon<T>(vertices), 50, 6);
-    const HarmonicOptions options{.solver = pyramid, .resolution = 24, .averaging = {.tolerance = 1e-6}};
+    const Options options{.resolution = 24, .averaging = {.tolerance = 1e-6}};
     const auto expected = evaluate_all(Harmonic<T>(vertices, options), points);
     for (auto& v : vertices) v = T(scale) * v;
     for (auto& p : points) p = T(scale) * p;
@@ -451,7 +453,7 @@ TEMPLATE_TEST_CASE("harmonic weights at the ends of the scalar's range", "[coord
 TEST_CASE("restoring linear precision turns no harmonic weight more negative than it says",
           "[coordinates][harmonic][binding]") {
     const Polygon<double> cage(random_star<double>(5));
-    const Harmonic<double> coordinates(cage, {.solver = pyramid, .resolution = 64});
+    const Harmonic<double> coordinates(cage, {.resolution = 64});
     Random random(5);
     Points2<double> points(300);
     for (auto& p : points) p = random_inside(cage, random);
@@ -465,23 +467,14 @@ TEST_CASE("restoring linear precision turns no harmonic weight more negative tha
 
 namespace {
 
-/// By the papers' solver alone.
-template <class C>
-using InSpace =
-    cageform::HarmonicCoordinates<typename C::scalar, 3, C, cageform::OnlySolver<cageform::PyramidSolver<C>>>;
 using Mesh = cageform::TriangleMesh<float>;
 
 /// As the papers do, but for the tolerance.
-HarmonicOptions as_published(std::size_t resolution, double tolerance) {
+Options as_published(std::size_t resolution, double tolerance) {
     return {.resolution = resolution,
             .averaging = {.tolerance = tolerance},
             .interpolation = Interpolation::nearest_cell,
             .handles_at_once = 1};
-}
-
-template <class C>
-double cell_of(const C& cage, std::size_t resolution) {
-    return double(cageform::grid::lattice_about(cageform::bounds_of(cage.vertices()), resolution).spacing);
 }
 
 } // namespace
@@ -510,7 +503,7 @@ TEST_CASE("in space the papers' solver comes near the oracle as the grid becomes
         for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
         REQUIRE(points.size() >= 10);
         const auto largest_error = [&](const auto& cage, std::size_t resolution) {
-            const InSpace<std::remove_cvref_t<decltype(cage)>> coordinates(
+            const Averaged<std::remove_cvref_t<decltype(cage)>> coordinates(
                 cage, {.resolution = resolution, .averaging = {.tolerance = 1e-7}});
             const auto weights = evaluate_all(coordinates, points);
             REQUIRE(weights.status() == Status::ok);
@@ -551,10 +544,10 @@ TEST_CASE("in space the papers' weights are in [0, 1], sum to 1 and are a diagon
     points.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
     auto options = as_published(20, 1e-8);
     options.interpolation = interpolation;
-    const InSpace<Mesh> coordinates(mesh, options);
+    const Averaged<Mesh> coordinates(mesh, options);
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
-    const double h = cell_of(mesh, 20), size = size_of(mesh.vertices());
+    const double h = spacing(mesh, 20), size = size_of(mesh.vertices());
     // Values lie up to half a diagonal off their place at the boundary, as does what is looked up in a
     // cell; between cells a sample leaves out some up to a diagonal off. The maximum principle does the
     // rest.
@@ -589,23 +582,40 @@ TEST_CASE("in space the papers' weights are in [0, 1], sum to 1 and are a diagon
     CHECK(report.reproduction_error.value <= 1e-5 * size);
 }
 
+TEST_CASE("the papers' solver is a solver without gradients, for polygons and meshes of triangles",
+          "[coordinates][harmonic][solver]") {
+    STATIC_REQUIRE(cageform::CageSolver<PyramidSolver<float, 2>, float>);
+    STATIC_REQUIRE(!cageform::DifferentiableSolver<PyramidSolver<float, 2>, float>);
+    STATIC_REQUIRE(cageform::CageSolver<PyramidSolver<double, 3>>);
+    const Points2<double> middle{{0.5, 0.5}};
+    CHECK(gradients_of<double, 2>(Harmonic<double>(square<double>, {.resolution = 16}), middle)
+              .evaluation.status == Status::solver_not_supported);
+    cageform::CellComplex<double, 2> with_point{Polygon<double>(square<double>)};
+    with_point.add_point(middle[0], 0.1);
+    const auto box = cageform::box_mesh<double>({0, 0, 0}, {1, 1, 1});
+    for (const Status status :
+         {cageform::HarmonicCoordinates(with_point, {.resolution = 16}, AveragingSolver{}).solve().status,
+          cageform::HarmonicCoordinates(box, {.resolution = 16}, AveragingSolver{}).solve().status})
+        CHECK(status == Status::solver_not_supported);
+}
+
 TEST_CASE("in space the papers' solver takes 12 bytes a cell and refuses what is too large",
           "[coordinates][harmonic][mesh][status]") {
     const auto mesh = sphere(2).mesh<float>();
     const Points3<float> middle{{0, 0, 0}};
-    const auto lattice = cageform::grid::lattice_about(cageform::bounds_of(mesh.vertices()), 128);
-    const InSpace<Mesh> coordinates(mesh, as_published(128, 1e-3)); // 2⁷, as theirs
+    const auto lattice = lattice_about(cageform::bounds_of(mesh.vertices()), 128);
+    const Averaged<Mesh> coordinates(mesh, as_published(128, 1e-3)); // 2⁷, as theirs
     const auto memory = coordinates.solver_memory();
     CHECK(memory.hierarchy + memory.block <= 12 * lattice.size());
     CHECK(memory.hierarchy + memory.block >= 9 * lattice.size());
-    const auto status_of = [&](const HarmonicOptions& options) {
-        return evaluate_all(InSpace<Mesh>(mesh, options), middle).status();
+    const auto status_of = [&](const Options& options) {
+        return evaluate_all(Averaged<Mesh>(mesh, options), middle).status();
     };
     for (const std::size_t resolution : {std::size_t{7}, std::size_t{1025}, ~std::size_t{0}})
         CHECK(status_of(as_published(resolution, 1e-3)) == Status::resolution_not_supported);
     CHECK(status_of(as_published(16, 0)) == Status::tolerance_not_positive);
     auto options = as_published(1024, 1e-3); // 10 GB, before any of it is taken
-    const auto refused = evaluate_all(InSpace<Mesh>(mesh, options), middle).evaluation;
+    const auto refused = evaluate_all(Averaged<Mesh>(mesh, options), middle).evaluation;
     CHECK(refused.status == Status::out_of_memory);
     CHECK(refused.solver.bytes > std::size_t{9} << 30);
     options = as_published(16, 1e-9);
@@ -613,13 +623,13 @@ TEST_CASE("in space the papers' solver takes 12 bytes a cell and refuses what is
     CHECK(status_of(options) == Status::not_converged);
     // A box thinner than a cell: every cell is of the boundary, and what is inside has the data there.
     const auto thin = cageform::box_mesh<double>({0, 0, 0}, {1, 1, 0.01}).triangles();
-    const auto weights = evaluate_all(InSpace<cageform::TriangleMesh<double>>(thin, as_published(16, 1e-6)),
+    const auto weights = evaluate_all(Averaged<cageform::TriangleMesh<double>>(thin, as_published(16, 1e-6)),
                                       Points3<double>{{0.5, 0.5, 0.005}});
     REQUIRE(weights.status() == Status::ok);
     CHECK(weights.states[0] == PointState::inside);
     CHECK(std::fabs(double(sum_of(weights.rows[0])) - 1) <= 1e-12);
     CHECK(weights.evaluation.solver.cells == 0);
-    CHECK(weights.evaluation.solver.pyramid.crowded_cells > 100);
+    CHECK(weights.evaluation.solver.crowded_cells > 100);
 }
 
 } // namespace harmonic_tests

@@ -1,10 +1,9 @@
+#include "averaging/averaging_pyramid.hpp"
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
 #include "../support/oracle.hpp"
-
-#include <cageform/papers/averaging_pyramid.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -13,11 +12,11 @@ namespace averaging_pyramid_tests {
 
 using cageform::CellBox;
 using cageform::epsilon;
-using cageform::grid::AveragingOptions;
-using cageform::grid::AveragingOutcome;
-using cageform::grid::AveragingPyramid;
-using cageform::grid::CellTag;
-using cageform::grid::Stencil;
+using cageform_sources::averaging::AveragingOptions;
+using cageform_sources::averaging::AveragingOutcome;
+using cageform_sources::averaging::AveragingPyramid;
+using cageform_sources::averaging::CellTag;
+using cageform_sources::averaging::Stencil;
 using cageform_tests::effort;
 using cageform_tests::Random;
 

@@ -1,0 +1,100 @@
+// The list of coordinate types: names, cages, outside, and how each is made.
+//
+// Programs, the C interface, Python, JavaScript and the site take names and facts from this list. Types of
+// several cages (BlendedCoordinates) are not in the list.
+#pragma once
+
+#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/blended.hpp>
+#include <cageform/coordinates/curved_green.hpp>
+#include <cageform/coordinates/green.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/lattice.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/sibson.hpp>
+#include <cageform/coordinates/three_point.hpp>
+
+#include <array>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+// X(name, NAME, cages, handles, outside, "description", how it is made)
+//
+//   name, NAME   the enumerator here, and of C: CAGEFORM_NAME. Other languages and the command line write
+//                name with "-" for "_". New types stand at the end: numbers are part of the C interface
+//   cages        cage_kinds that the type takes
+//   handles      vertices, or with_normals: edges or faces are handles too
+//   outside      extended: weights are defined outside the cage; undefined: they are not
+//   how          an expression of T, D, `cage` and `options` (CoordinateOptions)
+// clang-format off
+#define CAGEFORM_COORDINATE_TYPES(X)                                                                         \
+    X(mean_value, MEAN_VALUE, polygon | mesh, vertices, extended,                                            \
+      "fast; negative weights in concave cages", MeanValueCoordinates(cage))                                 \
+    X(harmonic, HARMONIC, polygon | mesh | cells, vertices, undefined,                                       \
+      "weights in [0, 1], by a solve on a grid", HarmonicCoordinates(cage, options.harmonic))                \
+    X(green, GREEN, polygon | triangles | fans, with_normals, extended,                                      \
+      "preserves angles, but does not follow the cage's boundary exactly", GreenCoordinates(cage))           \
+    X(sibson, SIBSON, sites, vertices, undefined,                                                            \
+      "points without a cage", SibsonCoordinates<T, D>(cage, options.sibson))                                \
+    X(barycentric, BARYCENTRIC, polygon | mesh, vertices, extended,                                          \
+      "one triangle or tetrahedron", BarycentricCoordinates<T, D>(detail::corners_of(cage)))                 \
+    X(wachspress, WACHSPRESS, polygon, vertices, undefined,                                                  \
+      "one convex polygon; weights in [0, 1]", WachspressCoordinates<T>(cage))                               \
+    X(discrete_harmonic, DISCRETE_HARMONIC, polygon, vertices, undefined,                                    \
+      "one convex polygon", DiscreteHarmonicCoordinates<T>(cage))                                            \
+    X(splines, SPLINES, lattice, vertices, extended,                                                         \
+      "a box of control points", cage)                                                                       \
+    X(curved_green, CURVED_GREEN, curves, with_normals, extended,                                            \
+      "green for cages of curves, in the plane", CurvedGreenCoordinates<T>(cage, options.curved_green))      \
+    X(sibson_c1, SIBSON_C1, sites, vertices, undefined,                                                      \
+      "sibson of degree 3: smooth at the points too", SibsonCoordinates<T, D>(cage, options.sibson_c1()))
+// clang-format on
+
+/// A coordinate type, chosen at run time. See `make_coordinates` in binding/make_coordinates.hpp.
+enum class CoordinateType : std::uint8_t {
+#define CAGEFORM_DETAIL_TYPE(name, ...) name,
+    CAGEFORM_COORDINATE_TYPES(CAGEFORM_DETAIL_TYPE)
+#undef CAGEFORM_DETAIL_TYPE
+};
+
+/// Kinds of cage, as bits.
+namespace cage_kinds {
+enum : std::uint32_t {
+    polygon = 1,
+    triangles = 2,    ///< TriangleMesh
+    fans = 4,         ///< PolyhedralMesh, its faces fans about their means
+    planar_faces = 8, ///< PolyhedralMesh with planar faces of any number of corners
+    mesh = triangles | fans | planar_faces,
+    cells = 16,  ///< CellComplex with cells inside
+    curves = 32, ///< CurvedPolygon
+    lattice = 64,
+    sites = 128, ///< PointSet
+};
+} // namespace cage_kinds
+
+/// What is known of a coordinate type without a cage.
+struct CoordinateFacts {
+    const char* name;    ///< of the enumerator
+    std::uint32_t cages; ///< cage_kinds
+    bool with_normals;   ///< edges or faces are handles too
+    bool has_extension;  ///< weights are defined outside
+    const char* description;
+};
+
+/// The facts of all types, in the order of CoordinateType.
+inline constexpr auto coordinate_facts = [] {
+    using namespace cage_kinds;
+    constexpr bool vertices = false, with_normals = true, undefined = false, extended = true;
+    return std::array{
+#define CAGEFORM_DETAIL_FACTS(name, NAME, cages, handles, outside, description, ...)                         \
+    CoordinateFacts{#name, cages, handles, outside, description},
+        CAGEFORM_COORDINATE_TYPES(CAGEFORM_DETAIL_FACTS)
+#undef CAGEFORM_DETAIL_FACTS
+    };
+}();
+
+constexpr const CoordinateFacts& facts_of(CoordinateType type) noexcept {
+    return coordinate_facts[std::size_t(type)];
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
