@@ -1,16 +1,16 @@
-// 1. Bind once, clone often: three points in a square cage, one corner of which is pulled away.
+// 1. Bind once, clone often: three points in a square cage. One corner of the cage moves.
 #include <cageform/cageform.hpp>
 
 #include <array>
 #include <cstdio>
 
 int main() {
-    using Point = std::array<double, 2>; // any point type will do; see 02
+    using Point = std::array<double, 2>; // other point types: see 02
 
     const std::array<Point, 4> cage{{{0, 0}, {2, 0}, {2, 2}, {0, 2}}};
     const std::array<Point, 3> figure{{{0.5, 0.5}, {1, 1}, {2, 1.5}}};
 
-    // Bind time. A coordinate type knows the cage; `bind` gives every point a weight per cage vertex.
+    // Bind time. A coordinate type stores the cage; `bind` computes a weight per point and cage vertex.
     const cageform::MeanValueCoordinates coordinates(cage);
     const auto [binding, report] = cageform::bind(coordinates, figure);
     if (report.status != cageform::Status::ok) {
@@ -20,7 +20,7 @@ int main() {
     std::printf("weights of (1, 1):");
     for (std::size_t h = 0; h < binding.handle_count(); ++h) std::printf(" %.4f", binding.weight(1, h));
 
-    // Run time, every frame: no allocation, no failure but a pose of the wrong size.
+    // Run time, every frame: no allocation; only a pose of the wrong size is an error.
     std::array<Point, 4> pose = cage;
     pose[2] = {3, 3};
     std::array<Point, 3> out{};
@@ -30,13 +30,13 @@ int main() {
         std::printf("(%.2f, %.2f) moves to (%.4f, %.4f)\n", figure[i][0], figure[i][1], out[i][0], out[i][1]);
     }
 
-    // The unmoved cage gives the figure back bit for bit.
+    // The rest pose reproduces the figure bit for bit.
     if (cageform::clone(binding, cage, out) != cageform::Status::ok) return 1;
     std::printf("rest pose exact: %s\n", out == figure ? "yes" : "no");
 }
 
-// The centre has the same weight for all four corners. The last point lies on the right edge, so only that
-// edge's two ends have a say: three quarters of the corner's move.
+// The centre has equal weights for all corners. The last point lies on the right edge, so only the ends of
+// that edge have weights: it moves by three quarters of the corner's displacement.
 //
 //> weights of (1, 1): 0.2500 0.2500 0.2500 0.2500
 //> (0.50, 0.50) moves to (0.5729, 0.5729)

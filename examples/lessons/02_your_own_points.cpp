@@ -1,12 +1,12 @@
-// 2. Points as you have them: matrices, vertex buffers, your own struct. Nothing is copied or converted
-// by you; the library reads and writes through a trait or a strided view.
+// 2. Your own points: matrices, vertex buffers, structs. The library reads and writes them in place, by a
+// trait or a strided view.
 #include <cageform/adapt/eigen.hpp>
 #include <cageform/cageform.hpp>
 
 #include <cstdio>
 #include <vector>
 
-struct Waypoint { // a struct that is not even an array
+struct Waypoint { // a struct without array access
     float east, north;
     int id;
 };
@@ -24,7 +24,7 @@ struct cageform::PointTraits<Waypoint> {
 };
 
 int main() {
-    // The cage: one column a point, as Eigen users have it.
+    // The cage: one column per point, as in Eigen.
     Eigen::Matrix2Xf cage(2, 3);
     cage << 0, 4, 0, //
         0, 0, 4;
@@ -36,19 +36,19 @@ int main() {
     const auto [binding, report] = cageform::bind(coordinates, positions);
     if (report.status != cageform::Status::ok) return 1;
 
-    // The pose: our own struct. The result goes back into the vertex buffer; u and v stay.
+    // The pose: our own struct. The result is written to the vertex buffer; u and v do not change.
     const std::vector<Waypoint> pose{{0, 0, 17}, {8, 0, 18}, {0, 4, 19}};
     if (cageform::clone(binding, pose, positions) != cageform::Status::ok) return 1;
     for (std::size_t i = 0; i < 8; i += 4) {
         std::printf("%g %g  (u v: %g %g)\n", buffer[i], buffer[i + 1], buffer[i + 2], buffer[i + 3]);
     }
 
-    // The result can also go into the rows of a matrix.
+    // The result can also be written to the rows of a matrix.
     Eigen::MatrixXd rows(2, 2);
     if (cageform::clone(binding, pose, cageform::points_in_rows<2>(rows)) != cageform::Status::ok) return 1;
     std::printf("%g %g\n%g %g\n", rows(0, 0), rows(0, 1), rows(1, 0), rows(1, 1));
 
-    // A cage in space from a vertex and a flat index buffer, three indices a triangle.
+    // A cage in space from a vertex and a flat index buffer, three indices per triangle.
     const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     const std::vector<std::uint16_t> indices{0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
     const cageform::TriangleMesh mesh(cageform::StridedPoints<const float, 3>(corners.data(), 4),

@@ -1,4 +1,4 @@
-// 3. Nothing fails silently: what the report says of a bad cage and of bad points.
+// 3. Reports: errors of an invalid cage and of invalid points.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -8,7 +8,7 @@
 using Point = std::array<double, 2>;
 
 int main() {
-    // A bow-tie: edges 0-1 and 2-3 cross. Nothing is bound; the report names the edges.
+    // A bow-tie: edges 0-1 and 2-3 cross. Nothing is bound; the report lists the edges.
     const std::array<Point, 4> bow_tie{{{0, 0}, {2, 2}, {2, 0}, {0, 2}}};
     const std::array<Point, 4> figure{{{1, 0.5}, {5, 0.5}, {std::nan(""), 0}, {2, 1}}};
     const auto refused = cageform::bind(cageform::MeanValueCoordinates(bow_tie), figure);
@@ -17,7 +17,7 @@ int main() {
         std::printf("  %s: %zu and %zu\n", cageform::to_string(fault.kind), fault.a, fault.b);
     }
 
-    // A good cage and some bad points: they are listed, the others are bound.
+    // A valid cage and some invalid points: they are listed, the others are bound.
     const std::array<Point, 4> square{{{0, 0}, {2, 0}, {2, 2}, {0, 2}}};
     cageform::BindOptions options;
     options.outside = cageform::OutsidePoints::nearest_boundary;
@@ -29,7 +29,7 @@ int main() {
     std::printf("  weights reproduce the points to rounding: %s\n",
                 report.reproduction_error.value < 1e-15 ? "yes" : "no");
 
-    // Point 1 follows the boundary point nearest to it, (2, 0.5), at the same offset.
+    // Point 1 follows the nearest boundary point, (2, 0.5), at a constant offset.
     std::array<Point, 4> pose = square;
     pose[1] = {3, 0};
     pose[2] = {3, 2};
@@ -37,7 +37,7 @@ int main() {
     if (cageform::clone(binding, pose, out) != cageform::Status::ok) return 1;
     std::printf("  point 1 moves to (%g, %g)\n", out[1][0], out[1][1]);
 
-    // A pose of another size is refused, and the output left alone.
+    // A pose of the wrong size is an error; the output does not change.
     const std::array<Point, 3> wrong{};
     std::printf("wrong pose: %s\n", cageform::to_string(cageform::clone(binding, wrong, out)));
 }

@@ -1,5 +1,5 @@
-// 4. Two coordinate types behind one concept. In a cage with two legs a mean value weight goes negative in
-// the other leg, so moving one leg drags the other the wrong way; harmonic functions are never negative.
+// 4. Two coordinate types behind one concept. In a cage with two legs a mean value weight is negative in the
+// other leg, so moving one leg moves the other in the opposite direction. Harmonic weights are non-negative.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -30,7 +30,7 @@ void report_weights(const char* name, const Coordinates& coordinates) {
 int main() {
     report_weights("mean value", cageform::MeanValueCoordinates(cage));
 
-    // Harmonic coordinates are solved on a grid. Long solves tell their progress, and may be cancelled.
+    // Harmonic coordinates are solved on a grid. Long solves report progress and can be cancelled.
     cageform::HarmonicOptions options;
     options.resolution = 96;
     const cageform::HarmonicCoordinates harmonic(cage, options, cageform::UniformGrid{});

@@ -1,5 +1,5 @@
-// 5. Adding a coordinate type: a class that models CageCoordinates. Here: of all weights that sum to one and
-// reproduce the point, those nearest to all-equal. Global and not interpolating, but a dozen lines.
+// 5. Adding a coordinate type: a class that models CageCoordinates. Here: among all weights that sum to one
+// and reproduce the point, those closest to equal weights. They are global and do not interpolate.
 #include <cageform/cageform.hpp>
 
 #include <Eigen/LU>
@@ -12,7 +12,7 @@ public:
     using scalar = double;
     static constexpr std::size_t dimension = 2;
     static constexpr bool has_extension = true; // defined in the whole plane
-    static constexpr bool closed_form = true;   // a point costs the same alone as in a batch
+    static constexpr bool closed_form = true;   // the cost of a point does not depend on the batch
 
     explicit EvenWeights(cageform::Polygon<double> cage)
         : cage_(std::move(cage))

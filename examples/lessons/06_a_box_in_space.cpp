@@ -1,6 +1,5 @@
-// 6. Three dimensions: a box as the cage, its top twisted, and how the deformation turns what is bound: the
-// Jacobian
-// Σ C'_i ∇h_i, with which an engine turns normals.
+// 6. Three dimensions: a box as the cage, its top twisted. The Jacobian of the deformation, Σ C'_i ∇h_i,
+// transforms normals.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -16,7 +15,7 @@ int main() {
     cageform::HarmonicOptions options;
     options.resolution = 32; // cells along z
     cageform::HarmonicCoordinates coordinates(cage, options, cageform::UniformGrid{});
-    if (coordinates.solve().status != cageform::Status::ok) return 1; // kept: used twice below
+    if (coordinates.solve().status != cageform::Status::ok) return 1; // stored: used twice below
     const auto [binding, report] = cageform::bind(coordinates, points);
     std::printf("%zu handles: %s, %zu cycles\n", binding.handle_count(), cageform::to_string(report.status),
                 report.solver.multigrid.cycles);
@@ -31,7 +30,7 @@ int main() {
     if (cageform::clone(binding, pose, moved) != cageform::Status::ok) return 1;
     for (const auto& p : moved) std::printf("point at (%5.2f, %5.2f, %5.2f)\n", p[0], p[1], p[2]);
 
-    // The gradients of all functions at the middle point: a row for each axis and handle.
+    // The gradients of all functions at the middle point: one row per axis and handle.
     const std::size_t handles = binding.handle_count();
     std::vector<cageform::Lanes<double>> place(3), rows(3 * handles);
     for (std::size_t k = 0; k < 3; ++k) place[k][0] = points[1][k];
@@ -40,11 +39,11 @@ int main() {
     const auto outcome = coordinates.evaluate_gradients({place.data(), 3, 1}, gradients, {&state, 1});
     if (outcome.status != cageform::Status::ok) return 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        Point column{}; // where a step along the axis leads
+        Point column{}; // the derivative along the axis
         for (std::size_t i = 0; i < handles; ++i) {
             for (std::size_t k = 0; k < 3; ++k) column[k] += pose[i][k] * gradients(0, axis * handles + i);
         }
-        for (double& x : column) x = std::round(100 * x) / 100 + 0.0; // no minus before a zero
+        for (double& x : column) x = std::round(100 * x) / 100 + 0.0; // no negative zero
         std::printf("a step along %c leads along (%5.2f, %5.2f, %5.2f)\n", "xyz"[axis], column[0], column[1],
                     column[2]);
     }

@@ -1,4 +1,4 @@
-// 7. Control from inside: a vertex and a chain of edges in the cage carry handles of their own.
+// 7. Control from inside: a vertex and a chain of edges in the cage have their own handles.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -9,7 +9,7 @@ using Point = std::array<double, 2>;
 int main() {
     const std::vector<Point> outline{{0, 0}, {8, 0}, {8, 4}, {0, 4}};
     cageform::CellComplex<double, 2> cage(cageform::Polygon<double>{outline});
-    const std::size_t head = cage.add_point(Point{7, 2}, 0.5); // what is nearer than 0.5 follows it as it is
+    const std::size_t head = cage.add_point(Point{7, 2}, 0.5); // points within 0.5 translate with it
     const auto spine = cage.add_chain(std::vector<Point>{{1, 2}, {3, 2}, {5, 2}});
     std::printf("handles: 0 to 3 the outline, %zu the head, %zu to %zu the spine\n", head, spine.front(),
                 spine.back());
@@ -30,7 +30,7 @@ int main() {
                     moved[i][1] - figure[i][1] + 0.0);
     }
 
-    // Mean value coordinates know loops alone, and say so.
+    // Mean value coordinates support only loops, and return an error.
     const auto refused = cageform::bind(cageform::MeanValueCoordinates<double, 2>(cage), figure).report;
     std::printf("mean value: %s\n", to_string(refused.status));
 }

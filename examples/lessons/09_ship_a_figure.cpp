@@ -2,14 +2,14 @@
 // used in place from the bytes of the file.
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/runtime.hpp> // all that a game includes
+#include <cageform/runtime.hpp> // the only header of a game
 
 #include <cstdio>
 
 using cageform::Status, cageform::StridedPoints;
 
-/// Runs in the editor, once. HarmonicCoordinates<float, 3> would solve once for all three; all else
-/// stays the same.
+/// Runs in the editor, once. HarmonicCoordinates<float, 3> works the same way, with one solve for points and
+/// vectors.
 int ship(std::FILE* file) {
     std::vector<std::array<float, 3>> box, points, normals; // a ball in a box
     std::vector<std::array<float, 4>>
@@ -31,7 +31,7 @@ int ship(std::FILE* file) {
     const std::array labels{"", "", "", "", "left foot", "right foot", "left hand", "right hand"};
     if (figure.set_labels(labels) != Status::ok) return std::puts("not one label for every handle");
 
-    // No point off by more than 0.001 in poses that bend by up to a tenth of the box.
+    // The error is at most 0.001 in poses that bend by up to a tenth of the box.
     const auto [packed, report] = cageform::pack(figure, {.weights = {.tolerance = 0.001}});
     if (report.status != Status::ok) return std::puts(to_string(report.status));
     const auto bytes = packed.bytes();
@@ -42,8 +42,7 @@ struct Vertex {
     float position[3], normal[3], tangent[4];
 };
 
-/// Runs in the game. The file has to lie at a multiple of 64, as mapped files do. Wrong or broken files
-/// are refused.
+/// Runs in the game. The file must be aligned to 64 bytes, as mapped files are. Invalid files are errors.
 int play(std::FILE* file) {
     std::vector<cageform::Lanes<float>> memory(4096); // of 64 bytes each
     std::rewind(file);
@@ -74,7 +73,7 @@ int main() {
     return file == nullptr || ship(file) != 0 || play(file) != 0;
 }
 
-// The vertex nearest to the hand follows it; its normal and tangent turn with the surface.
+// The vertex nearest to the hand follows it; its normal and tangent rotate with the surface.
 //
 //> the packed data is cut off
 //> 0.50 0.60 0.46  normal 0.63 0.53 0.57  tangent -0.68 0.02 0.74 +1

@@ -1,7 +1,5 @@
-// 10. Points without a cage: a few control points, anywhere on or about the figure, and no faces between
-// them.
-// Their weights are natural neighbour (Sibson) coordinates: a point follows only the control points
-// around it.
+// 10. Points without a cage: a few control points, anywhere on or around the figure, without faces. Weights
+// are natural neighbour (Sibson) coordinates: a point follows only the neighbouring control points.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -21,12 +19,12 @@ int main() {
     if (!made) return std::puts(to_string(made.status()));
     auto [sites, handles] = made.value;
 
-    // Nothing outside the hull of the points can follow them: what is there is named.
+    // Points outside the hull of the control points do not move: the report lists them.
     const auto alone = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), fish).report;
     std::printf("%zu points: %zu of the figure's lie outside their hull, the first is %zu\n", sites.size(),
                 alone.outside.size(), alone.outside.front());
 
-    // So a box of points around both does not move, and the deformation fades towards it.
+    // Add a fixed box of control points around both; the deformation fades towards it.
     std::vector<Point> all = fish;
     all.insert(all.end(), middle.begin(), middle.end());
     const auto box = cageform::surround(all);

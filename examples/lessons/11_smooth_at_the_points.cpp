@@ -15,8 +15,8 @@ int main() {
     auto pose = sites;
     pose[4] = {0, 1}; // the middle goes up
 
-    // Degree 1 has a crease at a control point, degree 3 is smooth there. Degree 3 has negative weights: unit
-    // displacements are amplified by that at most.
+    // Degree 1 has a crease at a control point, degree 3 is smooth there. Degree 3 has negative weights: this
+    // is the largest amplification of unit displacements.
     std::vector<Point> out(line.size());
     for (const int degree : {1, 3}) {
         const cageform::SibsonCoordinates<double, 2> coordinates(sites, {.degree = degree});
@@ -28,8 +28,8 @@ int main() {
         std::printf(", amplified at most %.2f times\n", report.amplification.value);
     }
 
-    // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all
-    // equal are the clone, bit for bit.
+    // A larger weight attracts the figure, even in the rest pose. With equal weights the result is the clone,
+    // bit for bit.
     const auto bound = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), line);
     const auto [rational, status] = rational_view(bound.value.view());
     if (status != cageform::Status::ok) return std::puts(to_string(status));
@@ -40,7 +40,7 @@ int main() {
                     line.back()[0], line.back()[1], out.back()[0], out.back()[1]);
     }
 
-    // Negative weights will not do: the quotient might have no bound.
+    // Negative weights are an error: the quotient could be unbounded.
     const auto cubic = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites, {.degree = 3}), line);
     std::printf("degree 3: %s\n", to_string(rational_view(cubic.value.view()).status()));
 }

@@ -24,8 +24,8 @@ int main() {
     if (clone(mean_value.value, pose, out) != cageform::Status::ok) return 1;
     std::printf("mean value: 90 degrees become %.1f\n", angle(out.data()));
 
-    // Green coordinates have a handle a vertex and one an edge. A pose of the vertices alone will not do:
-    // pose_handles makes one of all handles from it.
+    // Green coordinates have one handle per vertex and one per edge. pose_handles computes the pose of all
+    // handles from a pose of the vertices.
     const auto [binding, report] = cageform::bind(cageform::GreenCoordinates<double, 2>(cage), corner);
     if (report.status != cageform::Status::ok) return 1;
     std::printf("Green, %zu handles: %s\n", binding.handle_count(), to_string(clone(binding, pose, out)));
@@ -34,7 +34,7 @@ int main() {
     if (clone(binding, handles, out) != cageform::Status::ok) return 1;
     std::printf("Green: 90 degrees become %.1f\n", angle(out.data()));
 
-    // The price: what lies on the cage does not stay on it.
+    // In return, points on the cage do not stay on it.
     const std::vector<Point> on_edge{{2, 0}};
     const auto bound = cageform::bind(cageform::GreenCoordinates<double, 2>(cage), on_edge);
     if (clone(bound.value, handles, out = on_edge) != cageform::Status::ok) return 1;

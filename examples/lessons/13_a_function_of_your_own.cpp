@@ -8,7 +8,7 @@
 
 using Point = std::array<double, 2>;
 
-// A template of its number: it is called with registers, and with numbers that carry a gradient. `rr` is r².
+// A template of the number type: it is called with SIMD types and with dual numbers. `rr` is r².
 struct Blunt {
     template <class X>
     X operator()(const X& rr) const {
@@ -35,7 +35,7 @@ int main() {
     print("discrete harmonic", cageform::DiscreteHarmonicCoordinates<double>(cage), p);
     print("sqrt(0.01 + r^2)", cageform::ThreePointCoordinates<double, Blunt>(cage), p);
 
-    // The formula has poles outside convex polygons' edges, so that others are refused, by vertex.
+    // The formula has poles outside convex polygons; other polygons are errors, with the index of a vertex.
     auto dented = kite;
     dented[4] = {1.5, 0};
     const cageform::WachspressCoordinates<double> refused{cageform::Polygon<double>(dented)};

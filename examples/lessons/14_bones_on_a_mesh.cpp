@@ -30,7 +30,7 @@ int main() {
     std::printf("the upper bone's weight along the bar:");
     for (const int r : {0, 4, 7, 8, 9, 12, 16}) std::printf(" %.2f", skin.value[std::size_t(8 * r + 1)]);
 
-    // A bone is a handle: where it is, a point, and its three axes, vectors.
+    // The handles of a bone are its position (a point) and its three axes (vectors).
     using Frame = cageform::Transform<double, 3>;
     const std::vector<Frame> frames{{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}},
                                     {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {2, 0, 0}}};
@@ -38,7 +38,7 @@ int main() {
     if (!bound) return 1;
     std::printf("\n%zu bones, %zu handles\n", bones.size(), bound.value.handle_count());
 
-    // Every frame: the moves of the bones, then clone. The second turns by a right angle about (2, 0, 0).
+    // Every frame: transforms of the bones, then clone. The second rotates by 90 degrees about (2, 0, 0).
     const std::vector<Frame> moves{frames[0], {{{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, {2, -2, 0}}};
     std::vector<Point> handles(bound.value.handle_count()), out(points.size());
     if (pose_bones(bound.value, std::span<const Frame>(moves), handles) != cageform::Status::ok) return 1;

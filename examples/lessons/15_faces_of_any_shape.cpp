@@ -1,4 +1,4 @@
-// 15. Faces of any shape: a cage of polygons, whose weights do not depend on how a face is cut.
+// 15. Faces of any shape: a cage of polygons, with weights that do not depend on a triangulation.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -23,7 +23,7 @@ int main() {
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     const cageform::PolyhedralMesh<double> cage(vertices, quads);
 
-    // In the middle under the lid, its four corners have equal weights, unless a diagonal cuts it.
+    // Below the centre of the lid, its four corners have equal weights, unless a diagonal splits it.
     std::puts("weights of the lid's corners:");
     cageform::HarmonicOptions options;
     options.resolution = 32;
@@ -34,8 +34,7 @@ int main() {
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
 
-    // A face has to be planar. A report names the faces that are not; a third argument sets how far off
-    // a corner may be.
+    // Faces must be planar. The report lists non-planar faces; a third argument is the tolerance of corners.
     auto bent = vertices;
     bent[6] = {1, 1, 1.01};
     for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)
@@ -43,7 +42,7 @@ int main() {
     const auto report = check(cageform::PolyhedralMesh<double>(bent, quads, 0.01));
     std::printf("up to 0.01: %s\n", to_string(report.status));
 
-    // Or such faces are bound through the fan of triangles about the mean of their corners.
+    // Alternatively bind non-planar faces as triangle fans around the mean of their corners.
     const cageform::PolyhedralMesh<double> fans(bent, quads,
                                                 {.non_planar = cageform::PolyhedralOptions::NonPlanar::fan});
     std::printf("as fans: %s\n", to_string(check(fans).status));

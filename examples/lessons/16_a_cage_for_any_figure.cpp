@@ -1,5 +1,4 @@
-// 16. A cage for any figure: make_cage draws one about strokes, outlines, scattered parts; the rest is as
-// ever.
+// 16. A cage for any figure: make_cage makes one around strokes, outlines and scattered parts.
 #include <cageform/cageform.hpp>
 #include <cageform/enclose/make_cage.hpp> // editors include it, games do not
 
@@ -12,14 +11,14 @@ int main() {
                                       {{0, 14}, {7, 12}, 1}, {{0, 8}, {-4, 0}, 1}, {{0, 8}, {4, 0}, 1}};
     cageform::MakeCageOptions options;
     options.vertices = 20;
-    options.mirror = cageform::MirrorPlane{0}; // its own image across the middle
+    options.mirror = cageform::MirrorPlane{0}; // symmetric
     const auto made = make_cage(figure, options);
     if (!made) return std::puts(to_string(made.status()));
     std::printf("vertices: %zu, margin kept: %.0f %%, parts: %zu, bridges: %zu\n", made.value.size(),
                 100 * made.report.clearance / made.report.margin, made.report.components,
                 made.report.bridges);
 
-    // The cage is a Polygon as any other.
+    // The cage is a Polygon.
     std::vector<cageform::Vec<double, 2>> points(figure.size());
     for (std::size_t k = 0; k < figure.size(); ++k) points[k] = figure[k].b;
     const cageform::HarmonicCoordinates<double, 2> coordinates(made.value);

@@ -1,18 +1,16 @@
-// 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with
-// the figure.
+// 17. A glTF animation moves a cage: arrays of samplers become a clip, packed in one file with the figure.
 #include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/exchange/gltf.hpp>
-#include <cageform/runtime.hpp> // all that a game includes
+#include <cageform/runtime.hpp> // the only header of a game
 
 #include <cstdio>
 
 using cageform::GltfInterpolation, cageform::Status;
 
-/// Runs in the editor. Each vertex of the cage is a node of the glTF file; the sampler of one of them is
-/// given.
+/// Runs in the editor. Each vertex of the cage is a node of the glTF file; one of them has a sampler.
 Status ship(cageform::PackedFigure<float, 3>& file) {
     std::vector<std::array<float, 3>> box, points;
     const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -38,18 +36,17 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     const cageform::TrackOptions options{.after = cageform::Extrapolation::cycle};
     const auto compiled = cageform::compile<float, 3>(keys, options);
     if (!compiled) return compiled.status();
-    // No vertex off by more than 0.0001: curves that allow it take 16 bits a coefficient.
+    // The error of a vertex is at most 0.0001; curves use 16 bits per coefficient if this permits.
     const auto [clip, report] = pack_clip(compiled.value, {.tolerance = 0.0001});
     std::printf("%zu of %zu curves in 16 bits: %zu bytes in place of %zu\n", report.quantised, report.curves,
                 report.bytes, report.unquantised_bytes);
     const cageform::FigureClipData clips[] = {{"swing", clip.bytes()}};
     auto packed = cageform::pack(figure, {.weights = {.tolerance = 0.001}, .clips = clips});
-    file = std::move(packed.value); // its bytes are what is written
+    file = std::move(packed.value); // write its bytes to a file
     return packed.status();
 }
 
-/// Runs in the game: it needs only runtime.hpp, copies nothing, and allocates the memory of a frame
-/// once, here.
+/// Runs in the game: needs only runtime.hpp, makes no copies, and allocates the memory of a frame once.
 Status play(std::span<const std::byte> file) {
     const auto opened = cageform::open<float, 3>(file);
     if (!opened) return opened.status();
@@ -75,7 +72,7 @@ int main() {
     return status == Status::ok ? 0 : std::puts(to_string(status));
 }
 
-// The rod follows vertex 7, most at the nearer end; after two seconds the clip begins anew.
+// The rod follows vertex 7, most at the near end. The clip repeats after two seconds.
 //> 24 of 24 curves in 16 bits: 1856 bytes in place of 2240
 //> 0.0 s: vertex 7 at height 1.00, the rod's ends at 0.80 and 0.80
 //> 1.0 s: vertex 7 at height 2.00, the rod's ends at 1.15 and 1.60

@@ -1,7 +1,7 @@
 // 18. The API on one page: everything that most programs call, in the order of the flow.
 //
-// Functions that make something return Result: a value, and a report whose status says why there is no
-// value. Functions that write into the caller's memory return a Status. Arguments come in this order:
+// Functions that create objects return a Result: a value, and a report with a status. Functions that write
+// into the caller's memory return a Status. Arguments come in this order:
 // inputs, options, then running (threads and progress).
 #include <cageform/animate/compile.hpp>
 #include <cageform/binding/any_coordinates.hpp>
@@ -22,7 +22,7 @@ AnyCoordinates<float, 2> coordinates_of(const Polygon<float>& cage, bool harmoni
 }
 
 int main() {
-    // A cage: drawn by hand, or made around a figure. check() names every fault of one.
+    // A cage: drawn by hand, or made around a figure. check() lists its faults.
     const std::vector<DrawnSegment<float>> drawing{{{0, 0}, {8, 0}, 1}, {{8, 0}, {8, 6}, 1}};
     const auto [cage, made] = make_cage(drawing, {.vertices = 12});
     std::printf("make_cage: %s, %zu vertices, check: %s\n", to_string(made.status), cage.size(),
@@ -36,7 +36,7 @@ int main() {
     std::printf("bind: %s, %zu points outside, %s\n", to_string(of_points.status), of_points.outside.size(),
                 to_string(of_figure.status));
 
-    // Pack what ships: no point is off by more than a tolerance. Open it where it lies in memory.
+    // Pack within a tolerance. Open the bytes in place.
     const auto [packed, size] = pack(figure, {.weights = {.tolerance = 0.01}});
     const auto [opened, of_file] = open<float, 2>(packed.bytes());
     std::printf("pack: %s, open: %s\n", to_string(size.status), to_string(of_file.status));
@@ -55,7 +55,7 @@ int main() {
     const auto [clip, compiled] = compile<float, 2>(keys);
     std::printf("compile: %s, within 1e-6: %d\n", to_string(compiled.status), compiled.sup_error < 1e-6);
 
-    // Every frame: the pose of the cage, and the clone of the figure. Nothing is allocated.
+    // Every frame: the pose of the cage, and the clone of the figure, without allocation.
     auto cursor = clip.make_cursor();
     Points pose(cage.size()), out(points.size()), out_normals(points.size());
     clip.sample(1, cursor, pose);

@@ -1,5 +1,5 @@
-// 19. A lattice about a figure: free-form deformation. The handles are the control points of splines in a
-// box, so no cage has to be drawn; every pose is smooth, and a finer lattice takes over from a coarser one.
+// 19. A lattice around a figure: free-form deformation. The handles are control points of splines in a box.
+// No cage is needed, all poses are smooth, and lattices can be refined.
 #include <cageform/cageform.hpp>
 
 #include <cageform/binding/fit_lattice.hpp>
@@ -22,26 +22,26 @@ Points moved(const Lattice& lattice, const Points& points, const Points& pose) {
 }
 
 int main() {
-    // A board of 4 by 2, in a lattice of 7 x 5 points. A third argument is the distance at which all fades.
+    // A board of 4 by 2, in a lattice of 7 x 5 points. A third argument is the falloff distance.
     const Points board{{0, 0}, {2, 0}, {4, 0}, {0, 1}, {2, 1}, {4, 1}, {0, 2}, {2, 2}, {4, 2}};
     const auto box = cageform::box_around(board);
     if (!box) return std::puts(to_string(box.status()));
     std::array<cageform::LatticeAxis, 2> axes{{{.points = 7}, {.points = 5}}}; // cubic
     const Lattice lattice(axes, box.value);
 
-    // The point in the middle goes up. The first axis counts first: column 3 of row 2 is point 2 * 7 + 3.
+    // The centre point moves up. The first axis varies fastest: column 3 of row 2 is point 2 * 7 + 3.
     Points pose(lattice.handles().begin(), lattice.handles().end());
     pose[2 * 7 + 3][1] += 1;
     const Points out = moved(lattice, board, pose);
     std::printf("the middle of the board goes up by %.3f, its edge by %.3f, its corner by %.3f\n",
                 out[4][1] - board[4][1], out[7][1] - board[7][1], out[8][1] - board[8][1]);
 
-    // With two layers of points at the faces left at rest, nothing moves there, and motion begins smoothly:
-    // what is outside may stay where it is.
+    // With two frozen layers of points at the faces, displacements and slopes are zero there, so points
+    // outside may stay in place.
     std::printf("%zu of %zu points are in the two outer layers\n", lattice.frozen_handles(2).size(),
                 lattice.handles().size());
 
-    // A finer lattice makes smaller bumps. It begins with the same deformation.
+    // A refined lattice makes smaller bumps. Refinement does not change the deformation.
     const auto finer = cageform::halve_spans(axes[0]);
     if (!finer) return std::puts(to_string(finer.status()));
     axes[0] = finer.value.axis;
@@ -54,7 +54,7 @@ int main() {
     std::printf("%zu points instead of %zu: the board moves by %s\n", fine.handles().size(), pose.size(),
                 change < 1e-14 ? "nothing" : "something");
 
-    // The other way round: which pose moves the points of the board where they should go?
+    // The inverse problem: which pose moves the points of the board to given positions?
     Points wanted;
     for (const Point& p : board) wanted.push_back({0, std::sin(p[0])});
     const auto bound = cageform::bind(lattice, board);

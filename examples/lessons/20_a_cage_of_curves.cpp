@@ -43,24 +43,24 @@ int main() {
     Points pose = control_points(lines);
     std::printf("a square has %zu control points and as many legs between them\n", pose.size());
 
-    // The lower edge bends: its two inner control points go down. Angles stay.
+    // The lower edge bends: its two inner control points move down. Angles are preserved.
     pose[1][1] = pose[2][1] = -2;
     const Points corner = moved(lines, {{3, 1}, {3.001, 1}, {3, 1.001}}, pose);
     std::printf("a point above the bent edge goes down by %.3f, and 90 degrees stay %.1f\n", 1 - corner[0][1],
                 angle(corner));
 
-    // Curves at rest: a leaf of two cubics. Each begins where the one before ends.
+    // Curves at rest: a leaf of two cubics. Each starts at the end of the previous one.
     const Curves leaf({{{{0, 0}, {2, -2}, {6, -2}, {8, 0}}, {{8, 0}, {6, 2}, {2, 2}, {0, 0}}}});
     const Coordinates curves{leaf};
     pose = control_points(curves);
-    // The tip, control point 3, goes up with the control points beside it.
+    // The tip, control point 3, moves up with its neighbours.
     for (const std::size_t i : {2u, 3u, 4u}) pose[i][1] += 2;
     const Points vein{{1, 0}, {4, 0}, {7, 0}};
     const Points bent = moved(curves, vein, pose);
     std::printf("%zu control points bend a leaf: its vein goes up by %.2f, %.2f and %.2f\n", pose.size(),
                 bent[0][1], bent[1][1], bent[2][1]);
 
-    // By the function of a disk about the cage, what lies on a curve stays nearer to it.
+    // With the function of a disk around the cage, points on a curve stay closer to it.
     const Coordinates in_disk{leaf, {.disk = cageform::CurvedGreenDisk<double>{{4, 0}, 4.001}}};
     const Points on_curve{{4, -1.5}}; // in the middle of the lower one
     const Point posed = 0.125 * pose[0] + 0.375 * pose[1] + 0.375 * pose[2] + 0.125 * pose[3];

@@ -1,5 +1,5 @@
-// 21. Pins: take hold of the figure itself. A solver finds the pose of the cage in which pinned points are
-// where they should be and all else is as rigid as possible.
+// 21. Pins: a solver finds the pose of the cage that moves pinned points of the figure to targets and deforms
+// the rest as rigidly as possible.
 #include <cageform/cageform.hpp>
 
 #include <cmath>
@@ -14,7 +14,7 @@ int main() {
                                   {-4, 21},   {-3, 15.8},   {-9, 14}, {-9, 10},    {-2.2, 11}, {-2.2, 9}};
     const cageform::MeanValueCoordinates<double, 2> coordinates(cage);
 
-    // Once: samples of the inside say what rigid means. As bytes they ship with a game, alone or in a figure.
+    // Once: sample the inside. Packed samples ship with a game, alone or in a figure.
     const auto samples = cageform::pose_samples(coordinates);
     const auto shipped = pack(samples.value);
     if (!samples || !shipped) return std::puts(to_string(samples.status()));
@@ -27,7 +27,7 @@ int main() {
     cageform::Status status = solver.set_pins({.binding = binding.value.view()});
     if (status != cageform::Status::ok) return std::puts(to_string(status));
 
-    // A drag: the hand goes up in 20 frames. Then frames go on until the figure has settled.
+    // A drag: the hand moves up in 20 frames. Then solve until the figure settles.
     const std::vector<Point> seen{{7, 12}, {3.5, 13}, {-7, 12}, {0, 8}}; // right hand, arm, left hand, hips
     const auto figure = cageform::bind(coordinates, seen);
     std::vector<Point> targets = pins, pose(cage.size()), out(seen.size());
@@ -46,7 +46,7 @@ int main() {
     std::printf("settled: %s, pins missed by less than 0.01: %s, parts turned inside out: %zu\n",
                 report.settled ? "yes" : "no", report.miss < 0.01 ? "yes" : "no", report.folded);
 
-    // A pin can turn: the head by half a radian. It takes the gradients of the weights there.
+    // A pin can rotate: the head by half a radian. This needs the gradients of the weights.
     const auto axes = cageform::bind_jacobians(coordinates, pins);
     const std::uint8_t turned[] = {0, 0, 1, 0};
     status = solver.set_pins({.binding = binding.value.view(),

@@ -1,5 +1,5 @@
-// 22. Fit a pose to given points by gradients. `clone` says where a pose moves points, `clone_transposed`
-// what a slope at points means for handles. An optimiser needs no more than these two.
+// 22. Fit a pose to given points by gradients. `clone` computes points from a pose; `clone_transposed`
+// converts gradients of points to gradients of handles. An optimiser needs only these two.
 #include <cageform/cageform.hpp>
 
 #include <cmath>
@@ -33,7 +33,7 @@ int main() {
     const auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates(star), points);
     if (report.status != cageform::Status::ok) return std::puts(to_string(report.status));
 
-    // Markers: where the points were seen in a pose that is to be found.
+    // Markers: the positions of the points in an unknown pose.
     Points sought = cage, markers(points.size());
     for (Point& h : sought) h = h + Point{0.1 * h[1] * h[1], 0.5 * std::sin(h[0])};
     if (clone(binding, sought, markers) != cageform::Status::ok) return 1;
@@ -48,12 +48,13 @@ int main() {
         if (step == 0 || step == 2 || step == 4 || step == 8)
             std::printf("after %2d steps: markers missed by %.5f in the mean\n", step,
                         std::sqrt(product(gap, gap) / double(points.size())));
-        // Conjugate gradients: the way down the slope, and some of the way before (Hestenes, Stiefel 1952).
+        // Conjugate gradients: the gradient and a multiple of the previous direction (Hestenes, Stiefel
+        // 1952).
         for (Point& w : way) w = (step == 0 ? 0 : size / last) * w;
         add(way, -1, slope);
         last = size;
-        // How far? Points move linearly with handles, so the best length is known. The way alone moves points
-        // by what clone adds to zeros.
+        // Line search: points depend linearly on handles, so the best step is known. clone of the direction
+        // gives the displacements of the points.
         Points ahead = cage, moves(points.size(), Point{});
         add(ahead, 1, way);
         if (clone(binding, ahead, moves, {.onto = cageform::CloneOnto::output}) != cageform::Status::ok)
@@ -63,7 +64,7 @@ int main() {
         add(gap, length, moves);
     }
 
-    // With as many steps as handles the gradients would end in exact numbers. In doubles they come near.
+    // In exact arithmetic the method converges in as many steps as handles.
     add(pose, -1, sought);
     std::printf("%zu handles from %zu points: %s\n", cage.size(), points.size(),
                 std::sqrt(product(pose, pose)) < 1e-6 ? "the pose is found" : "another pose");

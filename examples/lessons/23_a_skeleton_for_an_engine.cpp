@@ -1,4 +1,4 @@
-// 23. A skeleton for an engine: bones found in what the cage does, four weights a vertex, joints and parents.
+// 23. A skeleton for an engine: bones fitted to the motion of a cage, four weights per vertex, a hierarchy.
 #include <cageform/cageform.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
@@ -27,7 +27,7 @@ int main() {
         }
         if (clone(bound.value, pose, frames[t]) != cageform::Status::ok) return 1;
     }
-    // So many bones, or as many as keep the column within 1 % of its size. Parents come before children.
+    // A given number of bones, or the fewest within 1 % of the size. Parents come before children.
     const auto one = cageform::fit_skeleton(column, frames, faces, {.bones = 1});
     std::printf("1 bone: within %.0f %%\n", 100 * one.report.max_distance);
     const auto [skeleton, report] = cageform::fit_skeleton(column, frames, faces, {.max_distance = 0.01});

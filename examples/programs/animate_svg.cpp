@@ -1,12 +1,12 @@
-// Animates any SVG figure by a cage and a motion of it.
+// Animates an SVG figure by a cage and a motion of the cage.
 //
 //     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
 //     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
 //     animate_svg cat.svg --cage cat_cage.svg --markers cat_markers.csv --coordinates harmonic -o walk.svg
 //
-// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser. A
-// frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help tells
-// what a clip file holds.
+// The figure is bound once. Each frame samples the clip and clones the figure. The SVG file plays in a
+// browser. A frame is equal to the output of deform_svg for its pose; all frames have the same segments, as
+// SVG requires. --help-all describes clip files.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -36,7 +36,7 @@ namespace {
 
 using namespace cageform_support;
 
-/// A line with tufts of grass, which repeat every `period` units; begins `period` before the view.
+/// A line with tufts of grass that repeat every `period` units. It begins `period` left of the view.
 pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
     const auto view = view_box(document);
     const double left = view.x - period, right = view.x + view.width, step = period / 4;
@@ -61,17 +61,17 @@ pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
 }
 
 struct Settings {
-    std::string figure, cage, clip, pose, out, stills; // clip: its name for messages, whatever it comes from
+    std::string figure, cage, clip, pose, out, stills; // clip: the name of the motion in messages
     std::string markers, save_clip, save_tracks;
     std::vector<Point2> tracked; // --track
     PoseChoice operations;
     PinChoice pins;
     bool report = false;
     double seconds = 2;
-    std::size_t size_limit = 0; // bytes of what is played; 0: none
+    std::size_t size_limit = 0; // maximum bytes of the SVG; 0: no limit
     std::vector<std::string> films;
     std::size_t width = 800; // of films
-    double rate = 0;         // 0: as fast as what is written can be played
+    double rate = 0;         // 0: the default of the output format
     std::size_t still_count = 12;
     bool text_as_paths = false;
     CoordinatesChoice choice;
@@ -129,13 +129,13 @@ Expected<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
     return clip_to(*pose, cage, settings.seconds);
 }
 
-/// The keys of all handles, and where these are at rest.
+/// The keys of all handles, and their rest positions.
 struct HandleKeys {
     ClipFile file;
     std::vector<Point2> rest;
 };
 
-/// Poses the cage by the pins of a motion; other motions are of the vertices as they are.
+/// Solves for the cage if the motion is one of pins. Other motions are used unchanged.
 Expected<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
                              FigureControl& control) {
     if (!motion.has_pins()) {
@@ -166,7 +166,7 @@ Expected<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, con
     return HandleKeys{std::move(*keys), figure->rest()};
 }
 
-/// Writes where points of the figure are in every frame, and at the end where they began.
+/// Writes the positions of figure points in every frame; the last row repeats the first.
 Expected<std::string> tracks_of(const Settings& settings, const FigureControl& control,
                                 const ClipFile& file) {
     Tracks tracks{settings.tracked, {}, {}};
@@ -186,10 +186,10 @@ struct PlayedFile {
     double tolerance = 0;
 };
 
-/// Plays a drawing within the size limit, by key frames within `tolerance`, which is doubled until they fit.
+/// Encodes key frames within `tolerance`, which is doubled until the file is within the size limit.
 ///
 ///   most    the largest tolerance to try
-///   fails   where that is not enough
+///   fails   if the file is larger even then
 Expected<PlayedFile> played_file(AnimatedSvg& drawing, const Settings& settings, double seconds,
                                  double tolerance, double most) {
     PlayedFile file;
@@ -204,7 +204,7 @@ Expected<PlayedFile> played_file(AnimatedSvg& drawing, const Settings& settings,
     }
 }
 
-/// Returns why the options do not go together; empty if they do.
+/// Returns the conflict between options; empty if there is none.
 std::string fault_of(const Settings& settings) {
     const bool has_operations = !settings.operations.operations.empty();
     if (!settings.clip.empty() && has_operations)
@@ -218,7 +218,7 @@ std::string fault_of(const Settings& settings) {
     return {};
 }
 
-/// The number of frames of a clip, and the way of its ground.
+/// The number of frames of a clip, and the distance that its ground moves.
 struct Plan {
     std::size_t frames = 0;
     double passed = 0; // how far the ground moves during the clip
@@ -239,8 +239,8 @@ Expected<Plan> plan_of(const Settings& settings, const ClipFile& file, const Vie
     return Plan{std::size_t(frames), passed};
 }
 
-/// The cage's vertices in all frames. A late layer has a player of its own, so that every player goes forth
-/// a frame at a time.
+/// The vertices of the cage in all frames. Each delayed layer has its own player, so every player moves
+/// forward one frame at a time.
 std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& clip, const ClipFile& file,
                                           std::size_t frames, std::size_t vertices) {
     std::vector<std::vector<Point2>> poses;
@@ -300,8 +300,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         return to_text(drawing.document);
     };
     OutputFiles outputs;
-    std::string size; // of what is played
-    // Stills and films first, by their places; then what moves.
+    std::string size; // of the SVG, for the report
+    // Stills and films use absolute positions and come first; then the animation.
     const std::size_t stills = still_count_of(settings);
     for (std::size_t n = 0; n < stills; ++n)
         outputs.add(still_path(settings, n)).write(text_of_frame(n * frames / stills));
@@ -355,25 +355,19 @@ int run_program(int argc, char** argv) {
                        "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
     Settings settings;
     line.add("figure", settings.figure, "the SVG file to animate").required();
-    line.add("--cage", settings.cage,
-             "its cage: the first closed polygon of an SVG, for curved-green the first closed outline, or a "
-             "CSV "
-             "file "
-             "of loops, chains and points" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, settings.cage, CageFiles::drawing);
     CommandOption clip =
-        line.add("--clip", settings.clip, "its motion: a CSV file of controls, or of pins, and keys");
+        line.add("--clip", settings.clip, "its motion: a CSV file of keys of the cage or of pins");
     line.add("--markers", settings.markers,
-             "its motion: a CSV file of tracked points of the figure, as motion capture has them");
+             "its motion: a CSV file of tracked points of the figure, for example from motion capture");
     line.add("--pose", settings.pose,
-             "instead of --clip: move to this pose of the cage and back; or give operations such as --turn; "
+             "instead of --clip: move to this pose and back; or give operations such as --turn; "
              "with --cage auto and none of these, half the figure bends and returns")
         .excludes(clip);
     settings.operations.in_plane = true;
     settings.operations.add_options(line);
     settings.pins.add_options(line);
-    line.add("--seconds", settings.seconds, "the seconds to the pose and back")
+    line.add("--seconds", settings.seconds, "the duration of the motion to the pose and back")
         .range(0.01, 1000.0)
         .show_default()
         .excludes(clip);
@@ -395,18 +389,16 @@ int run_program(int argc, char** argv) {
              "1/5000 of the picture's diagonal")
         .range(0.0, 1e100)
         .show_default();
-    line.add(
-            "--size-limit", settings.size_limit,
-            "the most bytes of an SVG: the error is doubled until the file fits, up to 1/50 of the diagonal, "
-            "and printed")
+    line.add("--size-limit", settings.size_limit,
+             "the maximum size of an SVG in bytes: the error is doubled until the file fits, up to 1/50 of "
+             "the diagonal, and printed")
         .range(1, 1000000000);
     line.add_flag("--fit", settings.options.fit,
                   "enlarge the viewBox and the size of the picture so that all frames fit");
     line.add_flag(
         "--text-as-paths", settings.text_as_paths,
         "deform the outlines of letters (as rsvg-convert draws them); otherwise a text moves as a whole");
-    line.add("--stills", settings.stills,
-             "also write frames to files whose names begin with this: 01.svg, 02.svg, …");
+    line.add("--stills", settings.stills, "also write frames to files with this prefix: 01.svg, 02.svg, …");
     line.add("--still-count", settings.still_count, "the number of these frames, equally spaced")
         .range(1, 99)
         .show_default();
@@ -429,10 +421,10 @@ int run_program(int argc, char** argv) {
         .in_order()
         .rarely_needed();
     line.add("--save-tracks", settings.save_tracks,
-             "also write where these points go, frame by frame, to a file that --markers reads")
+             "also write the tracks of these points to a file that --markers reads")
         .ends_with({".csv"})
         .rarely_needed();
-    line.add_flag("--report", settings.report, "print how pins went");
+    line.add_flag("--report", settings.report, "print the errors of pins");
     const auto add_film = [&](const std::string& name, const std::string& help,
                               const std::vector<std::string>& endings) {
         line.add_text(
@@ -445,7 +437,7 @@ int run_program(int argc, char** argv) {
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
     settings.outside.add_options(line);
-    line.add("--threads", settings.threads, "how many threads bind the figure; 0: as many as the machine has")
+    line.add("--threads", settings.threads, "the number of threads that bind; 0: all processors")
         .range(0, 1024)
         .show_default();
     settings.choice.in_plane = settings.choice.with_normals = true;

@@ -1,18 +1,16 @@
-// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
-// points and normals, triangles, and a motion of the cage (cageform/figure/figure.hpp,
-// support/files/figure_parts.hpp).
+// Binds an OBJ figure to a cage and packs the data for a game into one file: points, normals, triangles, and
+// a motion of the cage (cageform/figure/figure.hpp, support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
 //
-// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
-// weights put it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to
-// a tenth of the cage; not with Green coordinates, whose faces turn with no bound, so that they need a
-// motion.
+// --max-distance is the largest error of a vertex in all poses of the motion, relative to the figure's size;
+// the file is the smallest within this bound. Without a motion the bound holds for all poses that bend by up
+// to a tenth of the cage. Green coordinates need a motion, because rotations of their faces have no bound.
 //
-// --pose-samples packs beside them what a PoseSolver needs: the game then drags the figure by pins.
+// --pose-samples also packs the data of a PoseSolver: the game can then pose the figure by pins.
 //
-// The engine's client (engine/ogre_client.cpp) maps that file and plays it.
+// integrations/ogre/ogre_client.cpp maps and plays such a file.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -45,14 +43,19 @@ using cageform::Status;
 struct Arguments {
     std::string figure, cage, labels, out;
     MotionChoice moves;
-    WeightChoice weights; // a distance as a share of the figure's size
+    WeightChoice weights; // distance relative to the figure's size
     bool pose_samples = false, no_file_normals = false, is_strict = false;
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
+
+    /// Whether the output stores the normals of the file.
+    bool keeps_normals(const ObjFile& figure_file) const {
+        return !figure_file.normals.empty() && !no_file_normals;
+    }
 };
 
-/// The mean of the normals of the faces around every vertex, by area; zero or of unit length.
+/// Area-weighted vertex normals, of unit length or zero.
 std::vector<Point3> normals_of(const ObjFile& figure) {
     const auto& p = figure.vertices;
     std::vector<Point3> normals(p.size());
@@ -65,7 +68,7 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
     return normals;
 }
 
-/// The motion, packed exactly; it begins again at its end. Fails where single precision does not hold it.
+/// The motion, packed exactly and periodic. Fails if it exceeds single precision.
 Expected<cageform::PackedClip<float, 3>> packed_clip(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
@@ -88,7 +91,7 @@ Expected<cageform::PackedClip<float, 3>> packed_clip(const PoseClip& clip) {
 }
 
 constexpr double of_vectors =
-    10; ///< as much may be lost of unit vectors (FigurePackOptions::tangent_tolerance)
+    10; ///< tolerance of unit vectors, relative to that of points (FigurePackOptions::tangent_tolerance)
 
 /// Describes the error of a packing, and warns if it is large.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
@@ -110,7 +113,7 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     return text;
 }
 
-/// Samples the inside of the cage for pins, and packs the samples; tells their size.
+/// Samples the inside of the cage for pins and packs the samples. Prints their size if `tells`.
 Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
                                                      const std::string& cage, bool tells) {
     ProgressBar bar("sampling");
@@ -126,7 +129,7 @@ Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<flo
     return std::move(packed.value);
 }
 
-/// The figure's vectors across its surface, bound and packed with the tolerance of the tangents.
+/// Binds and packs the normals of the OBJ file, with the tolerance of tangents.
 Expected<cageform::PackedBinding<float, 3>>
 packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector<Point3>& places,
                const std::vector<Point3>& normals, const Arguments& given, cageform::PackOptions options) {
@@ -141,7 +144,90 @@ packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector
     return std::move(packed.value);
 }
 
-/// Binds, packs and writes. `labels` are of the cage's vertices, or none.
+/// A motion of the cage: its clip, the packed clip, and the poses that --max-distance tests.
+struct Motion {
+    PoseClip clip;
+    cageform::PackedClip<float, 3> packed;
+    SampledPoses poses;
+};
+
+Expected<Motion> motion_of(const Arguments& given, const ObjFile& cage) {
+    auto clip = given.moves.motion(cage);
+    if (!clip) return clip.error();
+    Motion motion;
+    if (clip->keys.empty()) return motion;
+    for (PoseKey& key : clip->keys) key.places = counted_from(given.outside.origin, key.places);
+    auto packed = packed_clip(*clip);
+    if (!packed) return packed.error();
+    motion = {std::move(*clip), std::move(*packed), {}};
+    motion.poses = sample_poses(motion.clip);
+    return motion;
+}
+
+/// Binds points and normals, and prints warnings. `labels` are those of the cage's vertices, or empty.
+Expected<cageform::FigureBinding<float, 3>> bound_figure(const Arguments& given, const ObjFile& figure,
+                                                         const ObjFile& cage,
+                                                         const ChosenCoordinates<float, 3>& coordinates,
+                                                         const std::vector<Point3>& places,
+                                                         const std::vector<std::string>& labels) {
+    const std::vector<Point3> normals = normals_of(figure);
+    cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
+    {
+        ProgressBar bar("binding");
+        const cageform::Running running{.progress = bar.callback()};
+        const bool binds_twice = given.keeps_normals(figure);
+        if (binds_twice) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both binds
+        bound =
+            coordinates.bind(cageform::FigurePoints{places, normals}, given.outside.bind_options(coordinates),
+                             running.subtask(binds_twice ? 0.5 : 0, 1));
+    }
+    const cageform::BindReport& of_points = bound.report.points;
+    if (!bound) {
+        const bool fault_of_points = of_points.status != Status::ok;
+        return FileError{describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors)};
+    }
+    warn_of_coarse_grid(cage.name, of_points.solver);
+    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
+    if (!outside.fault.empty()) return FileError{outside.fault};
+    if (!outside.warning.empty()) warn(outside.warning);
+    if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
+        warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
+             " vertices, first " + name_points(figure.vertices, still));
+    }
+    if (!labels.empty()) {
+        auto of_handles = labels; // faces have none
+        of_handles.resize(bound.value.points.handle_count());
+        const Status status = bound.value.set_labels(of_handles);
+        if (status != Status::ok) return FileError{given.labels + ": " + cageform::to_string(status)};
+    }
+    return std::move(bound.value);
+}
+
+/// Prints the report of a packed figure, and returns its error; empty if there is none.
+std::string judge_packing(const Arguments& given, const ObjFile& figure,
+                          const cageform::FigurePackReport& report, const SampledPoses& poses) {
+    const std::pair<const char*, const cageform::PackReport&> reports[] = {
+        {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
+    for (const auto& [name, part] : reports) {
+        const bool is_vector = &part != &report.points;
+        if (part.status == Status::format_too_coarse) {
+            std::ostringstream least;
+            least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size_of(figure));
+            return figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
+                   " is the smallest possible: raise --max-distance or choose another --format";
+        }
+        if (part.status != Status::ok) return cageform::to_string(part.status);
+        const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
+        if (!given.report) continue;
+        std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
+                  << name_of(part.format) << ", " << part.weights_per_point << " weights per point\n  off by "
+                  << loss << "\n  sum of changes of a point's weights at most " << part.error.value
+                  << ", mean " << part.mean_error << '\n';
+    }
+    return report.status == Status::ok ? "" : cageform::to_string(report.status);
+}
+
+/// Binds, packs and writes. `labels` are those of the cage's vertices, or empty.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
                 const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
@@ -153,62 +239,22 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    cageform::PackedClip<float, 3> clip;
-    PoseClip motion;
-    SampledPoses poses;
-    auto clip_given = given.moves.motion(cage_of_file);
-    if (!clip_given) return fail(to_string(clip_given.error()));
-    if (!clip_given->keys.empty()) {
-        motion = std::move(*clip_given);
-        for (PoseKey& key : motion.keys) key.places = counted_from(origin, key.places);
-        auto packed = packed_clip(motion);
-        if (!packed) return fail(to_string(packed.error()));
-        clip = std::move(*packed);
-        poses = sample_poses(motion);
-    }
-    const auto bind_options = given.outside.bind_options(coordinates);
-    const std::vector<Point3> normals = normals_of(figure);
-    const bool keeps_normals = !figure.normals.empty() && !given.no_file_normals;
-    cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
-    {
-        ProgressBar bar("binding");
-        const cageform::Running running{.progress = bar.callback()};
-        if (keeps_normals) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both binds
-        bound = coordinates.bind(cageform::FigurePoints{places, normals}, bind_options,
-                                 running.subtask(keeps_normals ? 0.5 : 0, 1));
-    }
-    const cageform::BindReport& of_points = bound.report.points;
-    if (!bound) {
-        const bool fault_of_points = of_points.status != Status::ok;
-        return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
-    }
-    warn_of_coarse_grid(cage.name, of_points.solver);
-    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
-    if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) warn(outside.warning);
-    if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
-        warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
-             " vertices, first " + name_points(figure.vertices, still));
-    }
-    if (const std::string pose = first_mirror(figure, bound.value.points, motion); !pose.empty())
-        warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces turns the faces over");
-    if (!labels.empty()) {
-        auto of_handles = labels; // faces have none
-        of_handles.resize(bound.value.points.handle_count());
-        const Status status = bound.value.set_labels(of_handles);
-        if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
-    }
+    const auto motion = motion_of(given, cage_of_file);
+    if (!motion) return fail(to_string(motion.error()));
+    const auto bound = bound_figure(given, figure, cage, coordinates, places, labels);
+    if (!bound) return fail(bound.error().message);
+    if (const std::string pose = first_mirror(figure, bound->points, motion->clip); !pose.empty())
+        warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces reverses its faces");
     cageform::FigurePackOptions options;
     options.weights.format = given.weights.format;
     options.weights.largest = given.weights.largest;
-    const auto posed = poses_of_handles(bound.value.points, motion, poses);
+    const auto posed = poses_of_handles(bound->points, motion->clip, motion->poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
-    const double size = size_of(figure);
-    options.weights.tolerance = given.weights.distance * size;
-    const std::string clip_name = std::filesystem::path(motion.name).stem().string();
-    const cageform::FigureClipData clips[] = {{clip_name, clip.bytes()}};
-    if (!clip.bytes().empty()) options.clips = clips;
+    options.weights.tolerance = given.weights.distance * size_of(figure);
+    const std::string clip_name = std::filesystem::path(motion->clip.name).stem().string();
+    const cageform::FigureClipData clips[] = {{clip_name, motion->packed.bytes()}};
+    if (!motion->packed.bytes().empty()) options.clips = clips;
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
         auto packed = packed_samples(coordinates, cage.name, given.report);
@@ -216,17 +262,17 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         samples = std::move(*packed);
     }
     cageform::PackedBinding<float, 3> across;
-    if (keeps_normals) {
-        auto packed = packed_normals(coordinates, places, normals, given, options.weights);
+    if (given.keeps_normals(figure)) {
+        auto packed = packed_normals(coordinates, places, normals_of(figure), given, options.weights);
         if (!packed) return fail(figure.name + ": " + packed.error().message);
         across = std::move(*packed);
     }
     std::span<const std::byte> place;
     if (origin != Point3{}) {
         place = std::as_bytes(std::span(origin.v));
-        note(given.out + ": the figure, its cage and its clip are counted from " +
+        note(given.out + ": the figure, its cage and its clip are stored relative to " +
              detail::short_number(origin[0]) + ", " + detail::short_number(origin[1]) + ", " +
-             detail::short_number(origin[2]) + ", for single precision; clone_figure adds this place");
+             detail::short_number(origin[2]) + ", for single precision; clone_figure adds this origin");
     }
     const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
                                               {"PINS", samples.bytes()},
@@ -236,28 +282,11 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
         ProgressBar bar("packing");
-        made = cageform::pack(bound.value, options, {.progress = bar.callback()});
+        made = cageform::pack(*bound, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
-    const std::pair<const char*, const cageform::PackReport&> reports[] = {
-        {"points", report.points}, {"tangents", report.vectors[0]}, {"bitangents", report.vectors[1]}};
-    for (const auto& [name, part] : reports) {
-        const bool is_vector = &part != &report.points;
-        if (part.status == Status::format_too_coarse) {
-            std::ostringstream least;
-            least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size);
-            return fail(figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
-                        " can be reached: raise --max-distance or choose another --format");
-        }
-        if (part.status != Status::ok) return fail(cageform::to_string(part.status));
-        const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
-        if (!given.report) continue;
-        std::cout << name << ": " << part.bytes << " of " << part.dense_bytes << " bytes, "
-                  << name_of(part.format) << ", " << part.weights_per_point << " weights a point\n  off by "
-                  << loss << "\n  sum of changes of a point's weights at most " << part.error.value
-                  << ", mean " << part.mean_error << '\n';
-    }
-    if (report.status != Status::ok) return fail(cageform::to_string(report.status));
+    if (const std::string why = judge_packing(given, figure, report, motion->poses); !why.empty())
+        return fail(why);
     const std::string others = describe_others(figure, {"v", "vn", "f"});
     if (given.report && !others.empty()) std::cout << "not stored: " << others << '\n';
     if (given.report && !labels.empty()) {
@@ -278,26 +307,22 @@ int run_program(int argc, char** argv) {
                        "0.001 -o character.figure"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file to bind").required();
-    line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, given.cage, CageFiles::mesh);
     given.moves.add_options(line);
     line.add("--labels", given.labels,
-             "a text file with names of the cage's vertices, which are stored in the output");
+             "a text file with names of the cage's vertices, which the output stores");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_options(line);
-    given.weights.add_options(line, "the figure's size",
-                              " unit vectors that carry normals may change by ten times as much;",
+    given.weights.add_options(line, "the figure's size", " unit normals may change by ten times as much;",
                               "float; with --max-distance, the smallest that suffices");
     line.add_flag("--pose-samples", given.pose_samples,
-                  "also pack samples of the cage's inside, by which a game poses the figure by pins");
+                  "also pack samples of the cage's inside, for poses by pins in a game");
     line.add_flag(
         "--no-file-normals", given.no_file_normals,
-        "leave out the vectors by which clone_figure moves the normals of the OBJ file: fewer bytes; "
-        "the normals then turn with the faces");
+        "do not store the normals of the OBJ file: fewer bytes; clone_figure then computes normals from "
+        "the faces");
     add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
@@ -306,13 +331,13 @@ int run_program(int argc, char** argv) {
     given.moves.order_poses();
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
-        return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
+        return fail("--coordinates barycentric: normals need mean-value, harmonic or green");
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);
 
     const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
-    if (figure->faces.empty()) return fail(figure->name + ": holds no faces, so it has no normals");
+    if (figure->faces.empty()) return fail(figure->name + ": has no faces, so no normals");
     const auto cage = load_or_make_cage(given.cage, *figure);
     if (!cage) return fail(to_string(cage.error()));
     for (const auto* file : {&*figure, &*cage}) {

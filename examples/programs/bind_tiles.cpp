@@ -1,17 +1,16 @@
-// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh.
-// Every tile is read and written in pieces, so a tile can have any size. Memory is bounded, and said
-// beforehand.
+// Binds files of points (tiles) to one cage and packs each into a figure, as bind_mesh does with a mesh.
+// Tiles are read and written in pieces and can have any size. Memory is bounded and printed before the start.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
 //     bind_tiles cage.obj --points scan.ply -o scan.figure --coordinates harmonic --solution cage.solution
 //
-// The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on
-// its tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is
-// there, whole and made of equal bytes by equal options, is left as it is: a farm may start any task again.
+// Tiles are sorted by name; --rows selects those of this process. A figure depends only on its tile and the
+// options, not on other tiles, threads, memory or rows. Complete figures of equal points and options are
+// skipped, so a farm may restart any task.
 //
-// Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a
-// failure may pass, such as a full disk: try again. Tiles beside one that fails are done.
+// Exit status: 0 all tiles are done; 1 invalid options, or a tile that cannot be bound; 75 a temporary
+// failure such as a full disk: try again. A failing tile does not stop the others.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -51,14 +50,14 @@ struct Arguments {
     std::string cage, solution, saved_solution;
     TileChoice tiles;
     MotionChoice moves;
-    WeightChoice weights; // a distance as a share of the cage's size
+    WeightChoice weights; // distance relative to the cage's size
     OutsideChoice outside;
     CoordinatesChoice choice;
     std::size_t memory = 2048, threads = 1; // memory in MB
     bool json = false, is_strict = false;
 };
 
-/// All that tiles share. Nothing in it changes while they are bound.
+/// Shared, immutable data of all tiles.
 struct Job {
     ChosenCoordinates<float, 3> coordinates;
     std::string cage, outside;
@@ -66,26 +65,26 @@ struct Job {
     cageform::BindOptions bind;
     cageform::PackOptions pack;
     std::vector<double> poses;
-    std::uint64_t parameters = 0; // a hash of all that decides about the bytes beside the points
-    std::size_t piece = 0;        // points that are bound at once
-    bool is_strict = false;       // whether a point that is not finite is refused
+    std::uint64_t parameters = 0; // hash of everything except the points that affects the output
+    std::size_t piece = 0;        // points per batch
+    bool is_strict = false;       // whether non-finite points are an error
 };
 
-/// The number of points that are bound at once. It depends on the cage alone, because the bytes depend on it.
+/// The number of points per batch. The output depends on it, so it depends only on the cage.
 std::size_t points_of_piece(std::size_t handles) {
     constexpr std::size_t weights = std::size_t{32} << 20, most = 65536, whole = 1024;
     const std::size_t points = weights / (sizeof(float) * std::max<std::size_t>(handles, 1));
     return std::clamp(points / whole * whole, whole, most);
 }
 
-/// The memory that one tile takes while it is bound, in bytes: a piece's weights as they are bound and as
-/// they are packed, its points in all forms, and the table of all handles' products.
+/// Peak memory per tile in bytes: weights of a batch, bound and packed; its points in all representations;
+/// the table of products of handles.
 std::size_t bytes_of_tile(std::size_t piece, std::size_t handles) {
     constexpr std::size_t of_point = 400, of_files = std::size_t{4} << 20;
     return piece * (2 * sizeof(float) * handles + of_point) + handles * handles * sizeof(double) + of_files;
 }
 
-/// How a tile ended.
+/// Result of one tile.
 struct Outcome {
     TileRecord record;
     std::uint64_t bytes = 0; // of the figure
@@ -96,15 +95,15 @@ struct Outcome {
     bool may_retry = false;
 };
 
-/// A number of a file's points that stand in the way, with the first of them.
+/// "3 points, first number 17 counted from 0,": invalid points in a message.
 std::string points_at(const std::vector<std::size_t>& points, std::uint64_t first) {
     return std::to_string(points.size()) + (points.size() == 1 ? " point" : " points") + ", first number " +
            std::to_string(first + points[0]) + " counted from 0,";
 }
 
-/// Why a piece of a tile cannot be bound; empty where it can.
+/// Returns why a batch cannot be bound; empty if it can.
 ///
-///   first  the number of its first point in the tile
+///   first  index of its first point in the tile
 std::string fault_of_piece(const Job& job, const cageform::BindReport& report, std::uint64_t first) {
     if (report.status != Status::ok) return describe_mesh_faults(job.cage, report);
     if (!report.not_finite.empty() && job.is_strict)
@@ -122,7 +121,7 @@ std::string fault_of_piece(const Job& job, const cageform::BindReport& report, s
     return {};
 }
 
-/// Binds a tile into its figure.
+/// Binds and packs one tile.
 class TileBinder {
 public:
     TileBinder(const Job& job, const Tile& tile)
@@ -134,7 +133,7 @@ public:
         try {
             if (!is_done()) bind();
         } catch (const std::bad_alloc&) {
-            refuse("out of memory: give less --threads", true);
+            refuse("out of memory: use fewer --threads", true);
         } catch (const std::exception& error) {
             refuse(error.what(), false);
         }
@@ -148,7 +147,7 @@ private:
         outcome_.may_retry = may_retry;
     }
 
-    /// Whether the figure is there, whole, of these points by these options.
+    /// Whether a complete figure of these points and options exists.
     bool is_done() {
         std::error_code none;
         if (!std::filesystem::is_regular_file(tile_.output, none)) return false;
@@ -204,7 +203,7 @@ private:
             least.precision(3);
             least << packed.report.distance.value / job_.size;
             refuse(tile_.points + ": " + to_string(packed.report.status) + ", " + least.str() +
-                       " can be reached: raise --max-distance or choose another --format",
+                       " is the smallest possible: raise --max-distance or choose another --format",
                    false);
             return false;
         }
@@ -230,7 +229,7 @@ private:
     cageform::Binding<float, 3> recycled_;
 };
 
-/// One line of JSON about a tile.
+/// One line of JSON for a tile.
 std::string json_of(const Job& job, const Tile& tile, const Outcome& outcome) {
     nlohmann::ordered_json line;
     line["row"] = tile.row;
@@ -258,7 +257,7 @@ std::string text_of(const Job& job, const Tile& tile, const Outcome& outcome) {
     std::ostringstream line;
     line.precision(3);
     line << printable(tile.points) << ": " << outcome.record.points << " points, " << outcome.bytes
-         << " bytes, " << outcome.record.weights_per_point << " weights a point, off by at most "
+         << " bytes, " << outcome.record.weights_per_point << " weights per point, error at most "
          << outcome.record.distance << " (" << 100 * outcome.record.distance / job.size
          << " % of the cage), ";
     if (outcome.record.outside > 0) line << outcome.record.outside << " outside, ";
@@ -270,7 +269,7 @@ std::string text_of(const Job& job, const Tile& tile, const Outcome& outcome) {
     return line.str();
 }
 
-/// Binds tiles, several at a time; returns the exit status.
+/// Binds tiles in parallel; returns the exit status.
 int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads, bool json) {
     std::atomic<std::size_t> next{0};
     std::mutex lock;
@@ -302,7 +301,7 @@ int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads
     return passes ? try_again : failed ? 1 : 0;
 }
 
-/// A hash of all that decides about the bytes of a figure beside its points.
+/// Hash of everything except the points that affects the bytes of a figure.
 std::uint64_t hash_of_parameters(const Arguments& given, const ObjFile& cage, const Job& job) {
     std::ostringstream text;
     text.precision(17);
@@ -320,7 +319,7 @@ std::uint64_t hash_of_parameters(const Arguments& given, const ObjFile& cage, co
     return cageform::hash_memory(std::span<const double>(job.poses), hash);
 }
 
-/// Prints how much memory is used at most, and returns the number of threads that fit; 0 where not one does.
+/// Prints the peak memory and returns the number of threads that fit into the limit, possibly 0.
 std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tiles, std::size_t& of_solver) {
     constexpr std::size_t mega = 1000000, of_program = 32 * mega;
     const std::size_t each = bytes_of_tile(job.piece, job.coordinates.handles().count);
@@ -329,7 +328,7 @@ std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tile
     const std::size_t least = of_program + each + (solves ? each : 0);
     if (all < least) {
         (void)fail("--memory " + std::to_string(given.memory) + ": a tile takes " +
-                   std::to_string(least / mega + 1) + " MB with this cage, however small it is");
+                   std::to_string(least / mega + 1) + " MB with this cage, regardless of its size");
         return 0;
     }
     const std::size_t room = (all - of_program - (solves ? (all - of_program) / 2 : 0)) / each;
@@ -345,7 +344,7 @@ std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tile
     return threads;
 }
 
-/// Solves, or takes functions from a file, and saves them; returns the exit status.
+/// Solves or loads the functions, and saves them on request; returns the exit status.
 int solve(const Arguments& given, std::size_t threads, const Job& job, std::optional<InputFile>& solution) {
     ProgressBar bar("solving");
     const cageform::Running running{cageform::ThreadedFor{unsigned(threads)}, bar.callback()};
@@ -361,7 +360,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
         if (solved.status != Status::ok)
             return fail(given.solution + ": " + to_string(solved.status) + "; this cage is " + job.cage +
                         " with --accuracy " + detail::short_number(given.choice.harmonic.accuracy) +
-                        "; --save-solution writes one that fits");
+                        "; --save-solution writes a matching one");
     } else {
         solved = job.coordinates.solve(running);
     }
@@ -397,19 +396,19 @@ int run_program(int argc, char** argv) {
     given.tiles.add_options(line);
     given.moves.add_options(line);
     given.choice.with_normals = given.choice.in_space = true;
-    given.choice.limits_memory = false; // --memory is for all
+    given.choice.limits_memory = false; // --memory limits the whole program
     given.choice.add_options(line);
     given.outside.add_options(line);
     given.weights.add_options(line, "the cage's size", "", "float");
     line.add("--save-solution", given.saved_solution,
-             "harmonic: write the solved functions of the cage to this file, for other processes")
+             "harmonic: write the solution for the cage to this file, for other processes")
         .ends_with({".solution"});
-    line.add("--solution", given.solution,
-             "harmonic: use the functions that --save-solution has written in place of a solve");
-    line.add("--threads", given.threads, "the number of tiles that are bound at a time")
+    line.add("--solution", given.solution, "harmonic: read a file of --save-solution instead of solving");
+    line.add("--threads", given.threads, "the number of tiles to bind in parallel")
         .range(1, 1024)
         .show_default();
-    line.add("--memory", given.memory, "the most memory to use, in MB; the need is printed beforehand")
+    line.add("--memory", given.memory,
+             "the memory limit in MB; the program prints the requirement before it starts")
         .range(64, 1 << 30)
         .show_default();
     line.add_flag("--strict", given.is_strict, "refuse a file with a point that is not finite in float");
@@ -427,8 +426,7 @@ int run_program(int argc, char** argv) {
     const bool has_solution = !given.solution.empty() || !given.saved_solution.empty();
     if (has_solution &&
         (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
-        return fail("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
-                    "coordinates solve nothing that could be kept");
+        return fail("--solution and --save-solution need --coordinates harmonic with --accuracy");
     const auto tiles = given.tiles.tiles();
     if (!tiles) return fail(to_string(tiles.error()));
     std::vector<std::string> inputs = given.moves.poses;
@@ -471,7 +469,7 @@ int run_program(int argc, char** argv) {
     job.bind = given.outside.bind_options(job.coordinates);
     warn_of_closed_gaps(cage->name, job.coordinates.cage_report());
     if (!job.coordinates.note.empty()) note(job.coordinates.note);
-    std::optional<InputFile> solution; // its bytes are used as long as the coordinates
+    std::optional<InputFile> solution; // must outlive the coordinates
     if (const int code = solve(given, threads, job, solution); code != 0) return code;
     if (!motion->keys.empty()) {
         const auto bound = job.coordinates.bind(std::span(cage->vertices).first(1), job.bind);

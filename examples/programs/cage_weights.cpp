@@ -1,24 +1,24 @@
-// The coordinates of points as numbers: the tool to compare with other implementations.
+// Writes the coordinates of points as CSV, for comparison with other implementations.
 //
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
-// A cage in the plane is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines with empty
-// lines between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These
-// come in any place, each headed by a line of its own:
+// A 2D cage is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines separated by empty
+// lines: loops (outer first, then holes) and, for harmonic coordinates, interior cells. Interior cells may
+// come at any position, each after a header line:
 //
-//     # chain          edges from each point to the next; two points or more
+//     # chain          edges between successive points; two points or more
 //     # point 12.5     one point; everything within the radius follows it
 //
-// A point of a chain that equals a vertex given before is that vertex. A cage in space is an OBJ of a closed
-// mesh. Points have "x,y" a line, or "x,y,z" in space.
+// A point of a chain that is equal to an earlier vertex is that vertex. A 3D cage is an OBJ of a closed mesh.
+// Points are lines "x,y" or "x,y,z".
 //
-// sibson and sibson-c1 take points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an
+// sibson and sibson-c1 use points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an
 // SVG or the vertices of an OBJ (site_file.hpp).
 //
-// The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
-// weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
-// ones of chains and points, of green then the edges (or faces); --labels names those of vertices. Points
-// are read, bound and written in batches, so a file may have any length.
+// The output has a header, then one line per point: status,w0,w1,… with 17 digits, "nan" if a point has no
+// weights. The columns are the vertices of the loops (or of the OBJ) in the order of the file, then the new
+// vertices of chains and points, for green then edges (or faces). --labels names the columns of vertices.
+// Points are read, bound and written in batches, so files may have any length.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -49,8 +49,8 @@ struct Settings {
     CoordinatesChoice choice;
 };
 
-/// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails
-/// where two have one name.
+/// "status" and a column name per handle: its label or its index; edges and faces have no labels. Fails if
+/// two columns have the same name.
 Expected<std::string> header_line(const std::string& labels_path, std::size_t handles, std::size_t vertices) {
     std::vector<std::string> labels;
     if (!labels_path.empty()) {
@@ -70,19 +70,19 @@ Expected<std::string> header_line(const std::string& labels_path, std::size_t ha
             text += name;
             continue;
         }
-        text += '"'; // as RFC 4180 has it
+        text += '"'; // RFC 4180
         for (const char c : name) text += c == '"' ? "\"\"" : std::string(1, c);
         text += '"';
     }
     return text + '\n';
 }
 
-/// Says what is wrong with the cage, or with the sites.
+/// Describes the faults of the cage or the sites.
 using Describe = std::function<std::string(const cageform::BindReport&)>;
 
 /// Binds and writes.
 ///
-///   origin   from which the coordinates count places
+///   origin   of the positions of the coordinates
 template <class T, std::size_t D>
 int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults,
         const cageform::Vec<double, D>& origin = {}) {
@@ -120,13 +120,13 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     std::vector<std::array<double, D>> numbers;
     std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
     std::vector<cageform::PointState> states;
-    // A first round without points checks the cage even where there are none.
+    // A first batch without points checks the cage even if there are no points.
     bool more = true, first = true;
     std::size_t not_finite = 0, first_not_finite = 0;
     while (more) {
         more = reader.read(numbers, batch);
         if (!reader.error().empty()) return fail(reader.error());
-        if (first && numbers.size() == batch && !coordinates.closed_form()) { // there may be more batches
+        if (first && numbers.size() == batch && !coordinates.closed_form()) { // probably more batches
             const auto evaluation = coordinates.solve({.progress = progress});
             total.status = evaluation.status;
             total.solver = evaluation.solver;
@@ -142,7 +142,7 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
         if (report.status != cageform::Status::ok) return refuse(report);
         const auto is_near = [&](std::size_t i) {
             const auto p = cageform::to_vec<T>(points[i]);
-            for (std::size_t k = 0; k < D; ++k) { // a distance takes a while
+            for (std::size_t k = 0; k < D; ++k) { // distances are slow
                 if (!(double(p[k]) >= double(bounds.lower[k]) - tolerance &&
                       double(p[k]) <= double(bounds.upper[k]) + tolerance))
                     return false;
@@ -206,7 +206,7 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     return 0;
 }
 
-/// rounding_fault() of points; empty in double precision.
+/// rounding_fault() of points; empty for double.
 template <class T, class Point>
 std::string fault_of_place(const Settings& settings, const std::vector<Point>& points) {
     if (sizeof(T) == 8) return {};
@@ -218,7 +218,7 @@ std::string fault_of_place(const Settings& settings, const std::vector<Point>& p
             places.push_back(p);
     }
     const std::string why = rounding_fault(settings.cage_path, places);
-    return why.empty() ? why : why + ", or take --scalar double";
+    return why.empty() ? why : why + ", or use --scalar double";
 }
 
 /// Reads sites.
@@ -241,8 +241,9 @@ int run(const Settings& settings) {
         return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
     }
     if (settings.cage_path.starts_with("lattice:"))
-        return fail("--cage " + settings.cage_path +
-                    ": there is no figure to put it about; make_cage --lattice writes a .lattice.json file");
+        return fail(
+            "--cage " + settings.cage_path +
+            ": there is no figure that determines its box; make_cage --lattice writes a .lattice.json file");
     const auto dimension = cage_dimension(settings.cage_path);
     if (!dimension) return fail(to_string(dimension.error()));
     if (*dimension == 3) {
@@ -284,10 +285,10 @@ int run_program(int argc, char** argv) {
              "and sibson-c1 a file of points; or a .lattice.json file")
         .required();
     line.add("--points", settings.points_path,
-             "a CSV file with a line x,y for each point, in space x,y,z; a first row of words is a header")
+             "a CSV file with one line x,y or x,y,z per point; a first row of words is a header")
         .required();
     line.add("--labels", settings.labels_path,
-             "a text file with names of the cage's vertices, which head the columns");
+             "a text file with names of the cage's vertices, for the columns");
     line.add("-o,--output", settings.out_path, "the CSV file to write: status,w0,w1,…")
         .required()
         .ends_with({".csv"});
@@ -303,7 +304,7 @@ int run_program(int argc, char** argv) {
                     labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
     line.add("--outside", settings.outside,
-             "what points outside do: extend (if the coordinates are defined there), keep-in-place or "
+             "treatment of points outside: extend (if the coordinates are defined there), keep-in-place or "
              "nearest-boundary")
         .one_of(outside_words())
         .show_default();

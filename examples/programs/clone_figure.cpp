@@ -1,14 +1,14 @@
-// Writes poses of a packed figure, a file a pose: rows of a table of poses, or a clip at equal steps of time.
+// Writes poses of a packed figure, one file per pose: rows of a table, or a clip at equal time steps.
 //
 //     clone_figure character.figure --poses poses.csv --rows 0:1000 -o 'out/%06d.ply'
 //     clone_figure character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'
 //
-// The figure is a file that bind_mesh or bind_tiles writes, or any packed figure or binding, in the plane or
-// in space. Rows are independent: each task of a farm runs this program with other rows (integrations/farms).
-// The files are equal, bit for bit, for any split of the rows and any number of threads.
+// The figure is an output of bind_mesh or bind_tiles, or any packed figure or binding, in 2D or 3D. Rows are
+// independent: each task of a farm runs this program with its own rows (integrations/farms). Files are
+// bitwise equal for any split of the rows and any number of threads.
 //
-// Exit code 75 says that a disk is full, or another failure that may pass: run the same line again, with
-// --skip-existing to keep what is done. Files appear whole or not at all.
+// Exit status 75 is a temporary failure, such as a full disk: repeat the command, with --skip-existing to
+// keep finished files. Files are written atomically.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -51,21 +51,21 @@ struct Arguments {
     }
 };
 
-/// The fate of a row.
+/// Result of one row.
 struct Outcome {
     std::string path, fault, warning;
     bool skipped = false, may_retry = false;
-    bool at_output = false; // whether the fault is that of writing: other rows would meet it too
+    bool at_output = false; // whether writing failed: other rows would fail too
     std::size_t bytes = 0;
     double seconds = 0;
 };
 
-/// The parts of a figure that bind_mesh stores beside its points (support/files/figure_parts.hpp).
+/// Additional parts of a figure of bind_mesh (support/files/figure_parts.hpp).
 template <class T, std::size_t D>
 struct MeshParts {
-    std::string fault; ///< why they cannot be used; empty where they can
+    std::string fault; ///< why they cannot be used; empty if they can
     Vec<double, D> origin{};
-    /// Three vectors across each other at every point, and these at rest; none where the file has none.
+    /// Three independent vectors per point, and their rest values; empty if the file has none.
     std::vector<cageform::PackedBindingView<T, D>> frames;
     std::vector<std::vector<Vec<T, D>>> frames_at_rest;
 };
@@ -76,8 +76,8 @@ MeshParts<T, D> mesh_parts(const cageform::PackedFigureView<T, D>& figure) {
     if (const auto place = figure.part("ORIG"); place.size() == sizeof(parts.origin))
         std::memcpy(&parts.origin, place.data(), place.size());
     else if (!place.empty())
-        parts.fault = "the part ORIG has another size than a place";
-    if (!is_finite(parts.origin)) parts.fault = "the place of the figure is not finite";
+        parts.fault = "the part ORIG has the wrong size";
+    if (!is_finite(parts.origin)) parts.fault = "the origin of the figure is not finite";
     if constexpr (D == 3) {
         const auto blob = figure.part("NRM1");
         if (blob.empty() || !figure.has_normals()) return parts;
@@ -97,11 +97,11 @@ MeshParts<T, D> mesh_parts(const cageform::PackedFigureView<T, D>& figure) {
     return parts;
 }
 
-/// A packed figure and how its poses are written.
+/// Writes poses of a packed figure.
 template <class T, std::size_t D>
 class Cloner {
 public:
-    /// `has_faces`: whether the file does.
+    /// `has_faces`: whether the file has faces.
     Cloner(const Arguments& given, const cageform::PackedFigureView<T, D>& figure,
            const MeshParts<T, D>& parts, PosedFile file, bool has_faces)
         : given_(given)
@@ -113,7 +113,7 @@ public:
         if (has_faces && clone(figure, figure.rest_handles(), points) == Status::ok) rest_ = places(points);
     }
 
-    /// Computes and writes a row. Threads call it together.
+    /// Computes and writes a row. Thread-safe.
     Outcome write(const PoseRows<D>& poses, const PoseRow& row) const {
         const auto start = std::chrono::steady_clock::now();
         Outcome outcome;
@@ -138,8 +138,9 @@ public:
         Status of_normals = Status::ok;
         const std::string contents = file_contents(points, pose, of_normals);
         if (of_normals != Status::ok)
-            outcome.warning += (outcome.warning.empty() ? "" : "; ") + poses.name_of(row) +
-                               ": its normals turn with the faces: " + cageform::to_string(of_normals);
+            outcome.warning +=
+                (outcome.warning.empty() ? "" : "; ") + poses.name_of(row) +
+                ": its normals are computed from the faces: " + cageform::to_string(of_normals);
         AtomicFile out(outcome.path);
         out.write(contents);
         if (const auto why = out.commit()) {
@@ -154,21 +155,21 @@ public:
     }
 
 private:
-    /// Returns the bytes of a file, its points counted from the origin of the mesh's file.
+    /// Returns the bytes of a file, with points in the coordinates of the mesh file.
     std::string file_contents(std::span<const Vec<T, D>> points, std::span<const Vec<T, D>> pose,
                               Status& of_normals) const {
         if (parts_.origin == Vec<double, D>{}) return file_.contents(points, jacobians(pose, of_normals));
         return file_.contents(std::span<const Vec<double, D>>(places(points)), jacobians(pose, of_normals));
     }
 
-    /// Points counted from the origin of the mesh's file.
+    /// Points in the coordinates of the mesh file.
     std::vector<Vec<double, D>> places(std::span<const Vec<T, D>> points) const {
         std::vector<Vec<double, D>> result;
         for (const auto& p : points) result.push_back(cageform::vec_cast<double>(p) + parts_.origin);
         return result;
     }
 
-    /// Returns the Jacobians at all points; none where the file needs none, or there are none.
+    /// Returns the Jacobians at all points; empty if not needed or not available.
     std::vector<Jacobian3> jacobians(std::span<const Vec<T, D>> pose, Status& status) const {
         std::vector<Jacobian3> result;
         if constexpr (D == 3) {
@@ -209,8 +210,8 @@ private:
         }
         if (report.collapsed_faces > 0)
             outcome.warning = poses.name_of(row) + ": " + std::to_string(report.collapsed_faces) +
-                              " faces of the cage have no area, so that the figure follows them wrongly";
-        std::vector<Vec<T, D>> rest; // where a point is not finite, no pose moves it
+                              " faces of the cage have no area, so the figure is deformed incorrectly";
+        std::vector<Vec<T, D>> rest; // non-finite points do not move
         for (std::size_t i = 0; i < points.size() && outcome.fault.empty(); ++i) {
             if (is_finite(points[i])) continue;
             if (rest.empty()) {
@@ -229,7 +230,7 @@ private:
     const MeshParts<T, D>& parts_;
     PosedFile file_;
     RowPath names_;
-    std::vector<Vec<double, D>> rest_; // #points, as places(); empty where the file has no faces
+    std::vector<Vec<double, D>> rest_; // #points, as places(); empty if the file has no faces
 };
 
 void print_line(const PoseRow& row, const Outcome& outcome) {
@@ -245,7 +246,7 @@ void print_line(const PoseRow& row, const Outcome& outcome) {
     std::cout << line.dump(-1, ' ', false, replace) << '\n';
 }
 
-/// Says why a file cannot be read; the exit code.
+/// Prints why a file cannot be read; returns the exit status.
 template <class File>
 int fail_to_read(const File& file) {
     fail(file.error());
@@ -281,7 +282,8 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
         }
         if (given.json && !std::cout.flush()) return 1;
         if (may_retry)
-            note("this may pass: run the same line again, with --skip-existing to keep what is done");
+            note("this failure may be temporary: repeat the command, with --skip-existing to keep finished "
+                 "files");
         if (stops) return may_retry ? try_again : 1;
     }
     if (failed > most_messages) note("and " + std::to_string(failed - most_messages) + " more");
@@ -289,7 +291,7 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
         note(std::to_string(failed) + " of " + std::to_string(done) + " rows failed; the others are done");
     if (!poses.error().empty()) return fail_to_read(poses);
     if (done == 0 && rows.first < rows.end)
-        note(given.poses + ": has " + std::to_string(poses.row()) + " rows, so there is none to do");
+        note(given.poses + ": has " + std::to_string(poses.row()) + " rows: none to write");
     return failed > 0 ? 1 : 0;
 }
 
@@ -353,7 +355,7 @@ std::optional<int> try_figure(const Arguments& given, std::span<const std::byte>
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Writes poses of a packed figure, a file a pose: rows of a table, or a clip.");
+    CommandLine line("Writes poses of a packed figure, one file per pose: rows of a table, or a clip.");
     line.set_examples(
         {"character.figure --poses poses.csv --rows 0:1000 -o 'out/%06d.ply'",
          "character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'",
@@ -378,12 +380,14 @@ int run_program(int argc, char** argv) {
              "the OBJ file that was bound: .obj files keep all that it holds, .ply files its faces; by "
              "default faces "
              "are the triangles that the figure holds, if it has any");
-    line.add("--rate", given.rate, "poses of a clip a second").range(1e-3, 1e6).show_default();
+    line.add("--rate", given.rate, "poses of a clip per second").range(1e-3, 1e6).show_default();
     add_flip_faces(line, given.flips_faces);
     line.add_flag("--ascii", given.ascii, "write .ply files as text, not as bytes");
-    line.add_flag("--skip-existing", given.skip_existing, "leave files alone that are there already");
-    line.add_flag("--json", given.json, "print a line of JSON a row: its file, status, bytes and seconds");
-    line.add("--threads", given.threads, "rows at a time").range(1, 1024).show_default();
+    line.add_flag("--skip-existing", given.skip_existing, "skip existing files");
+    line.add_flag("--json", given.json, "print a line of JSON per row: its file, status, bytes and seconds");
+    line.add("--threads", given.threads, "the number of rows to compute in parallel")
+        .range(1, 1024)
+        .show_default();
     line.set_footer(pose_table_format + std::string("\n") + pose_clip_format + "\n" + clip_format + "\n" +
                     obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
@@ -403,7 +407,7 @@ int run_program(int argc, char** argv) {
     if (const auto code = try_figure<double, 3>(given, bytes, rows)) return *code;
     if (const auto code = try_figure<float, 2>(given, bytes, rows)) return *code;
     if (const auto code = try_figure<double, 2>(given, bytes, rows)) return *code;
-    return fail(given.figure + ": holds a figure of other numbers or dimensions than this program reads");
+    return fail(given.figure + ": the scalar type or dimension of the figure is not supported");
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Puts several SVG and PNG files side by side into one, with captions.
+// Places SVG and PNG files side by side, with captions.
 //
 //     contact_sheet -o sheet.svg --columns 2 --png "at rest" cat.svg "a step" step.svg
 
@@ -13,7 +13,7 @@ namespace {
 
 using namespace cageform_support;
 
-/// Makes the identifiers of a document its own, so that several can share a file.
+/// Adds a prefix to all identifiers of a document, so that several documents can share a file.
 void prefix_ids(pugi::xml_node node, const std::string& prefix) {
     for (auto attribute : node.attributes()) {
         const std::string name = attribute.name();
@@ -31,14 +31,14 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
     for (auto child : node.children()) prefix_ids(child, prefix);
 }
 
-/// A PNG file as an SVG that holds it.
+/// Wraps a PNG file in an SVG document.
 Expected<SvgDocument> wrap_png(const std::string& path) {
     const auto file = read_file(path);
     if (!file) return file.error();
     const std::string& bytes = *file;
     if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n"))
         return FileError{path + ": is not a PNG file"};
-    const auto number = [&](std::size_t at) { // four bytes, the highest first
+    const auto number = [&](std::size_t at) { // big-endian
         std::uint32_t n = 0;
         for (std::size_t k = 0; k < 4; ++k) n = n << 8 | std::uint8_t(bytes[at + k]);
         return std::to_string(n);
@@ -51,7 +51,7 @@ Expected<SvgDocument> wrap_png(const std::string& path) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Puts several SVG and PNG files side by side, with captions.");
+    CommandLine line("Places SVG and PNG files side by side, with captions.");
     line.set_examples({"-o sheet.svg --columns 2 --png \"at rest\" cat.svg \"a step\" step.svg",
                        "-o heat.svg \"one vertex\" field.png"});
     std::string out_path;
@@ -64,8 +64,7 @@ int run_program(int argc, char** argv) {
     line.add("--tile", tile, "width of a tile, in user units").range(10, 10000).show_default();
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
-    line.add("tiles", words, "CAPTION FILE, alternately; files are SVG, or PNG if their name says so")
-        .required();
+    line.add("tiles", words, "CAPTION FILE pairs; files are SVG or PNG").required();
     if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 2 != 0) return fail("captions and files have to alternate");
     for (std::size_t n = 0; n < words.size(); n += 2) {

@@ -1,6 +1,6 @@
-// Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or
-// of the field that has given values at the cage's vertices, linear between them: by harmonic coordinates,
-// the solution of Laplace's equation.
+// Draws one coordinate over its cage: values inside with contour lines, boundary values on the cage. Or draws
+// the interpolation of given values at the vertices, linear on edges: with harmonic coordinates the solution
+// of Laplace's equation.
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 //     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface
@@ -29,7 +29,7 @@ using cageform_sources::averaged_coordinates;
 struct Arguments {
     std::string cage, out, zoom, classes;
     std::size_t vertex = 0;
-    std::vector<double> values; // of the field, at every vertex: 1 at `vertex`, or any
+    std::vector<double> values; // at every vertex: 1 at `vertex`, or those of --values
     bool is_coordinate = true;
     bool y_up = false;
     bool is_lattice = false;
@@ -43,15 +43,15 @@ struct Arguments {
                (is_coordinate ? " coordinate of vertex " + std::to_string(vertex)
                               : " interpolation of values");
     }
-    /// Whether a coordinate is 1 at its vertex, and linear on edges.
+    /// Whether coordinates interpolate at vertices and are linear on edges.
     bool interpolates() const { return !choice.takes_normals() && !is_lattice; }
-    /// The value on an edge, at a share of the way from vertex i to vertex j.
+    /// The value on the edge from vertex i to vertex j, at a fraction of its length.
     double on_edge(std::size_t i, std::size_t j, double t) const {
         return (1 - t) * values[i] + t * values[j];
     }
 };
 
-/// "v0,v1,…", a number for each vertex.
+/// Parses "v0,v1,…", one number per vertex.
 Expected<std::vector<double>> parse_values(const std::string& text, const CageFile& cage) {
     std::vector<double> values;
     std::string_view rest = text;
@@ -83,7 +83,7 @@ public:
         }
     }
 
-    /// Empty, or why there is no field.
+    /// Why there is no field; empty if there is one.
     std::string solve(const std::string& cage_path) {
         if (coordinates_.cage_report().status != cageform::Status::ok)
             return describe_faults(cage_path, coordinates_.cage_report());
@@ -92,8 +92,7 @@ public:
         return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
     }
 
-    /// Returns the values at points, NaN outside. Only one column of the weights is kept, so points are
-    /// bound in batches.
+    /// Returns the values at points, NaN outside. Points are bound in batches to bound the memory.
     Expected<std::vector<double>>
     at(std::span<const Point2> points, const std::string& cage_path,
        cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
@@ -118,19 +117,19 @@ public:
     }
 
 private:
-    std::vector<std::pair<std::size_t, double>> terms_; // vertices with their values, where not 0
+    std::vector<std::pair<std::size_t, double>> terms_; // vertices with non-zero values
     ChosenCoordinates<double, 2> coordinates_;
 };
 
-/// The loops of a cage as polygons; curves are cut into pieces too short to be seen.
+/// The loops of a cage as polygons; curves are subdivided below visibility.
 std::vector<std::vector<Point2>> loops_of(const CageFile& cage) {
     PlaneBox box;
     for (const Point2& p : cage.vertices) box.add(p);
     return cage.loops(1e-4 * box.extent(), 8);
 }
 
-/// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not
-/// interpolate piece by piece their limits from inside.
+/// Boundary edges within a box, with their values. For coordinates that do not interpolate, the values are
+/// limits from inside, sampled along each edge.
 Expected<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
                                              const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
@@ -150,7 +149,7 @@ Expected<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageF
     if (cage.curves) {
         for (const auto& loop : loops_of(cage)) {
             for (std::size_t k = 0; k < loop.size(); ++k)
-                add(loop[k], loop[(k + 1) % loop.size()], [](double) { return 0.0; }); // read below
+                add(loop[k], loop[(k + 1) % loop.size()], [](double) { return 0.0; }); // sampled below
         }
     } else {
         cage.for_each_edge([&](std::size_t i, std::size_t j) {
@@ -168,7 +167,7 @@ Expected<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageF
     return lines;
 }
 
-/// The map of the field over a box, seen at twice the pixels and halved, under the boundary's values.
+/// Draws the field over a box, with 2 × 2 supersampling, and the boundary values on top.
 Expected<Picture> draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
                            const PlaneBox& box) {
     const double scale = 2 * double(given.style.size) / box.extent();
@@ -242,7 +241,7 @@ Expected<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, 
     return draw_surface(surface, given.view, given.style);
 }
 
-/// The cells of the papers' grid: what the boundary passes, what is inside, what is outside.
+/// Draws the cells of the papers' grid: boundary, inside, outside.
 Picture draw_classes(const Arguments& given, const CageFile& cage) {
     const auto polygon = cage.polygon<double>();
     const std::size_t resolution = given.choice.resolution != 0 ? given.choice.resolution : 128;
@@ -250,7 +249,7 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
         polygon, averaging::lattice_about(cageform::bounds_of(polygon.vertices()), resolution));
     const auto& [columns, rows] = domain.lattice.cells;
     const double scale =
-        2 * double(given.style.size) / double(std::max(columns, rows)); // pixels a cell, twice
+        2 * double(given.style.size) / double(std::max(columns, rows)); // pixels per cell, supersampled
     Picture fine(2 * std::size_t(std::ceil(double(columns) * scale / 2)),
                  2 * std::size_t(std::ceil(double(rows) * scale / 2)));
     const auto to_picture = [&](const Point2& p) {

@@ -1,15 +1,14 @@
-// Deforms any OBJ figure, or a mesh of tetrahedra, by a cage, a closed mesh around it, and a pose of the
-// cage.
+// Deforms an OBJ figure or a tetrahedral mesh by a cage and a pose of the cage.
 //
 //     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
 //     deform_mesh man.obj --cage man_cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj
 //     deform_mesh part.mesh --cage part_cage.obj --bend all:xy,0,4,90 --no-folds -o bent.mesh --report
 //
-// Coordinates of points without a cage, sibson and sibson-c1, take the vertices of both files for points.
+// sibson and sibson-c1 use the vertices of the cage files as control points.
 //
-// Vertices move with the cage, and normals by the inverse transposes of the deformation's Jacobians.
-// Everything else in the file stays: groups, materials, texture coordinates, comments, cells.
+// Normals are transformed by the inverse transpose of the deformation's Jacobian. The rest of the file does
+// not change: groups, materials, texture coordinates, comments, cells.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -39,7 +38,7 @@ using namespace cageform_support;
 struct Arguments {
     std::string figure, out, picture;
     MeshControlChoice control;
-    std::size_t weight = 0; // whose is painted
+    std::size_t weight = 0; // the vertex of --weight
     bool paints = false;
     bool report = false;
     bool no_folds = false;
@@ -49,11 +48,11 @@ struct Arguments {
     ViewChoice view;
 };
 
-/// Sites as a picture shows them: an octahedron each.
+/// Draws sites as octahedra.
 ObjFile dots(const std::vector<Point3>& sites, double radius) {
     ObjFile file;
     for (const Point3& site : sites) {
-        const auto first = std::uint32_t(file.vertices.size()); // then 2k and 2k + 1 along axis k
+        const auto first = std::uint32_t(file.vertices.size()); // + 2k and 2k + 1: the corners on axis k
         for (std::size_t n = 0; n < 6; ++n) {
             file.vertices.push_back(site);
             file.vertices.back()[n / 2] += n % 2 == 0 ? radius : -radius;
@@ -68,17 +67,17 @@ ObjFile dots(const std::vector<Point3>& sites, double radius) {
 
 struct Deformed {
     std::vector<Point3> vertices;
-    std::vector<Jacobian3> jacobians; // at the vertices; none where they are not known or not needed
+    std::vector<Jacobian3> jacobians; // at the vertices; empty if unknown or not needed
     std::vector<Colour> paint;        // of --weight
     MeshFolds folds;                  // around the vertices
     cageform::BindReport report;
     std::string fault, warning;
 };
 
-constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights at a time
+constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights per batch
 
-/// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
-/// them after the other. Until `fault` is not empty, or the report's status not ok.
+/// Binds and clones the figure, in batches if the weights exceed 256 MB. Stops if `fault` is not empty or the
+/// status of the report is not ok.
 Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshControl& control) {
     const auto& coordinates = control.coordinates;
     const auto& [pose, weights] = std::tie(control.pose, control.weights);
@@ -163,8 +162,8 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshContr
     return result;
 }
 
-/// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
-/// Returns why it cannot be done; empty if all is well.
+/// If the pose folds the figure, moves both back towards rest, to the largest step without folds. Returns an
+/// error message, or empty.
 std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vector<Point3>& moved,
                           std::vector<Jacobian3>& jacobians, const MeshFolds& folds) {
     if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
@@ -186,7 +185,7 @@ std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vect
     return {};
 }
 
-/// ", with a negative determinant at 6 of 6 vertices"; empty where no Jacobian is known.
+/// ", with a negative determinant at 6 of 6 vertices"; empty without Jacobians.
 std::string share_of_mirrored(const std::vector<Jacobian3>& jacobians) {
     const auto mirrors = [](const Jacobian3& j) { return dot(j[0], cross(j[1], j[2])) < 0; };
     const auto count = std::count_if(jacobians.begin(), jacobians.end(), mirrors);
@@ -195,7 +194,7 @@ std::string share_of_mirrored(const std::vector<Jacobian3>& jacobians) {
                                    std::to_string(jacobians.size()) + " vertices";
 }
 
-/// Binds the figure, moves it and writes the requested files.
+/// Binds, clones and writes the requested files.
 int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl control) {
     const auto& [coordinates, cage, pose] = std::tie(control.coordinates, control.cage, control.pose);
     if (const auto why = fault_of_outputs({given.out, given.control.save_pose, given.picture}))
@@ -212,7 +211,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
     if (!outside.warning.empty()) warn(outside.warning);
     if (!warning.empty()) warn(warning);
     for (const Point3& p : moved) {
-        if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
+        if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex is not finite in the pose");
     }
     if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
         folds = folds_of_cells(figure, moved, given.folds);
@@ -227,7 +226,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
         !why.empty())
         warn(why);
     if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
-        note(figure.name + ": its normals turn with the faces: " + folds.unknown);
+        note(figure.name + ": its normals are computed from the faces: " + folds.unknown);
     OutputFiles outputs;
     outputs.add(given.out).write(to_text(figure, {moved, jacobians}));
     if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
@@ -255,7 +254,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
         !materials.empty() && folder_of(given.out) != folder_of(given.figure)) {
         note(given.out + " names its materials as " + given.figure +
              " does: " + detail::quoted(materials[0]) + (materials.size() > 1 ? " and more" : "") +
-             " (and their textures), which have to be in the same folder");
+             " (and their textures), which must be in the same folder");
     }
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
@@ -275,8 +274,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Deforms an OBJ figure, or a mesh of tetrahedra, by a cage, a closed mesh around it, and "
-        "a pose of the cage.");
+        "Deforms an OBJ figure or a tetrahedral mesh by a cage, a closed mesh around it, and a pose of "
+        "the cage.");
     line.set_examples({"model.obj --cage auto:60 -o look.obj --picture look.png",
                        "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj",
                        "model.obj --cage cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj",
@@ -284,17 +283,18 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("figure", given.figure, "the OBJ or .mesh file to deform").required();
     given.control.add_options(line);
-    line.add_flag("--no-folds", given.no_folds,
-                  "stop a pose that folds tetrahedra on its straight way from rest, where the first of them "
-                  "would fold; of a surface, where the space at the first vertex would");
+    line.add_flag(
+        "--no-folds", given.no_folds,
+        "stop the pose on its straight path from rest, before the first tetrahedron folds; for a surface, "
+        "before space folds at the first vertex");
     line.add("--fold-threshold", given.folds.threshold,
-             "what counts as folded: a ratio of volumes, posed to rest, not above this")
+             "the largest ratio of volumes, posed to rest, that counts as folded")
         .range(-1e6, 0.999)
         .show_default()
         .rarely_needed();
     add_strict(line, given.is_strict);
     add_flip_faces(line, given.flips_faces);
-    line.add("-o,--output", given.out, "the file to write, .obj or .mesh as the figure is")
+    line.add("-o,--output", given.out, "the file to write: .obj or .mesh, like the figure")
         .required()
         .ends_with({".obj", ".mesh"});
     given.control.outside.add_options(line);
@@ -303,8 +303,8 @@ int run_program(int argc, char** argv) {
         .ends_with({".png"});
     given.view.add_options(line);
     const CommandOption weight =
-        line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
-    line.add_flag("--report", given.report, "print the bind report, how pins went, and what folds");
+        line.add("--weight", given.weight, "paint the weight of this vertex, from 0, in the picture");
+    line.add_flag("--report", given.report, "print the bind report, the errors of pins, and folds");
     given.control.choice.add_options(line);
     line.set_footer(obj_format + std::string("\n") + medit_format + "\n" + lattice_format + "\n" +
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats + "\n" +
@@ -318,12 +318,12 @@ int run_program(int argc, char** argv) {
     auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
     if (!figure) return fail(to_string(figure.error()));
     if (given.flips_faces && ending == ".mesh")
-        return fail("--flip-faces: " + figure->name + ": only the faces of OBJ files are turned over");
+        return fail("--flip-faces: " + figure->name + ": only OBJ files are supported");
     auto control = read_mesh_control(given.control, *figure, figure->vertices);
     if (!control) return fail(to_string(control.error()));
     if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);
     given.paints = weight.is_given();
-    if (given.paints && given.picture.empty()) return fail("--weight is painted on the --picture: give one");
+    if (given.paints && given.picture.empty()) return fail("--weight needs --picture");
     if (given.paints && given.weight >= control->cage.vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
                     " has " + std::to_string(control->cage.vertices.size()));

@@ -4,8 +4,8 @@
 //     deform_splats scene.ply --cage auto:60 --split 2 -o look.ply --report
 //     deform_splats scene.ply --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.ply
 //
-// Splats are volumes: where the pose has the Jacobian J, a covariance Σ becomes J Σ Jᵀ, and the colours that
-// change with the view turn by the rotation of J. The opacity stays.
+// With the Jacobian J of the deformation, a covariance Σ becomes J Σ Jᵀ, and view-dependent colours rotate by
+// the rotation of J. The opacity does not change.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -35,16 +35,16 @@ using namespace cageform_support;
 struct Arguments {
     std::string scene, out;
     MeshControlChoice control;
-    double split = 0; // 0: no splat is
+    double split = 0; // 0: no splits
     std::size_t threads = 0;
     bool strict = false, report = false;
 };
 
-constexpr std::size_t most_bytes = std::size_t{16} << 20; // of weights at a time: they stay in the cache
-constexpr std::size_t grain = 256;                        // splats that a thread takes at once
-constexpr int most_splits = 6;                            // of a splat, each in two
+constexpr std::size_t most_bytes = std::size_t{16} << 20; // of weights per batch, so that they stay in cache
+constexpr std::size_t grain = 256;                        // splats per task
+constexpr int most_splits = 6;                            // per splat
 
-/// Adds the seconds from its making to its end.
+/// Adds the seconds of its lifetime.
 class Clock {
 public:
     explicit Clock(double& seconds)
@@ -58,7 +58,7 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Whether all three are numbers of single precision, which files hold.
+/// Whether all three fit single precision, the format of files.
 bool is_float(const Point3& p) {
     return std::all_of(p.v, p.v + 3, [](double x) { return std::isfinite(float(x)); });
 }
@@ -67,8 +67,8 @@ struct Seconds {
     double read = 0, control = 0, bind = 0, frame = 0, write = 0;
 };
 
-/// Triangles in the place of splats, for a cage that is made around them: across the two longest axes of a
-/// splat, one standard deviation from its middle to the corners.
+/// Triangles that represent splats for make_cage: in the plane of the two longest axes, with corners at one
+/// standard deviation.
 ObjFile triangles_of(const SplatFile& scene) {
     ObjFile mesh;
     mesh.name = scene.name;
@@ -87,7 +87,7 @@ ObjFile triangles_of(const SplatFile& scene) {
     return mesh;
 }
 
-/// Binds splats and moves them, in batches.
+/// Binds and moves splats, in batches.
 class SplatMover {
 public:
     SplatMover(const Arguments& given, const MeshControl& control, SplatFile& scene, Seconds& seconds)
@@ -101,7 +101,7 @@ public:
         report.cage = control.coordinates.cage_report();
     }
 
-    /// Moves all splats of the scene; until `fault` is not empty, or the report's status not ok.
+    /// Moves all splats. Stops if `fault` is not empty or the status of the report is not ok.
     void move() {
         ProgressBar bar("binding");
         const cageform::Running running{.parallel = threads_, .progress = bar.callback()};
@@ -133,22 +133,22 @@ public:
         }
     }
 
-    cageform::BindReport report; // of the splats, not of their parts
+    cageform::BindReport report; // of splats, not of parts
     std::string fault, warning;
-    std::size_t split = 0; // how many splats are in parts
+    std::size_t split = 0; // number of split splats
     cageform::Extreme stretch;
 
 private:
     bool is_well() const { return fault.empty() && report.status == cageform::Status::ok; }
 
     std::size_t batch_size() const {
-        constexpr std::size_t bindings = 4; // of the place and of three axes
+        constexpr std::size_t bindings = 4; // the position and three axes
         return most_bytes / (bindings * sizeof(double) * (control_.coordinates.handles().count + 1)) + 1;
     }
 
-    /// Moves some splats, or parts of them.
+    /// Moves splats or parts of splats.
     ///
-    ///   first   the number of the first splat
+    ///   first   index of the first splat
     void move_batch(const std::vector<SplatPart>& batch, std::size_t first,
                     const cageform::Running& running) {
         std::vector<Point3> places(batch.size());
@@ -185,7 +185,7 @@ private:
         return std::isinf(length) || (given_.split > 0 && length > given_.split && !is_last_split_);
     }
 
-    /// Puts the halves of a part where they are moved next.
+    /// Queues the halves of a part.
     void cut(const SplatPart& part, const SingularValues& posed) {
         split += part.opacity >= 1 ? 1 : 0;
         const std::size_t bytes = scene_.layout.row_bytes, from = part.row * bytes;
@@ -194,7 +194,7 @@ private:
         scene_.rows += scene_.rows.substr(from, bytes);
     }
 
-    /// Takes places to where the pose has them; false where it cannot.
+    /// Clones positions; false on failure.
     bool bind(std::vector<Point3>& places, std::vector<Matrix3>& jacobians, std::size_t first,
               const std::vector<SplatPart>& batch, const cageform::Running& running) {
         const auto& coordinates = control_.coordinates;
@@ -238,9 +238,9 @@ private:
     SplatFile& scene_;
     Seconds& seconds_;
     cageform::BindOptions options_;
-    std::vector<Point3> handles_; // the pose of all
+    std::vector<Point3> handles_; // pose of all handles
     cageform::ThreadedFor threads_;
-    std::vector<SplatPart> parts_; // that are still to be moved
+    std::vector<SplatPart> parts_; // queue of parts to move
     bool is_last_split_ = false;
 };
 
@@ -251,7 +251,7 @@ std::string words_of(const Arguments& given, const SplatMover& mover, const Spla
     std::string text = "splats: " + std::to_string(splats) + " of degree " +
                        std::to_string(scene.layout.degree()) + ", " + std::to_string(scene.layout.row_bytes) +
                        " bytes each\n";
-    if (!scene.others.empty()) text += "kept as they are: " + scene.others + '\n';
+    if (!scene.others.empty()) text += "unchanged: " + scene.others + '\n';
     if (mover.stretch.point != cageform::Extreme::none)
         text += "longest: " + number(mover.stretch.value) + " times its length at rest, splat " +
                 std::to_string(mover.stretch.point) + "\n";
@@ -310,7 +310,7 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms a scene of 3D Gaussian splatting by a cage, a lattice or points, and a pose of "
-                     "them: splats move, turn and stretch, and their colours turn with them.");
+                     "them: splats move, rotate and stretch, and view-dependent colours rotate.");
     line.set_examples({"scene.ply --cage lattice:8x8x8 --twist all:y,0,2,90 -o twisted.ply",
                        "scene.ply --cage auto:60 --split 2 -o look.ply --report",
                        "scene.ply --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.ply"});
@@ -319,9 +319,8 @@ int run_program(int argc, char** argv) {
     given.control.add_options(line);
     line.add("-o,--output", given.out, "the PLY file to write").required().ends_with({".ply"});
     line.add("--split", given.split,
-             "split a splat in two where it becomes longer than this many times its length at rest, and its "
-             "parts again, six times at most, so that they follow the bend; mass, mean and covariance stay; "
-             "0: none is split")
+             "split splats that become more than this factor longer than at rest, recursively up to six "
+             "times, so that they follow bends; mass, mean and covariance do not change; 0: no splits")
         .check([](const std::string& word) {
             double bound = 0;
             const bool is_number = detail::parse_number(word, bound).empty();
@@ -332,15 +331,15 @@ int run_program(int argc, char** argv) {
         .show_default("0");
     given.control.outside.has_splats = true;
     given.control.outside.add_options(line);
-    given.control.of_sites.with_weights = false; // they have no gradients
+    given.control.of_sites.with_weights = false; // weighted sites have no gradients
     given.control.of_sites.add_options(line);
-    line.add("--threads", given.threads, "how many threads compute; 0: as many as the machine has")
+    line.add("--threads", given.threads, "the number of threads; 0: all processors")
         .range(0, 1024)
         .show_default()
         .rarely_needed();
-    line.add_flag("--strict", given.strict, "refuse a scene with a splat that is to be left out");
+    line.add_flag("--strict", given.strict, "refuse a scene with invalid splats");
     line.add_flag("--report", given.report,
-                  "print how many splats there are, what splits, the seconds and the bind report");
+                  "print the numbers of splats and splits, the seconds and the bind report");
     given.control.choice.add_options(line);
     line.set_footer(splat_format + std::string("\n") + obj_format + "\n" + lattice_format + "\n" +
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats);

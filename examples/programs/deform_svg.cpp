@@ -1,4 +1,4 @@
-// Deforms any SVG figure by a cage and a pose of it.
+// Deforms an SVG figure by a cage and a pose of the cage.
 //
 //     deform_svg cat.svg --cage auto -o first_look.svg --png
 //     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg
@@ -6,13 +6,12 @@
 //     deform_svg cat.svg --cage auto:24 --turn 5-10:-30 -o tail.svg
 //     deform_svg cat.svg --cage auto --pin 915,165:760,60 --pin 180,740 --pin 770,740 -o pulled.svg
 //
-// Curves and long lines are refined until they follow the deformed shape, since straight lines and control
-// points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
+// Curves and long lines are refined until they follow the deformed shape. Everything that is not geometry
+// does not change: styles, gradients, groups, identifiers.
 //
-// Cages of CSV files may have chains and points inside (see cage_weights.cpp), which harmonic coordinates
-// honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
-// Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a
-// CSV.
+// CSV cages may have interior chains and points (see cage_weights.cpp), which harmonic coordinates support.
+// The pose then has the same blocks; a vertex of several blocks must have the same position in all. sibson
+// and sibson-c1 use the circles of an SVG or the lines of a CSV as control points.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -37,10 +36,10 @@ namespace {
 
 using namespace cageform_support;
 
-/// All that bounds what a document draws.
+/// Bounds and warnings of a document.
 Expected<std::vector<Point2>> control_points(const SvgDocument& figure) {
     SvgDocument work = detail::copy_of(figure);
-    std::vector<std::string> told_later; // when the figure is moved
+    std::vector<std::string> told_later; // printed when the figure is deformed
     const auto all = detail::drawn_shapes(work, told_later);
     if (!all) return all.error();
     std::vector<Point2> points;
@@ -54,7 +53,7 @@ Expected<std::vector<Point2>> control_points(const SvgDocument& figure) {
     return points;
 }
 
-/// The values of --cage and --pose, the operations in place of a pose, and pins.
+/// --cage, --pose, operations and pins.
 struct CagePaths {
     std::string cage, pose;
     PoseChoice operations;
@@ -63,20 +62,20 @@ struct CagePaths {
     bool has_pose() const { return !pose.empty() || !operations.operations.empty(); }
 };
 
-/// The control that moves the figure, and the pose to be drawn.
+/// The control of the figure, and its pose.
 struct Control {
     FigureControl control;
     CageFile drawn;
-    std::string fault; // of the pose, to warn of
+    std::string fault; // a warning about the pose
     std::vector<Pin<2>> pins;
-    std::string on_pins;   // what --report says of them
-    std::size_t saved = 0; // the vertices that --save-pose writes: all but the corners of --surround
+    std::string on_pins;   // for --report
+    std::size_t saved = 0; // the number of vertices of --save-pose: without the corners of --surround
 };
 
-/// Poses the vertices by pins, if there are any, beside those held where they are.
+/// Solves for the vertices by pins, if there are any; held vertices are fixed.
 ///
 ///   rest    of the vertices that --hold may select
-///   still   those that no pose moves
+///   still   fixed vertices
 Expected<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const CagePaths& paths,
                         const OutsideChoice& outside, std::span<const cageform::Vec<double, 2>> rest,
                         const std::vector<std::size_t>& still) {
@@ -129,7 +128,7 @@ Expected<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& p
     control.weights_name = of_sites.weights;
     std::vector<cageform::Vec<double, 2>> rest;
     for (const Point2& p : sites.points) rest.push_back({p.x, p.y});
-    constexpr std::size_t corners = 4; // of the box that --surround adds
+    constexpr std::size_t corners = 4; // of the box of --surround
     result.saved = rest.size() - (of_sites.surround > 0 ? corners : 0);
     std::vector<std::size_t> still;
     for (std::size_t i = result.saved; i < rest.size(); ++i) still.push_back(i);
@@ -164,7 +163,7 @@ Expected<Control> read_control(const CoordinatesChoice& choice, const CagePaths&
     return result;
 }
 
-/// The text of a pose of a cage, or of points without one.
+/// The text of a pose of a cage or of control points.
 Expected<std::string> saved_pose(const Control& posed, bool of_sites, const std::string& path,
                                  const ViewBox& view) {
     if (posed.control.coordinates.handles().vector_count() > 0 && posed.control.poses_all_handles)
@@ -184,8 +183,8 @@ Expected<std::string> saved_pose(const Control& posed, bool of_sites, const std:
     return text;
 }
 
-/// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the
-/// document.
+/// Draws a figure below everything else, white with an outline. It is an embedded picture, so its identifiers
+/// and styles do not conflict with the document.
 void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& view) {
     auto root = document.xml.document_element();
     auto filter = root.prepend_child("filter");
@@ -221,8 +220,8 @@ void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& vi
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients "
-                     "and patterns follow the affine map that fits the motion of their shape best.");
+    CommandLine line("Deforms an SVG figure by a cage and a pose of the cage. Strokes keep their width; "
+                     "gradients and patterns follow the affine map that fits the deformation best.");
     line.set_examples({"icon.svg --cage auto -o look.svg --png --show-cage",
                        "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit",
                        "icon.svg --cage auto --pin 12,40 --pin 36,40 --pin 24,8:+6,0 -o pulled.svg --fit"});
@@ -238,11 +237,7 @@ int run_program(int argc, char** argv) {
     SiteChoice of_sites;
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
-    line.add("--cage", cage_path,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; for "
-             "curved-green the first closed outline; for sibson and sibson-c1 a file of points" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, cage_path, CageFiles::drawing_or_sites);
     line.add(
         "--pose", pose_path,
         "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
@@ -258,7 +253,7 @@ int run_program(int argc, char** argv) {
     line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
     outside.add_options(line);
-    line.add("--threads", threads, "how many threads bind the figure; 0: as many as the machine has")
+    line.add("--threads", threads, "the number of threads that bind; 0: all processors")
         .range(0, 1024)
         .show_default();
     of_sites.add_options(line);
@@ -275,10 +270,10 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-cage", show_cage,
                   "draw the posed cage over the figure, with the numbers of its vertices");
     line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
-    line.add_flag("--show-pins", show_pins, "draw the pins at their targets, and how far they went");
+    line.add_flag("--show-pins", show_pins, "draw the pins at their targets, with their displacements");
     line.add_flag("--show-rest", show_rest, "draw the figure at rest below, in white");
     line.add_flag("--report", report,
-                  "print the bind report, the numbers of shapes and points, and how pins went");
+                  "print the bind report, the numbers of shapes and points, and the errors of pins");
     choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
                     pins_format + "\n" + site_formats + "\n" + site_weights_format);

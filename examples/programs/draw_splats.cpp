@@ -1,4 +1,4 @@
-// Draws a scene of 3D Gaussian splatting, without any graphics library.
+// Renders a scene of 3D Gaussian splatting in software.
 //
 //     draw_splats scene.ply -o scene.png --view 60,20
 //     draw_splats posed.ply --beside posed.obj -o both.png
@@ -30,12 +30,11 @@ int run_program(int argc, char** argv) {
     ViewChoice view;
     line.add("scene", path, "the PLY file of splats to draw").required();
     line.add("-o,--output", out, "the PNG file to write").required().ends_with({".png"});
-    line.add("--beside", beside, "draw this OBJ file too, left of the splats, from the same place");
+    line.add("--beside", beside, "also draw this OBJ file, left of the splats, with the same view");
     view.add_options(line);
     line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
     line.add("--height", height, "its height").range(16, 16384).show_default();
-    line.add_flag("--strict", strict,
-                  "refuse a scene or a figure with a splat or a vertex that would be left out");
+    line.add_flag("--strict", strict, "refuse a scene or a figure with invalid splats or vertices");
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -1,27 +1,26 @@
-// Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers that know no cages.
+// Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers without cages.
 //
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --bones auto -o head.glb
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --skin 16 -o head.glb
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --morph -o head.gltf
 //
-// --bones N or auto: a skeleton that is fitted to the motion. Its bones turn, and normals with them; four of
-// them move a vertex. --max-distance 0.2% takes as many as keep every vertex that near to its clone in all
-// frames.
+// --bones N or auto: a skeleton fitted to the motion. Bones rotate, and normals with them; four bones move a
+// vertex. --max-distance 0.2% uses the fewest bones for which every vertex is within this distance of its
+// clone in all frames.
 //
-// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of
-// them at most, chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact,
-// bends lose what the left out weights did; the file's normals do not turn, as no joint does. The loss of
-// places, edges and normals of the surface is measured over the motion; --max-distance 0.1% takes as many
-// joints as keep every vertex that near. A game that poses the cage itself takes this.
+// --skin K: every vertex of the cage is a joint that only translates, and every vertex of the figure has at
+// most K joints. Joints are chosen so that the surface stays smooth. Affine poses are exact; bends lose the
+// weights that are left out. Normals do not rotate, because joints do not. The errors of positions, edges and
+// normals are measured over the motion. --max-distance 0.1% uses the fewest joints within the distance. Games
+// that pose the cage themselves use this.
 //
-// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones
-// depend linearly on the pose, and so do the curves between poses, so positions are those of the clone at all
-// times.
+// --morph: every pose of the motion is a morph target with normals. Clones depend linearly on the pose, so
+// positions are exact at all times.
 //
-// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as
-// files or by operations such as --twist, and back. With --skin and --morph it is written with CUBICSPLINE
-// interpolation, without loss. Every object of the OBJ file is a node, every material of it a primitive
-// with the colours and the texture that its MTL file gives.
+// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through the given poses
+// (files, or operations such as --twist) and back. --skin and --morph write it with CUBICSPLINE
+// interpolation, without loss. Each object of the OBJ file is a node, each of its materials a primitive with
+// colours and texture of the MTL file.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -58,27 +57,27 @@ struct Arguments {
     MotionChoice moves;
     std::string weights = "float";
     OutsideChoice outside{.can_extend = false, .can_fade = false};
-    SkeletonChoice skeleton; // with the distance of a skin, too
+    SkeletonChoice skeleton; // its distance also applies to skins
     double rate = 30;
     ViewChoice view;
-    std::size_t influences = 0; // of a skin whose joints are the cage's vertices; 0: to be found
+    std::size_t influences = 0; // of --skin; 0: search
     double threshold = 0;
     bool morph = false, report = false, is_strict = false, flips_faces = false;
     CoordinatesChoice choice;
 };
 
-/// All that is read.
+/// The input.
 struct Scene {
     ObjFile figure, cage;
-    Point3 origin;  // from which the file counts places
-    ObjFile stored; // the figure, its vertices counted from there
+    Point3 origin;  // of the positions in the file
+    ObjFile stored; // the figure, relative to the origin
     ObjParts parts; // of the figure
     std::vector<GltfMesh> meshes;
     PoseClip clip;                   // without keys: no motion
-    std::vector<std::string> labels; // of the cage's vertices, empty where one has none; or none at all
+    std::vector<std::string> labels; // of the cage's vertices, "" without a label; or empty
 };
 
-/// The largest distances between the vertices of a figure as it ought to be and as it is.
+/// The largest distances between exact and approximate vertices of a figure.
 class LossMeter {
 public:
     explicit LossMeter(const ObjFile& figure)
@@ -86,7 +85,7 @@ public:
         loss_.size = size_of(figure);
     }
 
-    /// Over all poses in which no vertex of the cage bends farther.
+    /// Upper bounds over all poses in which vertices of the cage bend by at most this distance.
     void set_reach(double reach) { loss_.reach = reach; }
     void raise(std::size_t i, double distance, std::optional<double> time) {
         distances_[i] = std::max(distances_[i], distance);
@@ -110,21 +109,21 @@ public:
 
 private:
     StoredLoss loss_;
-    std::vector<double> distances_; // the largest of every vertex
+    std::vector<double> distances_; // the largest per vertex
 };
 
-/// One of the poses.
+/// A pose of the motion.
 cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std::size_t p) {
     const std::size_t numbers = poses.numbers.size() / poses.times.size();
     return {poses.numbers.data() + p * numbers, numbers / 3};
 }
 
-/// The distances between a skin and the clone: of places, edges and normals of the surface.
+/// Errors of a skin relative to the clone: positions, edges and normals of the surface.
 struct SkinLoss {
     StoredLoss places;
-    double edge = 0;       // the largest difference between an edge as it ought to be and as it is
-    double edge_share = 0; // the largest such difference as a share of the edge itself
-    double turn = 0; // by which 99 % of the normals at vertices are wrong at most, in degrees; of a motion
+    double edge = 0;       // the largest error of an edge
+    double edge_share = 0; // the largest error relative to the edge
+    double turn = 0;       // the 99 % quantile of the errors of vertex normals, in degrees; of a motion
     double largest_turn = 0;
 };
 
@@ -145,7 +144,7 @@ std::string describe_surface(const SkinLoss& loss) {
     return text.str();
 }
 
-/// The normals at the vertices of a figure whose vertices are at `places`, not of unit length.
+/// Vertex normals for the positions `places`, not normalised.
 std::vector<Point3> normals_of(const ObjFile& figure, std::span<const Point3> places) {
     std::vector<Point3> normals(places.size());
     for (const ObjFace& face : figure.faces) {
@@ -159,7 +158,7 @@ double length(const Point3& v) {
     return std::hypot(v[0], v[1], v[2]);
 }
 
-/// Compares a pose of the figure as it ought to be and as it is; angles of normals are appended to `turns`.
+/// Compares an exact and an approximate pose; appends the angles between normals to `turns`.
 void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> played,
                  SkinLoss& loss, std::vector<float>& turns) {
     for (const auto& triangle : figure.triangles) {
@@ -180,8 +179,7 @@ void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span
     }
 }
 
-/// Where a player shows the figure in a pose of the cage, whose vertices are joints that are only moved, by
-/// the numbers of the file.
+/// The figure as a player of the file shows it, with the vertices of the cage as translating joints.
 void play_skin(const Scene& scene, const SkinWeights& skin, cageform::StridedPoints<const double, 3> pose,
                std::span<Point3> places) {
     const auto stored = [&](const Point3& p) {
@@ -193,18 +191,16 @@ void play_skin(const Scene& scene, const SkinWeights& skin, cageform::StridedPoi
     for (std::size_t i = 0; i < places.size(); ++i) {
         const Point3 rest = stored(scene.stored.vertices[i]);
         const std::size_t first = i * skin.influences;
-        places[i] =
-            skin.weights[first] == 0 ? rest + scene.origin : Point3{}; // by the joint that stands still
+        places[i] = skin.weights[first] == 0 ? rest + scene.origin : Point3{}; // the fixed joint
         for (std::size_t k = first; k < first + skin.influences; ++k)
             places[i] = places[i] + double(skin.weights[k]) * (rest + moves[skin.joints[k]] + scene.origin);
     }
 }
 
-/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a
-/// motion, over all poses that bend by no more than a tenth of the cage: then by the changes of weights
-/// alone.
+/// The errors of a skin over the motion. Without a motion, upper bounds over all poses that bend by at most a
+/// tenth of the cage, from the changes of weights.
 ///
-///   skin     as the file stores it
+///   skin     as stored in the file
 ///   played   the binding of its weights
 SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played,
                  const SkinWeights& skin) {
@@ -233,7 +229,7 @@ SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Bind
         loss.places = meter.loss();
         return loss;
     }
-    loss.places = meter.loss(); // the size
+    loss.places = meter.loss(); // sets the size
     const SampledPoses poses = sample_poses(scene.clip);
     std::vector<Point3> a(bound.point_count()), b(a);
     std::vector<float> turns;
@@ -259,11 +255,11 @@ std::string stem(const std::string& path) {
     return std::filesystem::path(path).stem().string();
 }
 
-/// Appends an animation of one sampler a channel; `track` gives that of a node.
+/// Appends an animation with one sampler per channel; `track` returns the track of a node.
 struct Channel {
     std::size_t node;
     const char* path;
-    std::vector<double> values; // of every key
+    std::vector<double> values; // of all keys
     std::size_t components;
 };
 std::string add_animation(GltfDocument& document, const PoseClip& clip, std::span<const Channel> channels) {
@@ -294,7 +290,7 @@ std::string add_animation(GltfDocument& document, const PoseClip& clip, std::spa
     return {};
 }
 
-/// A skin: nodes are the meshes, the cage and its vertices.
+/// Adds a skin: nodes for the meshes, the cage and its vertices.
 std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments& given,
                      const SkinWeights& skin, bool with_still) {
     const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
@@ -336,8 +332,8 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     return add_animation(document, scene.clip, channels);
 }
 
-/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how
-/// far that is from the vectors of a moving face.
+/// The motion of all handles, with the interpolation of the vertices. Warns about the error for normals of
+/// moving faces.
 Expected<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
     std::vector<std::string> warnings;
@@ -366,9 +362,9 @@ Expected<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>&
     return motion;
 }
 
-/// Morph targets: one for every key whose pose is not that at rest.
+/// Adds morph targets: one for every key whose pose is not the rest pose.
 ///
-///   axes   bound at the vertices; without weights where normals turn with the faces
+///   axes   bound at the vertices; empty if normals are computed from the faces
 std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
                         const Binding<double, 3>& binding, const BoundAxes& axes) {
     const auto difference = [](std::vector<std::array<float, 3>> a,
@@ -397,7 +393,7 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
         for (Point3& p : moved) {
             p = p - scene.origin;
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
-                return scene.figure.name + ": a vertex has left the range of numbers";
+                return scene.figure.name + ": a vertex is not finite in the pose";
         }
         if (const std::string why = rounding_fault(name_of_pose(scene.clip, motion->keys[k].time), moved);
             !why.empty())
@@ -446,13 +442,13 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     return add_animation(document, scene.clip, channels);
 }
 
-/// The figure's clones in the frames of the motion, from its beginning to the return of the first pose.
+/// Clones of the figure in all frames of the motion; the last frame is the first pose again.
 Expected<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
                                  const Binding<double, 3>& bound) {
     constexpr double most = 100000;
     if (given.rate * scene.clip.length > most) {
         return FileError{scene.clip.name + ": " + detail::short_number(given.rate) +
-                         " frames a second are more than 100000 in all: give a smaller --rate"};
+                         " frames per second are more than 100000 in all: give a smaller --rate"};
     }
     FigureFrames frames{scene.figure.name, scene.stored.vertices, scene.figure.triangles, {}, {}, {}};
     const SampledPoses poses = sample_poses(scene.clip, given.rate);
@@ -460,7 +456,7 @@ Expected<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
     for (std::size_t p = 0; p <= poses.times.size(); ++p) {
         const bool is_last = p == poses.times.size();
         const double time = double(float(is_last ? scene.clip.length : poses.times[p]));
-        if (p > 0 && !(frames.times.back() < time)) continue; // glTF's numbers tell them not apart
+        if (p > 0 && !(frames.times.back() < time)) continue; // equal in single precision
         const auto pose = pose_of(poses, is_last ? 0 : p);
         auto& places = frames.places.emplace_back(scene.figure.vertices.size());
         Status status = Status::ok;
@@ -479,9 +475,9 @@ Expected<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
 }
 
 constexpr std::size_t joint_set = 4, most_joints = 16;
-constexpr std::size_t enough_joints = 12; // with fewer, joints that do not turn lose the surface
+constexpr std::size_t enough_joints = 12; // fewer joints without rotations distort the surface
 
-/// A skin of so many joints a vertex, and what it loses.
+/// A skin of `influences` joints per vertex, and its errors.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
 make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound, std::size_t influences,
           SkinLoss& loss) {
@@ -498,8 +494,7 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
     return made;
 }
 
-/// Works as make_skin(), with the fewest sets of four joints from `influences` on that keep the
-/// distance; where none does, of the most.
+/// As make_skin(), with the fewest sets of four joints that keep the distance; if none does, with the most.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
 make_near_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                std::size_t influences, SkinLoss& loss) {
@@ -510,7 +505,7 @@ make_near_skin(const Arguments& given, const Scene& scene, const Binding<double,
     }
 }
 
-/// Names the skin that keeps the distance, since one with `influences` joints does not.
+/// Suggests a skin that keeps the distance, given that `influences` joints do not.
 std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                           std::size_t influences) {
     if (influences >= most_joints) return "use a larger --max-distance, --bones or --morph";
@@ -521,6 +516,56 @@ std::string what_would_do(const Arguments& given, const Scene& scene, const Bind
         return "--skin " + std::to_string(made.value.influences) + " is enough";
     return "not even --skin " + std::to_string(most_joints) +
            " is enough; use a larger --max-distance, --bones or --morph";
+}
+
+/// Adds the skin of --skin or --max-distance, and prints its errors. Returns an error message, or empty.
+std::string add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene& scene,
+                            const Binding<double, 3>& bound) {
+    const ObjFile& figure = scene.figure;
+    SkinLoss loss;
+    const bool searches = given.influences == 0;
+    const auto [skin, made] = searches ? make_near_skin(given, scene, bound, joint_set, loss)
+                                       : make_skin(given, scene, bound, given.influences, loss);
+    if (made.status != Status::ok) return scene.cage.name + ": " + cageform::to_string(made.status);
+    const std::string is_off = "a skin of " + std::to_string(skin.influences) +
+                               " joints per vertex is off by " + describe(loss.places);
+    if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance) {
+        return figure.name + ": " + is_off + ": " + what_would_do(given, scene, bound, skin.influences);
+    }
+    if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
+        warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
+             (skin.influences < enough_joints
+                  ? "; --bones auto finds rotating bones, with a smaller error for four bones per vertex"
+              : skin.influences < most_joints ? "; more joints reduce the error, and --max-distance bounds it"
+                                              : "; --bones auto finds rotating bones; --morph is exact"));
+    }
+    if (const std::size_t sets = joint_sets(skin); sets > 1) {
+        SkinLoss of_four;
+        const SkinWeights read = first_set(stored_skin(skin, given.weights));
+        const auto played = skin_to_binding(bound, read);
+        if (const auto four = make_skin(given, scene, bound, joint_set, of_four); four && played)
+            note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
+                 describe(loss_of(scene, bound, played.value, read).places) +
+                 "; a skin of four (--skin 4) is off by " + describe(of_four.places));
+    }
+    if (!made.not_reproduced.empty()) {
+        warn(std::to_string(skin.influences) + " weights are too few for " +
+             std::to_string(made.not_reproduced.size()) + " vertices of " + figure.name +
+             ", so affine poses are not reproduced there, with errors of up to " +
+             detail::short_number(made.reproduction_error.value) + ", first " +
+             name_points(figure.vertices, made.not_reproduced));
+    }
+    if (given.report) {
+        std::cout << "skin: " << skin.influences << " weights at most, " << made.mean_influences
+                  << " in the mean\n"
+                  << "largest sum |w - w0|: " << made.weight_error.value << " at point "
+                  << made.weight_error.point << ", mean " << made.mean_weight_error << '\n'
+                  << "not reproduced: " << made.not_reproduced.size()
+                  << "; largest |sum w c - p|: " << made.reproduction_error.value << "\noff by "
+                  << describe(loss.places) << '\n'
+                  << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
+    }
+    return add_skin(document, scene, given, skin, !made.without_weights.empty());
 }
 
 /// Binds the figure and writes the requested files.
@@ -537,14 +582,14 @@ int export_figure(const Arguments& given, const Scene& scene) {
         ProgressBar bar("binding");
         const cageform::Running running{.progress = bar.callback()};
         const bool turns = given.morph && !figure.normals.empty() && coordinates.has_gradients();
-        if (turns) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both
+        if (turns) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both binds
         bound = coordinates.bind(given.morph ? figure.vertices : joined_places(figure), options,
                                  running.subtask(turns ? 0.5 : 0, turns ? 0.7 : 1));
         if (turns && bound.report.status == Status::ok) {
             auto bound_axes = coordinates.bind_jacobians(figure.vertices, options, running.subtask(0.7, 1));
             if (!bound_axes)
-                warn(figure.name +
-                     ": its normals turn with the faces: " + cageform::to_string(bound_axes.report.status));
+                warn(figure.name + ": its normals are computed from the faces: " +
+                     cageform::to_string(bound_axes.report.status));
             axes = std::move(bound_axes.value);
         }
     }
@@ -578,7 +623,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
         if (!motion) return fail(to_string(motion.error()));
         if (motion->loss.share() > StoredLoss::worth_a_warning ||
             motion->report.turn > worth_a_warning_of_turns)
-            warn(figure.name + ": " + describe_loss(*motion) + "; more --bones lose less");
+            warn(figure.name + ": " + describe_loss(*motion) + "; use more --bones for a smaller error");
         add_skinned_meshes(document, scene.meshes, scene.stored, motion->skeleton.skin, given.weights,
                            motion->skeleton.bones, 0);
         add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name),
@@ -587,53 +632,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
         if (given.report) printed = describe(*motion);
         if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
     } else {
-        SkinLoss loss;
-        const bool searches = given.influences == 0;
-        const auto [skin, made] = searches ? make_near_skin(given, scene, bound.value, joint_set, loss)
-                                           : make_skin(given, scene, bound.value, given.influences, loss);
-        if (made.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(made.status));
-        const std::string is_off = "a skin of " + std::to_string(skin.influences) +
-                                   " joints per vertex is off by " + describe(loss.places);
-        if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance) {
-            return fail(figure.name + ": " + is_off + ": " +
-                        what_would_do(given, scene, bound.value, skin.influences));
-        }
-        if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
-            warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
-                 (skin.influences < enough_joints
-                      ? "; --bones auto finds bones that turn, and loses less with "
-                        "four of them a vertex"
-                  : skin.influences < most_joints
-                      ? "; more joints lose less, and --max-distance bounds this"
-                      : "; --bones auto finds bones that turn; --morph loses nothing"));
-        }
-        if (const std::size_t sets = joint_sets(skin); sets > 1) {
-            SkinLoss of_four;
-            const SkinWeights read = first_set(stored_skin(skin, given.weights));
-            const auto played = skin_to_binding(bound.value, read);
-            if (const auto four = make_skin(given, scene, bound.value, joint_set, of_four); four && played)
-                note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
-                     describe(loss_of(scene, bound.value, played.value, read).places) +
-                     "; a skin of four (--skin 4) is off by " + describe(of_four.places));
-        }
-        if (!made.not_reproduced.empty()) {
-            warn(std::to_string(skin.influences) + " weights are too few for " +
-                 std::to_string(made.not_reproduced.size()) + " vertices of " + figure.name +
-                 ", so affine poses are not reproduced there, with errors of up to " +
-                 detail::short_number(made.reproduction_error.value) + ", first " +
-                 name_points(figure.vertices, made.not_reproduced));
-        }
-        if (given.report) {
-            std::cout << "skin: " << skin.influences << " weights at most, " << made.mean_influences
-                      << " in the mean\n"
-                      << "largest sum |w - w0|: " << made.weight_error.value << " at point "
-                      << made.weight_error.point << ", mean " << made.mean_weight_error << '\n'
-                      << "not reproduced: " << made.not_reproduced.size()
-                      << "; largest |sum w c - p|: " << made.reproduction_error.value << "\noff by "
-                      << describe(loss.places) << '\n'
-                      << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
-        }
-        why = add_skin(document, scene, given, skin, !made.without_weights.empty());
+        why = add_chosen_skin(document, given, scene, bound.value);
         if (why.empty()) moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
     }
     if (!why.empty()) return fail(why);
@@ -650,6 +649,37 @@ int export_figure(const Arguments& given, const Scene& scene) {
     return 0;
 }
 
+/// Reads all input files.
+Expected<Scene> read_scene(const Arguments& given) {
+    Scene scene;
+    auto figure = load_mesh_figure(given.figure, given.is_strict);
+    if (!figure) return figure.error();
+    auto cage = load_or_make_cage(given.cage, *figure);
+    if (!cage) return cage.error();
+    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
+    scene.parts = read_parts(*figure);
+    auto meshes = gltf_meshes(*figure, scene.parts);
+    if (!meshes) return meshes.error();
+    if (!given.labels.empty()) {
+        auto read = read_labels(given.labels, cage->vertices.size());
+        if (!read) return read.error();
+        scene.labels = std::move(*read);
+    }
+    auto motion = given.moves.motion(*cage);
+    if (!motion) return motion.error();
+    scene.clip = std::move(*motion);
+    scene.figure = std::move(*figure);
+    scene.cage = std::move(*cage);
+    scene.meshes = std::move(*meshes);
+    scene.origin = far_origin(scene.figure);
+    scene.stored = scene.figure;
+    scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
+    for (const auto* file : {&scene.figure, &scene.cage}) { // the format of glTF
+        if (const auto fault = single_precision_fault(*file)) return *fault;
+    }
+    return scene;
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
@@ -658,10 +688,7 @@ int run_program(int argc, char** argv) {
          "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file").required();
-    line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, given.cage, CageFiles::mesh);
     given.moves.add_options(line);
     const CommandOption labels =
         line.add("--labels", given.labels,
@@ -669,12 +696,13 @@ int run_program(int argc, char** argv) {
     const CommandOption skin =
         line.add("--skin", given.influences, "write a skin with at most this many joints per vertex")
             .range(1, 16);
-    const CommandOption bones = line.add("--bones", given.skeleton.bones,
-                                         "fit a skeleton to the motion: so many bones that turn, or auto: as "
-                                         "few as --max-distance needs")
-                                    .check(SkeletonChoice::fault_of_bones)
-                                    .excludes(skin)
-                                    .excludes(labels);
+    const CommandOption bones =
+        line.add("--bones", given.skeleton.bones,
+                 "fit a skeleton of so many rotating bones to the motion, or auto: the "
+                 "fewest within --max-distance")
+            .check(SkeletonChoice::fault_of_bones)
+            .excludes(skin)
+            .excludes(labels);
     const CommandOption distance =
         add_share(
             line, "--max-distance", given.skeleton.distance,
@@ -684,14 +712,13 @@ int run_program(int argc, char** argv) {
             "of 4, 8, 12 or 16 joints that suffice")
             .show_default("0");
     std::vector<CommandOption> of_bones = given.skeleton.add_options(line);
-    of_bones.push_back(line.add("--rate", given.rate,
-                                "bones: frames of the motion a second at least, to which they are fitted")
+    of_bones.push_back(line.add("--rate", given.rate, "bones: the least number of frames per second to fit")
                            .range(1e-3, 1e6)
                            .show_default());
     of_bones.push_back(
         line.add("--picture", given.picture,
-                 "bones: also draw frames to a PNG file: as cloned, as played with the distances "
-                 "in colours, and the bones")
+                 "bones: also draw frames to a PNG file: the clones, the skinned figure coloured by "
+                 "distance, and the bones")
             .ends_with({".png"}));
     line.add_flag("--morph", given.morph, "write morph targets, one per pose")
         .excludes(skin)
@@ -727,45 +754,18 @@ int run_program(int argc, char** argv) {
         return fail("give --bones, --skin, --max-distance or --morph to choose what to write");
     for (const CommandOption& option : of_bones) {
         if (!has_bones && option.is_given())
-            return fail("--kind, --influences, --flat, --tangents, --rate and --picture are about bones: "
-                        "give --bones too");
+            return fail("--kind, --influences, --flat, --tangents, --rate and --picture need --bones");
     }
     if (has_bones && !given.moves.is_given())
-        return fail("bones are found in a motion: give --clip, --pose, or operations such as --twist");
+        return fail("--bones needs a motion: give --clip, --pose, or operations such as --twist");
     if (!given.morph && !has_bones && given.choice.takes_normals())
-        return fail(
-            "--coordinates green: joints carry no normals of faces; --morph writes targets, and --bones "
-            "finds bones");
+        return fail("--coordinates green: --skin cannot represent normals of faces; use --morph or --bones");
     if (given.morph && !given.moves.is_given())
-        return fail("morph targets need poses: give --clip, --pose, or operations such as --turn");
+        return fail("--morph needs poses: give --clip, --pose, or operations such as --turn");
 
-    Scene scene;
-    auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    scene.parts = read_parts(*figure);
-    auto meshes = gltf_meshes(*figure, scene.parts);
-    if (!meshes) return fail(to_string(meshes.error()));
-    if (!given.labels.empty()) {
-        auto read = read_labels(given.labels, cage->vertices.size());
-        if (!read) return fail(to_string(read.error()));
-        scene.labels = std::move(*read);
-    }
-    auto motion = given.moves.motion(*cage);
-    if (!motion) return fail(to_string(motion.error()));
-    scene.clip = std::move(*motion);
-    scene.figure = std::move(*figure);
-    scene.cage = std::move(*cage);
-    scene.meshes = std::move(*meshes);
-    scene.origin = far_origin(scene.figure);
-    scene.stored = scene.figure;
-    scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
-    for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers
-        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
-    }
-    return export_figure(given, scene);
+    const auto scene = read_scene(given);
+    if (!scene) return fail(to_string(scene.error()));
+    return export_figure(given, *scene);
 }
 
 } // namespace

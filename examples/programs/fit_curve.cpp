@@ -1,14 +1,13 @@
-// Replaces a Bézier curve between two keys by a few polynomials in time; draws both and how they differ.
+// Replaces a Bézier curve between two keys by a few polynomials in time. Draws both and the error.
 //
 //     fit_curve --css ease-in-out --pieces 4 --plot curve.svg --png
 //     fit_curve --bezier 24,0,31,12,39,9,48,10 --tolerance 0.01 --degree 4 --json fit.json
-//     fit_curve --lottie ball.json                  lists what is animated
+//     fit_curve --lottie ball.json                  lists animated values
 //     fit_curve --lottie ball.json --curve layers/0/ks/r/k/0:0 --tolerance 0.1
 //     fit_curve --cases cases.json --json results.json
 //
-// JSON files are of the format bezier-sobolev-cases/1: objects with control points, degree, weights,
-// conditions and knots; what is written has the fit under "result". Errors are in the units of the curve;
-// null is infinite.
+// JSON files have the format bezier-sobolev-cases/1: objects with control points, degree, weights, conditions
+// and knots; the output has the fit in "result". Errors are in the units of the curve; null is infinite.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"
@@ -40,7 +39,7 @@ using cageform::FitOptions;
 using cageform::Status;
 using Json = nlohmann::ordered_json;
 
-/// A fault in the user's input, for stderr.
+/// An error in the input, with the message.
 struct Refused : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -81,7 +80,7 @@ std::vector<std::string> split(const std::string& text) {
     return parts;
 }
 
-/// Numbers with commas between; `count` of them, or any number where it is 0.
+/// Parses comma-separated numbers: `count` of them, or any positive count if it is 0.
 std::vector<double> numbers(const std::string& option, const std::string& text, std::size_t count) {
     std::vector<double> result;
     for (const std::string& part : split(text)) {
@@ -89,7 +88,7 @@ std::vector<double> numbers(const std::string& option, const std::string& text, 
         if (!why.empty()) throw Refused(option + ": " + why);
     }
     if (count != 0 && result.size() != count) {
-        throw Refused(option + ": " + std::to_string(result.size()) + " numbers where there should be " +
+        throw Refused(option + ": " + std::to_string(result.size()) + " numbers instead of " +
                       std::to_string(count));
     }
     return result;
@@ -110,7 +109,7 @@ void require(Status status, const std::string& what) {
     if (status != Status::ok) throw Refused(what + ": " + cageform::to_string(status));
 }
 
-/// Parameters of a curve at given times, of which the first and the last have to be the keys.
+/// Parameters of a curve at given times; the first and the last must be the keys.
 std::vector<double> parameters_at(const BezierCurve& curve, const std::vector<double>& times,
                                   const std::string& what) {
     const cageform::BezierFunction function(curve);
@@ -129,7 +128,7 @@ std::vector<double> parameters_at(const BezierCurve& curve, const std::vector<do
 
 constexpr std::size_t most_pieces = 1000, most_candidates = 1000;
 
-/// Returns the text of nlohmann's exceptions without their number in brackets.
+/// Returns the message of an nlohmann exception without its number in brackets.
 std::string plain(const Json::exception& error) {
     const std::string text = error.what();
     return text.substr(std::min(text.find("] ") + 2, text.size()));
@@ -147,8 +146,7 @@ Json read_json(const std::string& path) {
 }
 
 double number_of(const Json& json, const char* name) {
-    if (!json.is_number())
-        throw Refused(std::string(name) + ": " + json.dump() + " where a number should be");
+    if (!json.is_number()) throw Refused(std::string(name) + ": " + json.dump() + " is not a number");
     return json.get<double>();
 }
 
@@ -214,7 +212,7 @@ std::vector<double> power_of_time(const BezierFit& fit, std::size_t piece) {
     const long double begin = fit.knots[piece], h = fit.knots[piece + 1] - begin;
     std::vector<long double> local(b.begin(), b.end()), power(d + 1, 0), product{1};
     long double binomial = 1;                          // d over n
-    for (std::size_t order = 0; order <= d; ++order) { // differences: of the powers of (x − begin) / h
+    for (std::size_t order = 0; order <= d; ++order) { // forward differences, of powers of (x − begin) / h
         for (std::size_t i = d; i > order; --i) local[i] -= local[i - 1];
     }
     for (std::size_t n = 0; n <= d; ++n) { // product: (x − begin)ⁿ / hⁿ
@@ -254,7 +252,7 @@ Json to_json(const Case& one) {
         result["power_x"].push_back(power_of_time(fit, i));
     }
     result["l2_error"] = report.l2_error;
-    result["h1_semi_error"] = report.slope_error; // an infinite number is written as null
+    result["h1_semi_error"] = report.slope_error; // infinity is written as null
     result["w12_error"] = report.w12_error();
     result["sup_error"] = report.sup_error;
     const bool exact = report.sup_error <= 8 * cageform::epsilon<double> * largest;
@@ -313,7 +311,7 @@ public:
                "," + text_of("%.2f", yb) + "\" " + style + "/>\n";
     }
 
-    /// Grid lines at round numbers and the numbers beside them.
+    /// Grid lines at round numbers, with labels.
     std::string axes(const std::string& y_title) const {
         std::string svg;
         for (const auto& [x, number] : marks_of(x_, 10)) {
@@ -351,14 +349,14 @@ private:
 std::string plot(const Case& one) {
     const cageform::BezierFunction function(one.curve);
     const auto& [fit, report] = one.fitted;
-    constexpr std::size_t samples = 240; // a piece
+    constexpr std::size_t samples = 240; // per piece
     constexpr std::array<const char*, 2> colours{"#c8553d", "#1b6ca8"};
     std::vector<std::vector<std::array<double, 2>>> pieces(fit.pieces()), errors(fit.pieces());
     std::vector<std::array<double, 2>> curve;
     std::array<double, 2> y_range{one.curve.points[0][1], one.curve.points[0][1]};
     for (std::size_t i = 0; i < fit.pieces(); ++i) {
         for (std::size_t n = 0; n <= samples; ++n) {
-            // Steps of the parameter, small at the ends, where tangents may be vertical.
+            // Steps of the parameter are small at the ends, where tangents may be vertical.
             const double s = 0.5 - 0.5 * std::cos(3.141592653589793 * double(n) / samples);
             const double t = (1 - s) * fit.parameters[i] + s * fit.parameters[i + 1];
             const double part = std::fmin(std::fmax(function.time()(t), 0), 1);
@@ -462,7 +460,7 @@ struct Arguments {
 
 BezierCurve css_curve(const std::string& text) {
     const std::string_view words = detail::trim(text);
-    if (words.find_first_of("0123456789+-.") == 0) { // the bare handles
+    if (words.find_first_of("0123456789+-.") == 0) { // four numbers
         const auto n = numbers("--css", text, 4);
         return {{{{0, 0}, {n[0], n[1]}, {n[2], n[3]}, {1, 1}}}};
     }
@@ -496,12 +494,12 @@ std::vector<LottieCurve> read_lottie(const std::string& path) {
     const Json file = read_json(path);
     try {
         auto curves = lottie_curves(file);
-        if (curves.empty()) throw Refused(path + ": no number in it is animated");
+        if (curves.empty()) throw Refused(path + ": no animated values");
         return curves;
     } catch (const std::length_error& error) {
         throw Refused(path + ": " + error.what());
     } catch (const Json::exception& error) {
-        throw Refused(path + ": a keyframe is not as Lottie has it: " + plain(error));
+        throw Refused(path + ": invalid Lottie keyframe: " + plain(error));
     }
 }
 
@@ -554,8 +552,7 @@ Case run_one(const Arguments& given) {
     const bool named =
         given.knots.empty() || given.knots == "uniform" || given.knots == "arcs" || given.knots == "optimal";
     if (int(given.pieces > 0) + int(by_tolerance) + int(!named) != 1)
-        throw Refused(
-            "choose how many pieces there are with one of --pieces, --tolerance and --knots with times");
+        throw Refused("choose the number of pieces with one of --pieces, --tolerance and --knots with times");
     if (by_tolerance && !(given.tolerance > 0)) require(Status::tolerance_not_positive, "--tolerance");
     const auto knots = [&](std::size_t pieces) {
         if (given.knots == "uniform") return cageform::uniform_in_time(one.curve, pieces);
@@ -589,7 +586,7 @@ Case run_one(const Arguments& given) {
                 if (status == Status::ok && one.fitted.report.sup_error <= given.tolerance) break;
                 if (status == Status::ok && pieces == one.options.max_pieces)
                     status = Status::tolerance_not_met;
-                if (status == Status::too_many_conditions) continue; // for so few pieces
+                if (status == Status::too_many_conditions) continue; // needs more pieces
                 if (status != Status::ok) break;
             }
         }

@@ -1,11 +1,11 @@
-// Fits a skeleton to any sequence of meshes, and writes the figure with its skin and its motion as glTF 2.0.
+// Fits a skeleton to a sequence of meshes, and writes the figure with its skin and motion as glTF 2.0.
 //
 //     fit_skeleton rest.obj frames/*.obj -o skin.glb --bones auto --max-distance 0.2%
 //     fit_skeleton rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png
 //
-// Bones are found in the motion itself: they turn, have joints and parents, and move a vertex four at most.
-// So engines play whatever moves vertices: cages, lattices, cloth, vertex animations. The method is that of
-// Le and Deng, Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
+// Bones are fitted to the motion. They rotate, have joints and parents, and at most four move a vertex. This
+// converts any vertex animation for engines: cages, lattices, cloth. The method is that of Le and Deng,
+// Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -39,18 +39,17 @@ struct Arguments {
 constexpr double default_rate = 30;
 
 constexpr const char* frames_format =
-    "The frames are OBJ files, each with the vertices of the first file moved, in its\n"
-    "order, or one MDD file. Files that have the order of a shell pattern are put in the\n"
-    "order of their numbers. An MDD file has the times of its frames, and --rate replaces\n"
-    "them. Blender writes its MDD with the z axis of its OBJ turned round: give\n"
-    "--axes x,y,-z.\n";
+    "The frames are OBJ files with the same vertices in the same order as the figure, or\n"
+    "one MDD file. Files in the order of a shell pattern are sorted by number. An MDD\n"
+    "file contains times, which --rate replaces. For MDD files of Blender, whose z\n"
+    "axis is reversed, use --axes x,y,-z.\n";
 
 std::string fault_of_axes(const std::string& word) {
     if (word == "x,y,z" || word == "x,y,-z" || word == "x,z,-y") return {};
     return detail::quoted(word) + " is none of x,y,z and x,y,-z and x,z,-y";
 }
 
-/// Places from the axes of an MDD file to those of the figure.
+/// Converts positions from the axes of an MDD file to those of the figure.
 void turn_axes(const std::string& axes, std::vector<std::vector<Point3>>& frames) {
     if (axes == "x,y,z") return;
     for (auto& frame : frames) {
@@ -58,7 +57,7 @@ void turn_axes(const std::string& axes, std::vector<std::vector<Point3>>& frames
     }
 }
 
-/// Whether times are not negative and ascend in single precision, which glTF has.
+/// Whether times are non-negative and ascend in single precision, the format of glTF.
 bool ascend(std::span<const double> times) {
     for (std::size_t t = 0; t < times.size(); ++t) {
         if (!std::isfinite(times[t]) || times[t] < 0 || (t > 0 && !(float(times[t - 1]) < float(times[t]))))
@@ -67,7 +66,7 @@ bool ascend(std::span<const double> times) {
     return true;
 }
 
-/// Reads the frames. Vertices that a frame leaves out are left out of the figure too.
+/// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
 Expected<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
         auto file = load_mdd(given.frames[0], figure.vertices.size());
@@ -116,7 +115,7 @@ Expected<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     return MddFile{std::move(frames), {}};
 }
 
-/// Names the first frame that mirrors the figure, and what can be done.
+/// Warns about the first frame that mirrors the figure, with a remedy.
 void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     const auto mirrors = [&](const auto& frame) { return is_mirrored(frames.rest, frame); };
     const auto first = std::find_if(frames.places.begin(), frames.places.end(), mirrors);
@@ -141,12 +140,13 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     if (!given.flips_faces) warn(describe_winding(name, frames.name, -1, false));
 }
 
-/// Returns the figure at rest. Files round copies of a vertex apart. Copies that stay together in all frames
-/// get one place, at rest and in each frame, so that they get equal weights.
+/// Returns the figure at rest. Files may round copies of a vertex differently. Copies that stay together in
+/// all frames get the same position, at rest and in each frame, and therefore equal weights.
 std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<Point3>>& frames) {
     const double apart = 2e-6 * size_of(figure);
     std::vector<Point3> rest = joined_places(figure);
-    std::map<std::array<double, 3>, std::vector<std::size_t>> known; // vertices that frames part, by place
+    std::map<std::array<double, 3>, std::vector<std::size_t>>
+        known; // vertices that separate in a frame, by position
     for (std::size_t v = 0; v < rest.size(); ++v) {
         auto& parted = known[{rest[v][0], rest[v][1], rest[v][2]}];
         const auto first = std::find_if(parted.begin(), parted.end(), [&](std::size_t other) {
@@ -174,7 +174,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
     auto read = read_frames(given, figure);
     if (!read) return fail(to_string(read.error()));
     auto& places = read->frames;
-    const std::size_t sound = figure.triangles[0][0]; // vertices that are left out go with it
+    const std::size_t sound = figure.triangles[0][0]; // excluded vertices get its position
     for (const std::size_t vertex : figure.left_out) {
         figure.vertices[vertex] = figure.vertices[sound];
         for (auto& frame : places) frame[vertex] = frame[sound];
@@ -193,14 +193,14 @@ int fit_figure(Arguments& given, ObjFile figure) {
     const double rate = given.rate > 0 ? given.rate : default_rate;
     while (frames.times.size() < frames.places.size())
         frames.times.push_back(double(float(double(frames.times.size()) / rate)));
-    if (!ascend(frames.times)) return fail("--rate: so many frames a second are beyond glTF's numbers");
+    if (!ascend(frames.times)) return fail("--rate: the times of the frames are equal in single precision");
 
     warn_of_mirrors(given, frames);
     const auto motion = fit_motion(given.choice, frames);
     if (!motion) return fail(to_string(motion.error()));
     if (motion->loss.share() > StoredLoss::worth_a_warning) {
         warn(figure.name + ": " + describe_loss(*motion) +
-             "; more --bones lose less, and --bones auto takes as many as --max-distance needs");
+             "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform fit_skeleton";
@@ -233,7 +233,8 @@ int run_program(int argc, char** argv) {
                        "rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png --report"});
     Arguments given;
     line.add("figure", given.rest, "the OBJ file of the figure at rest").required();
-    line.add("frames", given.frames, "OBJ files, one a frame, or one MDD file; messages count frames from 0")
+    line.add("frames", given.frames,
+             "OBJ files, one per frame, or one MDD file; messages number frames from 0")
         .required();
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
@@ -248,12 +249,12 @@ int run_program(int argc, char** argv) {
         .show_default("0");
     given.choice.add_options(line);
     line.add("--rate", given.rate,
-             "frames a second: frame k is at k / RATE seconds; by default an MDD file has its own times, and "
-             "OBJ files 30 a second")
+             "frames per second: frame k is at k / RATE seconds; by default the times of an MDD file, and "
+             "30 per second for OBJ files")
         .range(1e-3, 1e6);
     line.add("--axes", given.axes,
-             "the axes of the MDD file as the figure has them: x,y,z, or x,y,-z as Blender writes them, or "
-             "x,z,-y where the MDD file's y axis is up and the figure's z axis")
+             "the axes of the MDD file: x,y,z, or x,y,-z as Blender writes them, or x,z,-y if y is up in the "
+             "MDD file and z in the figure")
         .check(fault_of_axes)
         .show_default();
     line.add("--picture", given.picture,

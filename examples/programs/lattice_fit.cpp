@@ -1,12 +1,11 @@
-// Finds the pose of a lattice by which a figure follows a posed figure best.
+// Finds the pose of a lattice that fits a posed figure best.
 //
 //     lattice_fit man.obj man_posed.obj --cage lattice:6x6x6 -o pose.obj --picture fit.png
 //     deform_mesh man.obj --cage lattice:6x6x6 --pose pose.obj -o by_lattice.obj
 //     lattice_fit icon.svg icon_edited.svg --cage lattice:4x4 -o pose.svg
 //
-// The posed figure is the same file with its vertices moved, by whatever program. The pose is one by least
-// squares (fit_lattice), and deform_mesh, deform_svg and the other programs read it. A coarse lattice cannot
-// follow every bend: the program says how far the figure is off, and where.
+// The posed figure is the same file with moved vertices. The pose is a least-squares fit (fit_lattice), which
+// deform_mesh, deform_svg and other programs read. The program prints the largest error and its position.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -34,7 +33,7 @@ using namespace cageform_support;
 struct Arguments {
     std::string rest, posed, cage, out, picture;
     double smoothness = cageform::LatticeFitOptions{}.smoothness;
-    PoseChoice choice; // holds layers of the lattice at rest
+    PoseChoice choice; // --freeze
     ViewChoice view;
     bool is_strict = false;
 };
@@ -48,10 +47,10 @@ struct Figures {
 
 template <std::size_t D>
 struct Fitted {
-    std::vector<cageform::Vec<double, D>> pose, moved; // of the lattice, still handles included; the figure
+    std::vector<cageform::Vec<double, D>> pose, moved; // handles of the lattice; vertices of the figure
 };
 
-/// Fits the lattice's pose, and prints how well the figure follows.
+/// Fits the pose of the lattice, and prints the errors.
 template <std::size_t D>
 Expected<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
                            const std::optional<LatticeBox<D>>& lattice) {
@@ -61,7 +60,7 @@ Expected<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
                          " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4")};
     if (rest.size() != posed.size())
         return FileError{posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
-                         " has " + std::to_string(rest.size()) + ": give a pose of the same figure"};
+                         " has " + std::to_string(rest.size()) + ": the figures must be the same"};
     const auto held = given.choice.still(lattice);
     if (!held) return held.error();
     const std::vector<std::uint32_t> frozen(held->begin(), held->end());
@@ -138,7 +137,7 @@ int fit_in_space(const Arguments& given) {
     const auto cage = load_or_make_cage(given.cage, *rest);
     if (!cage) return fail(to_string(cage.error()));
     Figures<3> figures{given.rest, given.posed, rest->vertices, posed->vertices};
-    for (const std::size_t vertex : rest->left_out) // fit_lattice skips what is not finite
+    for (const std::size_t vertex : rest->left_out) // fit_lattice skips non-finite points
         figures.rest[vertex] = Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0};
     const auto fit = fitted(given, figures, cage->lattice);
     if (!fit) return fail(to_string(fit.error()));
@@ -156,21 +155,20 @@ int fit_in_space(const Arguments& given) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Finds the pose of a lattice by which a figure follows a posed figure best.");
+    CommandLine line("Finds the pose of a lattice that fits a posed figure best.");
     line.set_examples({"man.obj man_posed.obj --cage lattice:6x6x6 -o pose.obj --picture fit.png",
                        "icon.svg icon_edited.svg --cage lattice:4x4 -o pose.svg"});
     Arguments given;
     line.add("rest", given.rest, "the figure at rest: an OBJ or SVG file").required();
-    line.add("posed", given.posed, "the same file with its vertices moved").required();
+    line.add("posed", given.posed, "the same file with moved vertices").required();
     line.add("--cage", given.cage, "the lattice: lattice:4x4 or lattice:4x4x4, or a .lattice.json file")
         .required();
     line.add("--smoothness", given.smoothness,
-             "the weight of the pose's second differences: higher makes it smoother, lower lets the figure "
-             "follow more closely")
+             "the weight of second differences of the pose: higher is smoother, lower fits more closely")
         .range(0.0, 1e12)
         .show_default();
     line.add("--freeze", given.choice.freeze,
-             "the number of layers of points at the faces of the box that stay at rest")
+             "the number of layers of points at the faces of the box to keep at rest")
         .show_default();
     line.add("-o,--output", given.out, "the pose to write: in space .obj, in the plane .svg or .csv")
         .required()

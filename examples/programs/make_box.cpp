@@ -1,9 +1,9 @@
-// Makes a box of tetrahedra to deform, as simulations mesh a part, and a cage around it.
+// Makes a tetrahedral mesh of a box, and a cage around it.
 //
 //     make_box -o box.mesh --size 4,1,1 --cells 40,10,10 --cage box_cage.obj
 //     deform_mesh box.mesh --cage box_cage.obj --bend all:xy,0,4,150 --no-folds -o bent.mesh --report
 //
-// The box is filled by cubes, and each cube falls into six tetrahedra about a diagonal.
+// The box consists of cubes; each cube is split into six tetrahedra around a diagonal.
 
 #include "cli/command_line.hpp"
 #include "files/medit_file.hpp"
@@ -73,19 +73,19 @@ struct TetrahedralBox {
     }
 
 private:
-    /// A way from a cube's first corner to its last along three edges makes a cell.
+    /// Each path along three edges from the first corner of a cube to the last is a tetrahedron.
     void fill_cube(std::uint32_t first, const std::array<std::uint32_t, 3>& step) {
         std::array<std::size_t, 3> axes{0, 1, 2};
         do {
             const std::uint32_t second = first + step[axes[0]], third = second + step[axes[1]],
                                 last = third + step[axes[2]];
-            const bool is_cyclic = (axes[1] + 3 - axes[0]) % 3 == 1; // else the way would turn it over
+            const bool is_cyclic = (axes[1] + 3 - axes[0]) % 3 == 1; // else it would be inverted
             cells.push_back({first, is_cyclic ? second : third, is_cyclic ? third : second, last});
         } while (std::next_permutation(axes.begin(), axes.end()));
     }
 };
 
-/// The box's sides, larger by a margin, in rectangles.
+/// The sides of the box, enlarged by a margin, as rectangles.
 std::string cage_text(const Point3& size, const Counts& divisions) {
     const double margin = 0.05 * *std::min_element(size.v, size.v + 3);
     const Point3 more{margin, margin, margin};
@@ -111,25 +111,14 @@ int run_program(int argc, char** argv) {
     Point3 size{4, 1, 1};
     Counts cells{16, 4, 4}, divisions{4, 1, 1};
     line.add("-o,--output", out, "the .mesh file to write").required().ends_with({".mesh"});
-    line.add_text(
-            "--size", [&](const std::string& word) { (void)parse_size(word, size); }, "its lengths: X,Y,Z")
-        .check([](const std::string& word) {
-            Point3 ignored;
-            return parse_size(word, ignored);
-        })
-        .show_default("4,1,1");
-    const auto add_counts = [&](const char* name, Counts& counts, const char* help, const char* shown) {
-        line.add_text(
-                name, [&counts](const std::string& word) { (void)parse_counts(word, counts); }, help)
-            .check([](const std::string& word) {
-                Counts ignored{};
-                return parse_counts(word, ignored);
-            })
-            .show_default(shown);
-    };
-    add_counts("--cells", cells, "the number of cubes along each axis, six tetrahedra each", "16,4,4");
+    line.add_parsed("--size", size, parse_size, "its lengths: X,Y,Z").show_default("4,1,1");
+    line.add_parsed("--cells", cells, parse_counts,
+                    "the number of cubes along each axis, six tetrahedra each")
+        .show_default("16,4,4");
     line.add("--cage", cage, "also write a cage around it, a box, to an OBJ file").ends_with({".obj"});
-    add_counts("--divisions", divisions, "the number of the cage's rectangles along each axis", "4,1,1");
+    line.add_parsed("--divisions", divisions, parse_counts,
+                    "the number of the cage's rectangles along each axis")
+        .show_default("4,1,1");
     line.set_footer(medit_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

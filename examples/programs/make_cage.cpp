@@ -1,4 +1,4 @@
-// Makes a cage of few vertices around any figure.
+// Makes a cage with few vertices around a figure.
 //
 //     make_cage cat.svg --vertices 24 -o cat_cage.svg --picture cat_numbers.svg --png
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
@@ -7,8 +7,8 @@
 //     make_cage character.obj --quads --rings --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
-// The cage holds all that the figure paints, at the margin's distance, and passes every check of the
-// library. deform_svg and the other programs make the same cage themselves if --cage auto is given.
+// The cage contains everything that the figure paints, at a distance of the margin, and passes all checks of
+// the library. --cage auto of the other programs makes the same cage.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -44,7 +44,7 @@ struct Arguments {
     }
 };
 
-/// "2.5%" or "0.025" as a share.
+/// Parses "2.5%" or "0.025".
 std::string parse_margin(const std::string& word, double& margin) {
     const bool is_share = word.ends_with('%');
     const std::string number = is_share ? word.substr(0, word.size() - 1) : word;
@@ -58,20 +58,25 @@ std::string parse_margin(const std::string& word, double& margin) {
     return {};
 }
 
-/// "24", or "auto": the fewest.
-std::string parse_vertices(const std::string& word, std::size_t& vertices, bool& fewest) {
+/// Parses "24" or "auto" (the fewest).
+struct VertexCount {
+    std::size_t count = 0;
+    bool fewest = false;
+};
+std::string parse_vertices(const std::string& word, VertexCount& vertices) {
     double count = 0;
-    fewest = word == "auto";
-    if (fewest) return {};
+    vertices.fewest = word == "auto";
+    if (vertices.fewest) return {};
     if (!detail::parse_number(word, count).empty() || !(count >= 3 && count <= 1e6) ||
         count != std::floor(count))
         return "a whole number from 3 to 1000000, or auto, not " + detail::quoted(word);
-    vertices = std::size_t(count);
+    vertices.count = std::size_t(count);
     return {};
 }
 
-/// "x" or "y=12.5".
-std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror) {
+/// Parses "x" or "y=12.5".
+std::string parse_mirror(const std::string& word, std::optional<cageform::MirrorPlane>& plane) {
+    cageform::MirrorPlane& mirror = plane.emplace();
     if (word.empty() || word[0] < 'x' || word[0] > 'z' || (word.size() > 1 && word[1] != '='))
         return "write an axis, x, y or z, or with its position x=12.5";
     mirror.axis = std::size_t(word[0] - 'x');
@@ -84,7 +89,7 @@ std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror)
     return {};
 }
 
-/// Enlarges the view of the picture to hold the whole cage.
+/// Enlarges the view of the picture to contain the cage.
 ViewBox view_about(const CageFile& cage, const ViewBox& view) {
     Point2 low{view.x, view.y}, high{view.x + view.width, view.y + view.height};
     for (const Point2& p : cage.vertices) {
@@ -176,6 +181,14 @@ int cage_in_space(const Arguments& given) {
                               describe_rings(paired->report) + describe_parts(cage_parts(paired->cage)));
 }
 
+/// Parses "4x4" or "4x4x4".
+std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& lattice) {
+    auto read = parse_lattice_word(word);
+    if (!read) return to_string(read.error());
+    lattice = std::move(*read);
+    return {};
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
                      "parts, or a mesh, which may have holes or several pieces.");
@@ -187,61 +200,26 @@ int run_program(int argc, char** argv) {
     auto& options = given.options;
     line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
     CommandOption lattice =
-        line.add_text(
-                "--lattice",
-                [&](const std::string& word) {
-                    if (auto read = parse_lattice_word(word)) given.lattice = std::move(*read);
-                },
-                "make a lattice of points about the figure in place of a cage: 4x4, in space 4x4x4; "
-                "--help-all describes the words")
-            .check([](const std::string& word) {
-                const auto read = parse_lattice_word(word);
-                return read ? "" : to_string(read.error());
-            });
-    bool fewest = false;
-    line.add_text(
-            "--vertices",
-            [&](const std::string& word) { (void)parse_vertices(word, options.vertices, fewest); },
-            "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest that "
-            "--volume "
-            "allows")
-        .check([](const std::string& word) {
-            std::size_t vertices = 0;
-            bool auto_ = false;
-            return parse_vertices(word, vertices, auto_);
-        })
+        line.add_parsed("--lattice", given.lattice, parse_lattice,
+                        "make a lattice of points around the figure instead of a cage: 4x4, in space 4x4x4; "
+                        "--help-all describes the format");
+    VertexCount vertices;
+    line.add_parsed("--vertices", vertices, parse_vertices,
+                    "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest "
+                    "that --volume allows")
         .excludes(lattice);
-    line.add_text(
-            "--volume,--area",
-            [&](const std::string& word) { (void)parse_looseness(word, options.looseness); },
-            "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the tightest "
-            "by at "
-            "most this share, and tell what each doubling brings: with --vertices auto 25%, in the plane 5%. "
-            "--vertices N tries at most N, by default 1000, in the plane 200")
-        .check([](const std::string& word) {
-            double looseness = 0;
-            return parse_looseness(word, looseness);
-        })
+    line.add_parsed("--volume,--area", options.looseness, parse_looseness,
+                    "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the "
+                    "tightest by at most this share, and print the volume for each doubling: with --vertices "
+                    "auto 25%, in the plane 5%. --vertices N tries at most N, by default 1000, in the plane "
+                    "200")
         .excludes(lattice);
-    line.add_text(
-            "--margin", [&](const std::string& word) { (void)parse_margin(word, options.margin); },
-            "the distance from the figure, as a share of its diagonal: 2.5% by default, in space and of "
-            "lattices 2%")
-        .check([](const std::string& word) {
-            double margin = 0;
-            return parse_margin(word, margin);
-        });
-    line.add_text(
-            "--mirror",
-            [&](const std::string& word) {
-                options.mirror.emplace();
-                (void)parse_mirror(word, *options.mirror);
-            },
+    line.add_parsed("--margin", options.margin, parse_margin,
+                    "the distance from the figure, relative to its diagonal: 2.5% by default, in space and "
+                    "for lattices 2%");
+    line.add_parsed(
+            "--mirror", options.mirror, parse_mirror,
             "make the cage symmetric by a mirror across an axis: x, y, z, or with its position x=12.5")
-        .check([](const std::string& word) {
-            cageform::MirrorPlane mirror;
-            return parse_mirror(word, mirror);
-        })
         .excludes(lattice);
     line.add_text(
             "--cage", [&](const std::string& word) { options.shape = CageWord::of(word).shape; },
@@ -257,14 +235,14 @@ int run_program(int argc, char** argv) {
     line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage")
         .excludes(lattice);
     line.add_flag("--quads", given.quads,
-                  "in space: pair triangles to quads, to be edited by loops; however programs cut these, the "
-                  "cage keeps a quarter of the margin from the figure")
+                  "in space: pair triangles to quads, for editing by loops; for any triangulation of the "
+                  "quads, the cage keeps a quarter of the margin from the figure")
         .excludes(lattice);
     line.add_flag(
             "--rings", options.rings,
-            "in space: make a flat loop of edges about each limb, at its joint; the cage's parts end there")
+            "in space: make a flat loop of edges around each limb, at its joint, as the border of parts")
         .excludes(lattice);
-    line.add("--regular", options.regular, "the weight of even angles and lengths against a tight fit")
+    line.add("--regular", options.regular, "higher values give more regular, looser cages")
         .range(0.0, 1000.0)
         .show_default()
         .excludes(lattice);
@@ -280,6 +258,8 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     line.set_footer(lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    options.vertices = vertices.count;
+    const bool fewest = vertices.fewest;
     if (options.shape == cageform::CageShape::box &&
         (options.vertices != 0 || fewest || options.looseness > 0))
         return fail(std::string(options.looseness > 0 ? "--volume" : "--vertices") +

@@ -1,12 +1,11 @@
-// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices, a pose and a dance of the
-// cage.
+// Makes a sample figure: a puppet in T-pose, a cage of 112 vertices, a pose and a dance of the cage.
 //
 //     make_character out
 //
-// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance
-// of the cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
+// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a
+// periodic dance of the cage (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
 // bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface nets
-// (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
+// (support/pictures/surface_nets.hpp). The ground is y = 0, y is up, and the puppet faces along z.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -43,7 +42,7 @@ using cageform_support::join;
 using cageform_support::length;
 using cageform_support::limb;
 
-/// 0 up to `from`, 1 beyond `to`, smooth between; `to` may be the lesser.
+/// Smooth step: 0 up to `from`, 1 beyond `to`; `to` may be less than `from`.
 double ramp(double from, double to, double x) {
     const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
     return t * t * (3 - 2 * t);
@@ -52,7 +51,7 @@ double ramp(double from, double to, double x) {
 // ---- the puppet ----
 
 double puppet(const Point& at) {
-    const Point p{std::fabs(at[0]), at[1], at[2]}; // left and right are alike
+    const Point p{std::fabs(at[0]), at[1], at[2]}; // symmetric in x
     // Trunk.
     double body = ellipsoid(p, {0, 0.9, 0}, {0.21, 0.14, 0.145});
     body = join(body, ellipsoid(p, {0, 1.06, 0.015}, {0.195, 0.23, 0.15}), 0.06);
@@ -70,7 +69,7 @@ double puppet(const Point& at) {
     // Buttons.
     for (const Point& button : {Point{0, 1.31, 0.128}, Point{0, 1.185, 0.147}, Point{0, 1.06, 0.164}})
         body = join(body, ellipsoid(p, button, {0.036, 0.036, 0.022}), 0.008);
-    // Head: nose, ears, eyes; a smile carved in.
+    // Head: nose, ears, eyes, a carved smile.
     double head = ellipsoid(p, {0, 1.71, 0.005}, {0.175, 0.19, 0.168});
     head = join(head, ball(p, {0, 1.695, 0.175}, 0.034), 0.02);
     head = join(head, ellipsoid(p, {0.177, 1.7, -0.005}, {0.032, 0.052, 0.035}), 0.02);
@@ -82,10 +81,10 @@ double puppet(const Point& at) {
 
 // ---- the cage: a sheet of cells around the outline, with a front and a back ----
 
-/// A point of the sheet on the puppet's left; the right is its mirror image.
+/// A point of the sheet on the puppet's left; the right side is mirrored.
 struct SheetPoint {
-    int column; // from the middle outwards, from 1
-    int row;    // from the ground upwards
+    int column; // outwards from the middle, from 1
+    int row;    // upwards from the ground
     double x, y, front, back;
 };
 constexpr std::array<SheetPoint, 28> sheet{{
@@ -98,8 +97,8 @@ constexpr std::array<SheetPoint, 28> sheet{{
     {1, 6, 0.1, 1.215, 0.2, -0.16},      {2, 6, 0.265, 1.215, 0.14, -0.125}, // armpit
     {1, 7, 0.11, 1.45, 0.14, -0.14},     {2, 7, 0.27, 1.435, 0.11, -0.11},   // shoulder
     {3, 6, 0.385, 1.225, 0.1, -0.1},     {3, 7, 0.385, 1.425, 0.1, -0.1},    // upper arm
-    {4, 6, 0.49, 1.235, 0.095, -0.095},  {4, 7, 0.49, 1.415, 0.095, -0.095}, // before the elbow
-    {5, 6, 0.6, 1.24, 0.09, -0.09},      {5, 7, 0.6, 1.41, 0.09, -0.09},     // behind it
+    {4, 6, 0.49, 1.235, 0.095, -0.095},  {4, 7, 0.49, 1.415, 0.095, -0.095}, // inside of the elbow
+    {5, 6, 0.6, 1.24, 0.09, -0.09},      {5, 7, 0.6, 1.41, 0.09, -0.09},     // outside of the elbow
     {6, 6, 0.79, 1.25, 0.14, -0.095},    {6, 7, 0.79, 1.4, 0.14, -0.095},    // wrist
     {7, 6, 1.025, 1.255, 0.15, -0.095},  {7, 7, 1.025, 1.395, 0.15, -0.095}, // finger tips
     {1, 8, 0.235, 1.5, 0.235, -0.195},   {1, 9, 0.225, 1.935, 0.22, -0.195}, // chin, crown
@@ -112,7 +111,8 @@ struct Cage {
 
 Cage make_cage() {
     Cage cage;
-    std::map<std::pair<int, int>, std::uint32_t> front; // by column and row; the back vertex is the next one
+    std::map<std::pair<int, int>, std::uint32_t>
+        front; // by column and row; the back vertex has the next index
     for (const int side : {1, -1}) {
         for (SheetPoint p : sheet) {
             p.column *= side;
@@ -123,13 +123,13 @@ Cage make_cage() {
             cage.origin.insert(cage.origin.end(), 2, p);
         }
     }
-    // Two triangles, cut so that both sides of the figure mirror each other.
+    // Two triangles; diagonals are chosen so that both sides of the figure mirror each other.
     const auto add = [&](std::array<std::uint32_t, 4> quad, bool other) {
         const std::size_t first = other ? 1 : 0;
         for (const std::size_t k : {first + 1, first + 2})
             cage.mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
     };
-    std::set<std::pair<std::uint32_t, std::uint32_t>> ways; // along the cells' edges, counter-clockwise
+    std::set<std::pair<std::uint32_t, std::uint32_t>> ways; // directed edges of cells, counter-clockwise
     for (const auto& [at, corner] : front) {
         const auto [column, row] = at;
         const int next = column == -1 ? 1 : column + 1;
@@ -159,7 +159,7 @@ Point rotated(const Point& p, const Point& centre, std::size_t axis, double degr
     return q;
 }
 
-/// Turns of the joints, in degrees; of two, the left one comes first.
+/// Rotations of joints in degrees; of pairs, the left one first.
 struct Joints {
     struct Arm {
         double shoulder, elbow; // up, about z
@@ -176,12 +176,12 @@ struct Joints {
     Point shift{};               // of the whole figure
 };
 
-/// It waves and steps.
+/// A pose that waves and steps.
 constexpr Joints waving{
     {{{30, 66, 0}, {50, -10, 45}}}, {{{5, 6, 4}, {-66, 80, 0}}}, {24, 9}, {14, 5, -7}, {}};
 
-/// Where a vertex of the cage goes. Near a joint it turns by part of the angle, so the cage bends smoothly;
-/// the outer joints come first, and the inner ones take them along.
+/// The posed position of a cage vertex. Near a joint a vertex rotates by a fraction of the angle, so the cage
+/// bends smoothly. Outer joints are applied first, then inner joints.
 Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
     constexpr std::size_t x = 0, y = 1, z = 2; // axes
     const double out = std::fabs(origin.x), side = origin.x < 0 ? -1 : 1;
@@ -213,8 +213,8 @@ Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
 
 constexpr double dance_length = 2.4; // seconds
 
-/// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and
-/// they change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
+/// A pose of the dance: alternating steps; one hand waves above, the other swings below, and they alternate.
+/// `part` is the time in [0, 1]; the poses at 0 and 1 are equal.
 Joints dancing(double part) {
     const double angle = 2 * std::numbers::pi * part;
     const double sway = std::cos(angle); // 1: on the left foot
@@ -274,7 +274,7 @@ std::string bones_text() {
 
 // ---- the files ----
 
-/// The mesh as OBJ text; with normals, a vertex and its normal share their number.
+/// The mesh as OBJ text; a vertex and its normal have the same index.
 std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Point>& normals) {
     std::string text = std::string("# ") + heading + "\n";
     std::array<char, 128> line;
@@ -293,7 +293,7 @@ std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Po
     return text;
 }
 
-/// Tests whether a mesh can serve as a cage; prints the reason if not.
+/// Checks a mesh as a cage; prints the fault if there is one.
 bool is_sound(const Mesh& mesh, const char* what) {
     const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
     if (report.status != cageform::Status::ok)

@@ -1,4 +1,4 @@
-// Makes a scene of 3D Gaussian splatting from a mesh, to try deform_splats without any photographs.
+// Makes a scene of 3D Gaussian splatting from a mesh, as input for deform_splats.
 //
 //     make_splats character.obj -o scene.ply
 //     make_splats character.obj -o scene.ply --count 1000000 --degree 1 --seed 7
@@ -17,8 +17,8 @@ namespace {
 using namespace cageform_support;
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Makes a scene of 3D Gaussian splatting from a mesh: splats lie flat on its faces, with "
-                     "bands of colour and a gloss that changes with the view.");
+    CommandLine line("Makes a scene of 3D Gaussian splatting from a mesh: flat splats on its faces, with "
+                     "colour bands and a view-dependent gloss.");
     line.set_examples(
         {"model.obj -o scene.ply", "model.obj -o scene.ply --count 1000000 --degree 1 --seed 7"});
     std::string path, out;
@@ -28,10 +28,10 @@ int run_program(int argc, char** argv) {
     line.add("mesh", path, "the OBJ file to cover").required();
     line.add("-o,--output", out, "the PLY file to write").required().ends_with({".ply"});
     line.add("--count", options.count, "the number of splats").range(1, 20000000).show_default();
-    line.add("--degree", options.degree, "of the spherical harmonics: 0 has one colour from all sides")
+    line.add("--degree", options.degree, "the degree of spherical harmonics: 0 has no view dependence")
         .range(0, 3)
         .show_default();
-    line.add("--seed", seed, "of the random places").show_default();
+    line.add("--seed", seed, "the seed of the random positions").show_default();
     add_strict(line, is_strict);
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;

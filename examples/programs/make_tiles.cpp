@@ -1,10 +1,9 @@
-// Makes tiles of points for bind_tiles: points at random on the faces of a mesh, evenly by area, as binary
-// PLY files.
+// Makes tiles for bind_tiles: random points on the faces of a mesh, uniform by area, as binary PLY files.
 //
 //     make_tiles character.obj --points 100000000 --tiles 64 -o 'tiles/%02d.ply'
 //
-// A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and
-// --seed, not on the number of tiles: point n is the same, in whichever tile it comes.
+// A tile contains consecutive faces of the mesh. Points depend on the mesh, the number of points and --seed,
+// not on the number of tiles.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -29,7 +28,7 @@ struct Arguments {
     bool is_strict = false;
 };
 
-/// A number in [0, 1) that depends on `n` alone (Steele, Lea, Flood, Fast Splittable Pseudorandom Number
+/// A random number in [0, 1), a function of `n` (Steele, Lea, Flood, Fast Splittable Pseudorandom Number
 /// Generators, OOPSLA 2014, fig. 16).
 double random_at(std::uint64_t n) {
     n = (n + 1) * 0x9E3779B97F4A7C15U;
@@ -55,7 +54,7 @@ public:
     }
     double area() const { return ends_.empty() ? 0 : ends_.back(); }
 
-    /// Point n: one of each of `count` strips of equal area.
+    /// Point n, from the n-th of `count` strips of equal area.
     Point3 at(std::size_t n) const {
         const auto random = [&](std::uint64_t k) { return random_at((seed_ + n) * 3 + k); };
         const double place = (double(n) + random(0)) / double(count_) * area();
@@ -70,7 +69,7 @@ private:
     const ObjFile& mesh_;
     std::size_t count_;
     std::uint64_t seed_;
-    std::vector<double> ends_; // the area up to the end of each triangle
+    std::vector<double> ends_; // cumulative areas of triangles
 };
 
 std::optional<std::string> write_tile(const FacePoints& points, std::size_t begin, std::size_t end,
@@ -102,7 +101,7 @@ int run_program(int argc, char** argv) {
     line.add("--rows", given.rows, rows_help).check([](const auto& text) {
         return RowRange::of(text) ? std::string() : "\"" + text + "\" is no range of rows, such as 0:100";
     });
-    line.add("--seed", given.seed, "another seed makes other points").range(0, 1000000).show_default();
+    line.add("--seed", given.seed, "the seed of the random positions").range(0, 1000000).show_default();
     line.add("-o,--output", given.output,
              "the files to write; with several a path with %d, or %03d, for the number of a tile")
         .required()

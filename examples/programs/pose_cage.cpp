@@ -1,4 +1,4 @@
-// Poses a cage by its vertices' numbers: operations, in the order given, and a picture of the numbers.
+// Poses a cage by operations on its vertices, in the given order, and draws the vertex numbers.
 //
 //     pose_cage cat_cage.svg --picture numbers.svg
 //     pose_cage cat_cage.svg --turn 7-11:-30@775,400 --move 15-20:20,40 -o pose.svg --picture numbers.svg
@@ -27,7 +27,7 @@ struct Arguments {
     PoseChoice choice;
 };
 
-/// The pose, after a word on how many vertices have moved and where they were.
+/// Poses the cage, and prints the number of moved vertices and the bounds at rest.
 template <std::size_t D>
 Expected<std::vector<cageform::Vec<double, D>>>
 posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
@@ -39,7 +39,7 @@ posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
     for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
     std::cout << printable(given.cage) << ": " << moved << " of " << rest.size()
               << (curves != nullptr ? " control points moved; at rest" : " vertices moved; at rest");
-    const auto box = cageform::bounds_of(std::span(rest)); // for selections by place
+    const auto box = cageform::bounds_of(std::span(rest)); // for selections by position
     for (std::size_t k = 0; k < D; ++k)
         std::cout << (k == 0 ? " " : ", ") << "xyz"[k] << " from " << detail::short_number(box.lower[k])
                   << " to " << detail::short_number(box.upper[k]);
@@ -47,7 +47,7 @@ posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
     return pose;
 }
 
-/// Returns the view of the cage's document; for a CSV file its bounds.
+/// Returns the view of the SVG, or the bounds of a CSV cage.
 Expected<ViewBox> view_of(const CageFile& cage) {
     if (cage.name.ends_with(".csv") || cage.lattice) {
         PlaneBox box;
@@ -129,7 +129,7 @@ int run_program(int argc, char** argv) {
     CoordinatesChoice of_coordinates;
     of_coordinates.in_plane = of_coordinates.with_normals = true;
     line.add("--coordinates", given.coordinates,
-             "the coordinates that the pose is for: with curved-green the edges of a polygon are posed as "
+             "the coordinates of the pose: with curved-green the edges of a polygon are posed as "
              "cubics too, with others a path with curves is refused")
         .one_of(of_coordinates.names());
     given.choice.in_plane = true;

@@ -1,10 +1,9 @@
-// Weights of bones for any OBJ figure, and the figure moved by them.
+// Computes bone weights for an OBJ figure, and poses the figure by its bones.
 //
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
-// Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose
-// of the bones file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the
-// surface (fields/skin.hpp).
+// Writes a skin and a skeleton as glTF 2.0, animated from rest to the pose of the bones file and back.
+// Weights are bone heat (Baran, Popović 2007) or harmonic on the surface (fields/skin.hpp).
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -35,15 +34,15 @@ using Move = cageform::Transform<double, 3>;
 using Use = GltfDocument::Use;
 
 constexpr const char* bones_format =
-    "A bones file has a line for every bone: its name, its parent, x,y,z of its head,\n"
-    "x,y,z of its tail, and x,y,z of its pose. The pose is a turn about the head: the\n"
-    "vector is the axis, and its length is the angle in degrees, at most 36000; 0,0,0 is\n"
-    "no turn.\n"
+    "A bones file has one line per bone: its name, its parent, x,y,z of its head, x,y,z of\n"
+    "its tail, and x,y,z of its pose. The pose is a rotation about the head: the vector is\n"
+    "the axis, and its length is the angle in degrees, at most 36000; 0,0,0\n"
+    "is no rotation.\n"
     "Parents come before their children; a bone without a parent leaves that field\n"
     "empty. Lines that begin with # are skipped.\n";
 
 constexpr std::size_t no_parent = ~std::size_t{0};
-constexpr double most_degrees = 36000; // the keys of more turns are too near to each other
+constexpr double most_degrees = 36000; // for larger angles keys would be too close
 
 struct Bone {
     std::string name;
@@ -66,7 +65,7 @@ double degrees_of(const Bone& bone) {
     return std::hypot(bone.turn[0], bone.turn[1], bone.turn[2]);
 }
 
-/// A line's bone; the reason where there is none.
+/// Parses a bone; returns the fault, or empty.
 std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bone& bone) {
     const auto fields = detail::cells_of(line, 11);
     if (fields.size() != 11)
@@ -85,7 +84,7 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
     for (std::size_t n = 0; n < 9; ++n) {
         double& number = (*places[n / 3])[n % 3];
         std::string why = detail::parse_number(fields[2 + n], number);
-        if (why.empty()) why = detail::single_precision_fault(number); // glTF's numbers
+        if (why.empty()) why = detail::single_precision_fault(number); // the format of glTF
         if (!why.empty()) return "column " + std::to_string(3 + n) + ": " + why;
     }
     if (degrees_of(bone) > most_degrees)
@@ -112,7 +111,7 @@ Expected<std::vector<Bone>> load_bones(const std::string& path) {
     return bones;
 }
 
-/// A turn of a share of the pose's angle, as x, y, z, w.
+/// A rotation by a fraction of the pose's angle, as a quaternion x, y, z, w.
 std::array<double, 4> quaternion(const Bone& bone, double share) {
     const double degrees = degrees_of(bone);
     const double half = share * degrees * std::numbers::pi / 360;
@@ -120,7 +119,7 @@ std::array<double, 4> quaternion(const Bone& bone, double share) {
     return {factor * bone.turn[0], factor * bone.turn[1], factor * bone.turn[2], std::cos(half)};
 }
 
-/// Where the pose takes the bones: each turns about its head, and its parent takes it along.
+/// Posed bones: each rotates about its head and moves with its parent.
 std::vector<Move> pose_of(const std::vector<Bone>& bones) {
     std::vector<Move> moves;
     for (const Bone& bone : bones) {
@@ -142,7 +141,7 @@ std::vector<Move> pose_of(const std::vector<Bone>& bones) {
 
 // ---- the skin ----
 
-/// Explains why there are no weights, and names the culprit.
+/// Explains why there are no weights, with the culprit.
 std::string why_not(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones,
                     const cageform::SurfaceSkinReport& report) {
     if (report.mesh.mesh.status != Status::ok) {
@@ -165,12 +164,12 @@ std::string why_not(const Arguments& given, const ObjFile& figure, const std::ve
            ": " + cageform::to_string(report.status);
 }
 
-/// A figure whose vertices with one joined_places() are one, so that they get equal weights.
+/// A figure with vertices of equal joined_places() merged, so that they get equal weights.
 struct WeldedMesh {
     std::vector<Point3> places;
-    std::vector<std::uint32_t> first;                    // #places: a vertex of the file there
+    std::vector<std::uint32_t> first;                    // #places: a vertex of the file at each
     std::vector<std::uint32_t> place_of;                 // #vertices of the file
-    std::vector<std::array<std::uint32_t, 3>> triangles; // of places; without those that vanish
+    std::vector<std::array<std::uint32_t, 3>> triangles; // of places, without degenerate ones
 };
 
 WeldedMesh welded(const ObjFile& figure) {
@@ -192,7 +191,7 @@ WeldedMesh welded(const ObjFile& figure) {
     return mesh;
 }
 
-/// Weights of the places as those of the file's vertices.
+/// Copies weights of places to the vertices of the file.
 std::vector<double> spread(const WeldedMesh& mesh, std::span<const double> weights, std::size_t bones) {
     std::vector<double> result;
     for (const std::uint32_t place : mesh.place_of) {
@@ -202,7 +201,7 @@ std::vector<double> spread(const WeldedMesh& mesh, std::span<const double> weigh
     return result;
 }
 
-/// Gives vertices at one place the mean of their weights, in place.
+/// Averages the weights of vertices at the same position, in place.
 void average(const WeldedMesh& mesh, std::vector<double>& weights, std::size_t bones) {
     std::vector<double> sums(mesh.places.size() * bones, 0.0), counts(mesh.places.size(), 0.0);
     for (std::size_t v = 0; v < mesh.place_of.size(); ++v) {
@@ -214,7 +213,7 @@ void average(const WeldedMesh& mesh, std::vector<double>& weights, std::size_t b
     weights = spread(mesh, sums, bones);
 }
 
-/// The figure posed, by linear blend skinning.
+/// The posed figure, by linear blend skinning.
 Expected<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bone>& bones,
                                     std::span<const double> weights) {
     std::vector<Move> frames;
@@ -237,7 +236,7 @@ std::vector<double> dense_weights(const cageform::SkinWeights& skin, std::size_t
     return weights;
 }
 
-/// How far vertices are from where they ought to be.
+/// Distances between exact and stored positions.
 StoredLoss loss_of(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> moved) {
     StoredLoss loss;
     loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
@@ -252,12 +251,12 @@ StoredLoss loss_of(const ObjFile& figure, std::span<const Point3> right, std::sp
     return loss;
 }
 
-/// The turn into the pose and back in two seconds, of the bones from node `first` on.
+/// The animation to the pose and back in two seconds, for bones from node `first` on.
 void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size_t first) {
     GltfJson animation = {{"name", "pose"}};
     double largest = 0;
     for (const Bone& bone : bones) largest = std::max(largest, degrees_of(bone));
-    // Turns are linear between keys, and nearly even; neighbouring keys are at most 36 degrees apart.
+    // Interpolation is linear between keys; keys are at most 36 degrees apart, so speed is nearly constant.
     const std::size_t keys = 16 * std::max<std::size_t>(std::size_t(std::ceil(largest / 180)), 1) + 1;
     std::vector<std::array<float, 1>> times;
     for (std::size_t k = 0; k < keys; ++k) times.push_back({2 * float(k) / float(keys - 1)});
@@ -279,9 +278,9 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
     if (animation.contains("channels")) document.append("animations", std::move(animation));
 }
 
-/// The document: the meshes, the bones as nodes, the skin, and the turn into the pose.
+/// The document: meshes, bones as nodes, skin, animation.
 ///
-///   figure   its vertices counted from `origin`
+///   figure   its vertices are relative to `origin`
 Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
                                 const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
                                 const cageform::SkinWeights& skin, bool binary) {
@@ -299,7 +298,7 @@ Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, con
         roots.push_back(document.append("nodes", {{"name", mesh.name}, {"mesh", index}, {"skin", 0}}));
     }
     const std::size_t first = meshes.size();
-    // A skin needs a node above all joints (5.28.1), and the place that they are counted from.
+    // A skin needs a common root of all joints (5.28.1), which also has the origin.
     const auto is_root = [](const Bone& bone) { return bone.parent == no_parent; };
     const bool has_top = origin != Point3{} || std::count_if(bones.begin(), bones.end(), is_root) > 1;
     GltfJson joints, tops;
@@ -337,7 +336,7 @@ Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, con
     return document.text(binary);
 }
 
-/// The bone of a name; without one, `otherwise`.
+/// The bone with a name; `otherwise` for an empty name.
 Expected<std::size_t> bone_named(const Arguments& given, const std::vector<Bone>& bones,
                                  const std::string& name, std::size_t otherwise) {
     if (name.empty()) return otherwise;
@@ -348,7 +347,7 @@ Expected<std::size_t> bone_named(const Arguments& given, const std::vector<Bone>
 }
 
 int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
-    // Painted without a name: the bone that turns the most, and its parent.
+    // By default paint the bone with the largest rotation, and its parent.
     std::size_t turned = 0;
     const auto angle = [&](std::size_t b) { return dot(bones[b].turn, bones[b].turn); };
     for (std::size_t b = 1; b < bones.size(); ++b) turned = angle(b) > angle(turned) ? b : turned;
@@ -386,8 +385,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     auto made = weights(joined.places, joined.triangles);
     if (made.report.status == Status::ok) {
         made.value = spread(joined, made.value, bones.size());
-    } else if (made.report.mesh.mesh.status !=
-               Status::ok) { // sheets that touch are no surface when they are one
+    } else if (made.report.mesh.mesh.status != Status::ok) { // touching sheets are not manifold when merged
         made = weights(figure.vertices, figure.triangles);
         if (made.report.status == Status::ok) average(joined, made.value, bones.size());
     } else if (made.report.status == Status::cells_unreached) {
@@ -403,7 +401,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
                                                {.influences = given.influences});
     if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
     make_sums_exact(skin);
-    // The picture shows the weights and places that are written.
+    // The picture shows the stored weights and positions.
     const Point3 origin = far_origin(figure);
     ObjFile stored = figure, shown = figure;
     stored.vertices = counted_from(origin, figure.vertices);
@@ -429,7 +427,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     }
     if (loss.share() > StoredLoss::worth_a_warning) {
         warn(figure.name + ": a skin of " + std::to_string(most) + " bones per vertex is off by " +
-             describe(loss) + "; a larger --skin loses less");
+             describe(loss) + "; a larger --skin reduces the error");
     }
     const auto text = gltf_text(stored, origin, parts, *meshes, bones, skin,
                                 std::filesystem::path(given.out).extension() != ".gltf");
@@ -486,7 +484,7 @@ int run_program(int argc, char** argv) {
         .range(1, 16)
         .show_default();
     line.add_flag("--see-through", given.sees_through,
-                  "heat: every vertex sees its nearest bone, as if the mesh were not closed");
+                  "heat: ignore visibility, as if the mesh were not closed");
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
         .ends_with({".glb", ".gltf"});
@@ -498,7 +496,8 @@ int run_program(int argc, char** argv) {
     line.add("--red", given.red,
              "the bone whose weight is painted red; by default the parent of the blue one");
     add_strict(line, given.is_strict);
-    line.add_flag("--report", given.report, "print flips, hidden vertices and the error of the file's skin");
+    line.add_flag("--report", given.report,
+                  "print flipped edges, hidden vertices and the error of the stored skin");
     line.set_footer(obj_format + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -76,7 +76,7 @@ works "a pose of the clip is one of the table" cmp clip/5.ply whole/006.ply
 cat poses.csv | works "a table from a pipe" "$clone" character.figure --poses /dev/stdin --rows 24 -o pipe.ply
 works "it is the last row" cmp pipe.ply whole/024.ply
 works "rows that are not there" "$clone" character.figure --poses poses.csv --rows 25:30 -o 'none%d.ply'
-grep -q 'note: poses.csv: has 25 rows, so there is none to do' log && [ ! -e none25.ply ] && ok=yes || ok=no
+grep -q 'note: poses.csv: has 25 rows: none to write' log && [ ! -e none25.ply ] && ok=yes || ok=no
 report $ok "it is said, and nothing is written"
 works "Green coordinates" "$programs/bind_mesh" character.obj --cage character_cage.obj --coordinates green -o green.figure
 works "rows by Green coordinates" "$clone" green.figure --poses poses.csv --rows 0 --mesh character.obj -o green.obj
@@ -92,7 +92,7 @@ grep -qF 'bad.csv:3: column 1: not a number: "word"' log && grep -q 'bad.csv:5: 
   grep -qF 'bad.csv:9: column 1: "nan" is not a finite number' log && grep -q 'bad.csv:11: ' log && grep -qF 'note: 5 of 25 rows failed; the others are done' log || ok=no
 report $ok "rows that are wrong are named, and the others done"
 (exec 3>&- 4>&- && ulimit -n 5 && "$clone" character.figure --poses poses.csv "$to") >log 2>&1
-[ $? -eq 75 ] && grep -q 'cannot write out.0.ply: Too many open files' log && grep -q 'run the same line again' log && ok=yes || ok=no
+[ $? -eq 75 ] && grep -q 'cannot write out.0.ply: Too many open files' log && grep -q 'repeat the command' log && ok=yes || ok=no
 report $ok "a failure that may pass asks for another try"
 (exec 3>&- && ulimit -n 4 && "$clone" character.figure --poses poses.csv "$to") >log 2>&1
 [ $? -eq 75 ] && grep -q 'poses.csv: cannot be opened: Too many open files' log && ok=yes || ok=no

@@ -559,7 +559,7 @@ works "a weight painted on the character" "$mesh" character.obj --cage character
 cmp -s posed.png painted.png && ok=no || ok=yes
 report $ok "the paint is seen"
 refuses 'there is no vertex 112: character_cage.obj has 112' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --picture out.png --weight 112
-refuses '--weight is painted on the --picture' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --weight 1
+refuses '--weight needs --picture' "$mesh" character.obj --cage character_cage.obj --pose character_pose.obj -o out.obj --weight 1
 printf 'v 0 1 0\nv 0 1 0.01\nv 0 1.01 0\nv 0.01 1 0\n' >points.obj
 # Faces of more than three corners: kept as polygons where they are planar and the coordinates know what to do with
 # them; what becomes of them is said.
@@ -723,7 +723,7 @@ done
 works "a character by accuracy" "$bind" character.obj --cage character_cage.obj --coordinates harmonic --accuracy 0.01 -o accurate.figure
 works "a cat by accuracy" "$deform" "$cat" --cage "$cage" --pose "$data/cat_pose_leap.svg" --coordinates harmonic --accuracy 0.002 -o accurate.svg
 works "a vertex in its head by accuracy" "$deform" "$cat" --cage "$data/cat_cage_head.csv" --pose "$data/cat_pose_head.csv" --coordinates harmonic --accuracy 0.002 -o accurate.svg
-refuses 'normals are bound by mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
+refuses 'normals need mean-value, harmonic or green' "$bind" character.obj --cage character_cage.obj --coordinates barycentric -o out.figure
 refuses 'int12' "$bind" character.obj --cage character_cage.obj --format int12 -o out.figure
 # Vertices outside are treated as in all programs.
 sed '0,/^v /s/^v .*/v 9 9 9/' character.obj >stray_character.obj
@@ -784,7 +784,7 @@ awk '$1 == "v" { print "v", 2 - $3, $2, $4 - 1; next } { print }' box.obj >turne
 works "targets by Green coordinates" "$programs/export_gltf" inner.obj --cage box.obj --pose turned_box.obj --morph --coordinates green -o green.glb
 grep -q 'warning: inner.obj: between the keys the targets are off by ' log && ok=yes || ok=no
 report $ok "what targets lose between the keys is said"
-refuses 'joints carry no normals of faces; --morph writes targets' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
+refuses '--skin cannot represent normals of faces; use --morph' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
 refuses '--labels' "$programs/export_gltf" character.obj --cage character_cage.obj --pose character_pose.obj --morph --labels character.txt -o out.glb
 # A figure file and glTF hold single precision.
 huge() { # LINE FILE   the line's first 0.xxx, or the number at its beginning, is 1e39 in huge.*
@@ -932,7 +932,7 @@ printf 'ply\nformat ascii 1.0\nelement camera 2\nproperty float view\nelement ve
 for name in x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3 label; do echo "property float $name"; done >>named.ply
 printf 'end_header\n7\n8\n0 1 0 1 1 1 0 -4 -4 -4 1 0 0 0 6\n' >>named.ply
 works "splats with more properties" "$splats" named.ply --cage character_cage.obj --pose character_cage.obj -o out.ply --report
-grep -qx 'kept as they are: "label", 2 of "camera"' log && ok=yes || ok=no
+grep -qx 'unchanged: "label", 2 of "camera"' log && ok=yes || ok=no
 report $ok "what no pose moves is named"
 for type in mean-value green; do
   works "splats posed, $type" "$splats" scene.ply --cage character_cage.obj --pose character_pose.obj --coordinates $type -o posed.ply --report
@@ -1631,7 +1631,7 @@ make_box="$programs/make_box"
 works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
 grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
 report $ok "tells its size"
-refuses '--flip-faces: bar.mesh: only the faces of OBJ files' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
+refuses '--flip-faces: bar.mesh: only OBJ files' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
 works "a box of one cube" "$make_box" -o cube.mesh --size 1,2,3 --cells 1,1,1
 [ "$(grep -c '^[01] [02] [03] 0$' cube.mesh)" = 8 ] && [ "$(sed -n '/Tetrahedra/{n;p;}' cube.mesh)" = 6 ] && ok=yes || ok=no
 report $ok "has eight corners and six cells"
@@ -1840,7 +1840,7 @@ for out in fit_pose.svg fit_pose.csv; do
 done
 : >empty.obj
 : >empty.svg
-refuses 'character.obj has 8066 vertices, cube.obj has 8: give a pose of the same figure' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
+refuses 'character.obj has 8066 vertices, cube.obj has 8: the figures must be the same' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" empty.obj cube.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" cube.obj empty.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.svg' "$fit" lines.svg empty.svg --cage lattice:3x3 -o out.svg
@@ -2061,9 +2061,9 @@ refuses '--lottie needs --curve' "$curve" --lottie ball.json --pieces 3 --json o
 refuses '--curve needs --lottie' "$curve" --css ease --curve x --pieces 3 --json out.json
 awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "["; for (i = 0; i < 100000; ++i) printf "]" }' >deep.json
 refuses 'deep.json: nested too deeply' "$curve" --lottie deep.json
-refuses 'bad.json: no number in it is animated' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
+refuses 'bad.json: no animated values' sh -c "echo '{}' >bad.json; '$curve' --lottie bad.json"
 sed 's/"t": 30/"t": null/' ball.json >bad.json
-refuses 'bad.json: a keyframe is not as Lottie has it: type must be number, but is null' "$curve" --lottie bad.json
+refuses 'bad.json: invalid Lottie keyframe: type must be number, but is null' "$curve" --lottie bad.json
 sed 's/120/1e999/' ball.json >bad.json
 refuses "bad.json: number overflow parsing '1e999'" "$curve" --lottie bad.json
 refuses 'given by one of' "$curve" --pieces 3 --json out.json
@@ -2074,8 +2074,8 @@ refuses '--bezier: 9 numbers' "$curve" --bezier 0,0,0,0,1,1,1,1,1 --pieces 3 --j
 refuses '--css: "nan" is not a finite number' "$curve" --css 0,nan,1,1 --pieces 3 --json out.json
 refuses '--css: time turns back' "$curve" --css 1.5,0,0,1 --pieces 3 --json out.json
 refuses '--bezier: the second key is not later' "$curve" --bezier 1,0,0.5,0,0.5,1,0,1 --pieces 3 --json out.json
-refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
-refuses 'how many pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
+refuses 'the number of pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
+refuses 'the number of pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
 refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces 0 --json out.json
 refuses '--pieces' "$curve" --css 0.4,0,0.6,1 --pieces few --json out.json
 refuses '--tolerance' "$curve" --css 0.4,0,0.6,1 --tolerance 0 --json out.json
@@ -2109,7 +2109,7 @@ faulty_case() { # MESSAGE SED-COMMAND   the cases, changed
   refuses "$1" "$curve" --cases bad.json --json out.json
 }
 faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/'
-faulty_case 'case s01-inout-two-pieces: weights: null where a number should be' '27s/1/null/'
+faulty_case 'case s01-inout-two-pieces: weights: null is not a number' '27s/1/null/'
 faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/'
 faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/'
 faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/'

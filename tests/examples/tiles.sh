@@ -145,7 +145,7 @@ ends 1 'cage.solution: the packed functions are of another accuracy or another g
   --points few/00.ply -o refused/a.figure --coordinates harmonic --accuracy 0.1 --solution cage.solution
 ends 1 'cage.solution: the packed data was made for another cage' "$tiles" character_pose.obj --points few/00.ply \
   -o refused/a.figure --coordinates harmonic --accuracy 0.05 --solution cage.solution
-ends 1 '--save-solution are for --coordinates harmonic' bind_tiles refused --points few/00.ply --save-solution no.solution
+ends 1 '--save-solution need --coordinates harmonic' bind_tiles refused --points few/00.ply --save-solution no.solution
 
 # ---- outputs, before anything is solved ----
 cp few/00.ply in.figure

@@ -114,9 +114,9 @@ cat log
   works "a flat skeleton as text" "$programs/fit_skeleton" part.obj frames/00?.obj frames/01?.obj -o fitted_flat.gltf --bones 6 --flat --influences 6
   works "that, played by the second reader" "$playback" --near 0.05 part.obj fitted_flat.gltf 0.3 frames/009.obj 0.6 frames/018.obj
   works "normals of the file" "$export" creases.obj $cage --pose character_pose.obj --coordinates mean-value --bones 3 --weights unorm8 -o bones_creases.glb
-  refuses 'bones are found in a motion' "$export" part.obj $cage --bones 4 -o out.glb
+  refuses '--bones needs a motion' "$export" part.obj $cage --bones 4 -o out.glb
   refuses '"many" is neither "auto" nor a number of bones' "$export" part.obj $cage $clip --bones many -o out.glb
-  refuses 'give --bones too' "$export" part.obj $cage $clip --skin 4 --flat -o out.glb
+  refuses '--picture need --bones' "$export" part.obj $cage $clip --skin 4 --flat -o out.glb
   refuses 'use a larger --max-distance, --bones auto, more --influences or --kind similar' "$export" part.obj $cage $clip --coordinates mean-value --bones 1 --max-distance 0.1% -o out.glb
   refuses 'is not a fraction such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
 }
@@ -229,7 +229,7 @@ cat log
   for type in green mean-value; do
     works "the pose, $type" "$programs/deform_mesh" character.obj $cage --pose character_pose.obj --coordinates $type -o posed_$type.obj
   done
-  refuses 'joints carry no normals of faces' "$export" character.obj $cage $clip --skin 4 --coordinates green -o out.glb
+  refuses '--skin cannot represent normals of faces' "$export" character.obj $cage $clip --skin 4 --coordinates green -o out.glb
 }
 works "Green targets, played by the second reader" "$playback" --at character.obj green.glb 1 posed_green.obj
 cat log
@@ -352,7 +352,7 @@ corner_lines() { sed 's/^v //; s/ /,/g' corners; }
   refuses 'nowhere.csv: no such file' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
   refuses 'point.obj: holds no faces' "$export" point.obj --cage box.obj --skin 4 -o out.glb
   refuses 'give --bones, --skin, --max-distance or --morph to choose what to write' "$export" $figure -o out.glb
-  refuses 'morph targets need poses' "$export" $figure --morph -o out.glb
+  refuses '--morph needs poses' "$export" $figure --morph -o out.glb
   refuses '--skin' "$export" $figure --skin 0 -o out.glb
   refuses '--skin' "$export" $figure --skin 17 -o out.glb
   refuses '--skin' "$export" $figure --skin 4 --morph --pose box_pose.obj -o out.glb

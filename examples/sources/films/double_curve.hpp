@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a surface of triangles passes through itself.
+// Self-intersection of a triangle mesh.
 
 #include "files/obj_file.hpp"
 
@@ -18,7 +18,7 @@ namespace cageform_sources {
 
 using namespace cageform_support;
 
-/// Where the line from p to q passes through the inside of a triangle, if it does.
+/// The intersection of the segment from p to q with the interior of a triangle, if any.
 inline std::optional<Point3> pierced(const Point3& p, const Point3& q,
                                      const std::array<Point3, 3>& triangle) {
     const Point3 normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
@@ -33,10 +33,10 @@ inline std::optional<Point3> pierced(const Point3& p, const Point3& q,
     return at;
 }
 
-/// The double curve of a surface: pieces of lines, one for each two triangles that pass through each other.
-/// Triangles with a common corner are left out.
+/// The double curve of a surface: one segment per pair of intersecting triangles. Triangles with a common
+/// corner are ignored.
 ///
-///   cost   as the number of triangles, where they are of like size
+///   cost   O(triangles), if they have similar sizes
 inline std::vector<std::array<Point3, 2>>
 double_curve(std::span<const Point3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles) {
     struct Box {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A sphere turned inside out by formulas: A. and W. Bednorz, "Analytic sphere eversion using ruled surfaces",
+// Sphere eversion by formulas: A. and W. Bednorz, "Analytic sphere eversion using ruled surfaces",
 // Differential Geometry and its Applications 64 (2019), for n = 2, which is Morin's eversion in topology.
 
 #include "files/obj_file.hpp"
@@ -17,7 +17,8 @@ namespace cageform_sources {
 
 using namespace cageform_support;
 
-/// The parameters of a stage. The surface is ruled where `lambda` is 1, and on its way to a sphere below.
+/// The parameters of a stage. The surface is ruled for `lambda` = 1, and approaches a sphere for smaller
+/// values.
 struct EversionStage {
     double lambda = 1, t = 0, p = 1, q = 0, xi = 1, alpha = 1, eta = 2;
 };
@@ -25,8 +26,8 @@ struct EversionStage {
 inline constexpr double eversion_q = 2.0 / 3; // the source's Q: the sphere has the radius √Q
 inline constexpr double eversion_w = 2;
 
-/// The stage before the halfway surface, by four legs of length 1: 0 is the sphere, 3.5 halfway, where the
-/// last leg has its middle. Legs end with the source's parameters; α goes by a square, since its root enters.
+/// A stage up to the halfway surface, by four legs of length 1: 0 is the sphere; 3.5, the middle of the last
+/// leg, is the halfway surface. Legs end at the source's parameters. α is quadratic, because its root enters.
 inline EversionStage stage_on_legs(double leg) {
     constexpr double q = eversion_q;
     if (leg <= 1) return {leg, -1 / q, 0, q, 0, 0, 1};
@@ -41,8 +42,8 @@ inline EversionStage stage_on_legs(double leg) {
 /// A point of the surface.
 ///
 ///   theta, phi   latitude in [−π/2, π/2], longitude; the poles are points as any other
-/// The source's formulas, each multiplied by that power of cos θ which leaves it finite at the poles. The
-/// last one is written so that nothing cancels at small α.
+/// The source's formulas, each multiplied by the power of cos θ that makes it finite at the poles. The last
+/// formula is rearranged to avoid cancellation for small α.
 inline Point3 eversion_point(const EversionStage& at, double theta, double phi) {
     const double s = std::sin(theta), c = std::cos(theta), c2 = c * c;
     const double sin = std::sin(phi), cos = std::cos(phi), sin2 = 2 * sin * cos, cos2 = cos * cos - sin * sin;
@@ -74,8 +75,8 @@ struct EversionMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles{}; ///< in pairs, one pair a quad
 };
 
-/// The triangles of a net. Their fronts are outside at the first stage and inside at the last; one of each
-/// two at a pole has no area.
+/// The triangles of a net. Front faces are outside at the first stage and inside at the last. At the poles
+/// one of two triangles has no area.
 inline std::vector<std::array<std::uint32_t, 3>> eversion_triangles(std::size_t rows, std::size_t columns) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     for (std::size_t row = 0; row < rows; ++row) {
@@ -109,7 +110,7 @@ inline double size_of(const EversionMesh& mesh) {
     return size;
 }
 
-/// The volume with its sign: of a sphere seen from outside positive, negative once it is inside out.
+/// The signed volume: positive for a sphere, negative for an everted sphere.
 inline double volume_of(const EversionMesh& mesh) {
     double six = 0;
     for (const auto& [a, b, c] : mesh.triangles)
@@ -117,8 +118,8 @@ inline double volume_of(const EversionMesh& mesh) {
     return six / 6;
 }
 
-/// The least |X_θ × X_φ| / cos θ over places in the middles of a net's quads: 0 where the surface is no
-/// immersion. By differences over 2e-5, which are good to some 1e-9.
+/// The minimum of |X_θ × X_φ| / cos θ over centres of the net's quads: 0 if the surface is not an immersion.
+/// By finite differences over 2e-5, accurate to about 1e-9.
 inline double least_area_factor(const EversionStage& stage, std::size_t rows, std::size_t columns) {
     constexpr double pi = std::numbers::pi, step = 1e-5;
     double least = 1e300;
@@ -138,8 +139,8 @@ inline double least_area_factor(const EversionStage& stage, std::size_t rows, st
     return least;
 }
 
-/// The eversion in time: 0 is the sphere, ½ the halfway surface, 1 the sphere inside out. No moment is
-/// faster than another: in equal times the points that move most go equally far for the surface's size.
+/// The eversion in time: 0 is the sphere, ½ the halfway surface, 1 the sphere inside out. The
+/// speed is constant: the largest displacement per time, relative to the surface's size.
 class Eversion {
 public:
     Eversion() {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Regular homotopies of closed curves in the plane. Two closed regular curves are regularly homotopic if and
-// only if their tangents turn equally often: H. Whitney, "On regular closed curves in the plane", Compositio
+// only if their turning numbers are equal: H. Whitney, "On regular closed curves in the plane", Compositio
 // Mathematica 4 (1937), 276–284, who had it from W. C. Graustein.
 
 #include "svg/path.hpp"

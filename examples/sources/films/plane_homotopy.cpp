@@ -1,6 +1,5 @@
-// A closed curve becomes another one without a corner on the way, if their tangents turn equally often; and
-// if they do not, where it must fail. Below each curve is the spiral of its tangent: the angle around, the
-// way along the curve upwards.
+// Draws a regular homotopy between two closed curves with equal turning numbers; for different turning
+// numbers, where it fails. Below each curve is the spiral of its tangent: angle around, arc length upwards.
 //
 //     plane_homotopy circle loops -o homotopy.svg --png
 //     plane_homotopy circle eight -o fails.svg
@@ -23,7 +22,7 @@ using Complex = std::complex<double>;
 
 constexpr int most_turns = 12;
 
-/// A whole number of turns; the fault, or nothing.
+/// Parses a turning number; returns the fault, or empty.
 std::string parse_turns(std::string_view text, int& turns) {
     double number = 0;
     if (std::string why = detail::parse_number(text, number); !why.empty()) return why;
@@ -66,7 +65,7 @@ Expected<TurningCurve> parse_curve(const std::string& word) {
     return random_curve(turns, unsigned(curve.sines[0]));
 }
 
-/// Draws a family of curves, all at one scale.
+/// Draws a family of curves at the same scale.
 class Tiles {
 public:
     static constexpr double width = 200, height = 330;
@@ -146,7 +145,7 @@ private:
     double reach_ = 1e-9;
 };
 
-/// The times of some frames from 0 to 1; those nearest to the stops are at them.
+/// The times of frames from 0 to 1; the nearest times are moved to the stops.
 std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops) {
     std::vector<double> times;
     for (int n = 0; n < count; ++n) times.push_back(double(n) / (count - 1));

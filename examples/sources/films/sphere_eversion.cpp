@@ -1,12 +1,11 @@
-// A sphere turned inside out without a tear or a crease: a sheet of stages, a film, the curve of its volume.
-// The outside is red and the inside blue at first; the surface is cut into bands so that one sees in.
+// A sphere eversion without tears or creases: a sheet of stages, a film, the curve of its volume. Initially
+// the outside is red and the inside blue; bands of the surface are cut out.
 //
 //     sphere_eversion -o eversion.png --volume volume.svg --gif eversion.gif
 //     sphere_eversion -o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120
 //
-// With --cage, every stage is bound to the cage once, and moves as the cage does. The cage knows nothing of
-// eversions: the program prints the least determinant of its deformation, and where that is positive the
-// stage stays an immersion.
+// With --cage, every stage is bound to the cage and deformed. The program prints the smallest determinant of
+// the deformation; if it is positive, the stage remains an immersion.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -44,14 +43,14 @@ struct Arguments {
     std::size_t net_columns() const { return 2 * net_rows(); }
 };
 
-/// A cage about all stages, and its pose.
+/// A cage around all stages, and its pose.
 struct Control {
     ChosenCoordinates<double, 3> coordinates;
     ObjFile cage;
     std::vector<Point3> pose;
 };
 
-/// The stages in one figure, about which cages are made.
+/// All stages as one figure, for making cages.
 ObjFile all_stages() {
     const Eversion eversion;
     ObjFile figure;
@@ -93,7 +92,7 @@ Expected<std::optional<Control>> read_control(const Arguments& given, const ObjF
     return std::optional<Control>(Control{std::move(coordinates), std::move(*cage), std::move(pose)});
 }
 
-/// A stage as it is drawn.
+/// A stage to draw.
 struct Tile {
     std::vector<Point3> vertices;
     std::vector<SpaceLine> lines;
@@ -218,7 +217,7 @@ std::string volume_curve(const Theatre& theatre) {
            "halfway</text>\n</svg>\n";
 }
 
-/// Prints what holds of a stage, and of the cage's deformation there.
+/// Prints properties of a stage, and of the cage's deformation there.
 Expected<bool> print_stage(const Theatre& theatre, double time) {
     constexpr std::size_t rows = 100, columns = 180;
     const EversionStage stage = theatre.stage(time);
@@ -236,7 +235,7 @@ Expected<bool> print_stage(const Theatre& theatre, double time) {
     return true;
 }
 
-/// How far a vertex goes at most between two frames, for the largest distance from the origin after it.
+/// The largest displacement of a vertex between two frames, relative to the largest distance from the origin.
 double largest_step(const std::vector<Point3>& before, const std::vector<Point3>& after) {
     const auto length = [](const Point3& v) { return std::hypot(v[0], v[1], v[2]); };
     double step = 0, size = 0;

@@ -1,5 +1,5 @@
-// A zoom into a self-similar curve that never ends: new sides grow at the rate at which the view is
-// magnified, so that after one level the picture is the first one again.
+// An endless zoom into a self-similar curve: new sides grow at the rate of the magnification, so after one
+// level the picture is equal to the first.
 //
 //     zooms koch -o koch.svg --png --gif koch.gif
 
@@ -17,7 +17,7 @@ namespace {
 
 using namespace cageform_sources;
 
-/// A frame, a square of a size in pixels, its upper left corner at 0, 0.
+/// A square frame, with a size in pixels, at the origin.
 std::string frame_of(const SelfSimilarCurve& curve, int level, double time, int size) {
     std::string d;
     for (const auto& p : curve.frame(level, time)) {
@@ -38,7 +38,7 @@ std::string document(double width, double height, const std::string& content) {
            content + "</svg>\n";
 }
 
-/// Prints the lengths of levels in that of level 0, and the areas inside closed ones in that of their
+/// Prints the lengths of levels relative to level 0, and the areas of closed curves relative to their
 /// triangle or square.
 void print_levels(const SelfSimilarCurve& curve, int most) {
     const auto first = curve.corners(0);

@@ -47,7 +47,7 @@ double most_of(const Hand& hand, std::size_t joint) {
     return hand_angle_ranges[hand.joints[joint].bend].most;
 }
 
-/// One joint bent, no farther than it goes.
+/// One bent joint, within its limits.
 HandPose bent(const Hand& hand, std::size_t joint, double degrees) {
     HandPose pose{};
     pose[hand.joints[joint].bend] = std::min(degrees, most_of(hand, joint));
@@ -138,7 +138,7 @@ void print_constraints(const BoundHand& bound, const std::vector<HandPose>& pose
     lines.line(bad == 0, "4. vertices that are NaN or infinite in any pose: %zu (0)", bad);
 }
 
-/// How far a place lies beyond the joint at which a bone begins, along the bone.
+/// The position along a bone, from the joint at which it begins.
 double beyond(const Hand& hand, std::size_t joint, const Point3& p) {
     const HandJoint& j = hand.joints[joint];
     return dot(p - j.place, j.end - j.place) / length(j.end - j.place);
@@ -181,8 +181,8 @@ Flipped worse(const Flipped& a, const Flipped& b) {
     return {std::max(a.count, b.count), std::max(a.farthest, b.farthest)};
 }
 
-/// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose
-/// corners are of two bones, may follow either.
+/// Counts triangles whose normals deviate by more than 90 degrees from the rotation of their bone. A triangle
+/// over a joint, with corners on two bones, may follow either.
 Flipped flipped(const BoundHand& bound, std::size_t joint, double degrees) {
     const Hand& hand = bound.hand;
     const HandPose angles = bent(hand, joint, degrees);
@@ -236,7 +236,7 @@ double volume(const std::vector<Point3>& p, const std::vector<Face>& faces) {
     return sum;
 }
 
-/// The part of the skin that is a finger's, beyond its first joint.
+/// The skin of a finger beyond its first joint.
 std::vector<Face> faces_of_finger(const Hand& hand, std::size_t ray) {
     const auto bones = phalanges(hand, ray);
     const auto of_finger = [&](std::uint32_t i) {
@@ -249,7 +249,7 @@ std::vector<Face> faces_of_finger(const Hand& hand, std::size_t ray) {
     return finger;
 }
 
-// 5. A finger is closed by a cone from its first joint, which stays where it is.
+// 5. A cone from the fixed first joint closes a finger.
 void print_volume(const BoundHand& bound, Lines& lines) {
     const Hand& hand = bound.hand;
     const std::vector<double> ones(hand.points.size(), 1);
@@ -289,7 +289,7 @@ void print_volume(const BoundHand& bound, Lines& lines) {
     }
 }
 
-/// The middle of a pad: the vertex nearest to the inflation point of a bone, but no constraint vertex.
+/// The centre of a pad: the vertex nearest to the inflation point of a bone that is not a constraint vertex.
 std::size_t pad_of(const Hand& hand, std::size_t joint) {
     const auto inflation = std::find_if(hand.points.begin(), hand.points.end(), [&](const HandPoint& p) {
         return p.kind == HandPointKind::inflation && p.joint == joint;
@@ -306,7 +306,7 @@ std::size_t pad_of(const Hand& hand, std::size_t joint) {
     return best;
 }
 
-/// Whether the skin gains volume with kappa and with the angle.
+/// Whether the volume of the skin increases with kappa and with the angle.
 bool pad_grows(const BoundHand& bound, std::size_t joint) {
     const auto held = [&](double share, double kappa) {
         const HandPose pose = bent(bound.hand, joint, share * most_of(bound.hand, joint));
@@ -393,7 +393,7 @@ void print_rings(const BoundHand& bound, const std::vector<HandPose>& poses, Lin
                off_at_rest, 16 * eps);
 }
 
-/// Degrees by which a point turns about an axis through a place.
+/// The rotation of a point about an axis, in degrees.
 double angle_about(const Point3& place, const Point3& axis, const Point3& from, const Point3& to) {
     const auto flat = [&](const Point3& p) { return p - place - dot(p - place, axis) * axis; };
     const Point3 a = flat(from), b = flat(to);
@@ -534,7 +534,7 @@ void print_report(const BoundHand& bound, Lines& lines) {
                smooth.report.amplification.value);
 }
 
-/// Microseconds of the fastest of many runs.
+/// The least time of many runs, in microseconds.
 template <class Work>
 double fastest(const Work& work) {
     double best = 1e9;
@@ -547,9 +547,8 @@ double fastest(const Work& work) {
     return best;
 }
 
-/// 9. As a game would have it: in float, zeros left out, vertices in the binding's order. Reading the
-/// weights alone is
-/// timed beside it by bench_clone.
+/// 9. The configuration of a game: float, without zero weights, vertices in the order of the binding.
+/// bench_clone measures reading the weights alone.
 void print_time(const Hand& hand, Lines& lines) {
     const auto bound = bind_to_sites<float>("sibson", hand.sites(), hand.skin.vertices);
     const auto packed = cageform::pack(bound.value, {.threshold = 1e-30}).value;

@@ -33,7 +33,7 @@ RigidMotion3 after(const RigidMotion3& second, const RigidMotion3& first) {
     return both;
 }
 
-/// About an axis of unit length through a place.
+/// A rotation about a unit axis through a point.
 RigidMotion3 turn(const Point3& place, const Point3& axis, double degrees) {
     const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
     RigidMotion3 motion;
@@ -45,7 +45,7 @@ RigidMotion3 turn(const Point3& place, const Point3& axis, double degrees) {
     return motion;
 }
 
-/// A joint's own turn: first it bends, then it spreads. Without an axis its angle is 0.
+/// The rotation of a joint: flexion, then abduction. Without an axis the angle is 0.
 struct JointTurn {
     Point3 place{}, bend_axis{}, spread_axis{};
     double bend = 0, spread = 0; ///< degrees
@@ -62,7 +62,7 @@ struct JointTurn {
     }
 };
 
-/// Averages two turns. The axes may point to opposite sides; the angles then have opposite signs.
+/// Averages two rotations. Axes may be opposite; the angles then have opposite signs.
 void take_mean(Point3& axis, double& angle, const Point3& other_axis, double other_angle) {
     const double side = dot(axis, other_axis) < 0 ? -1 : 1;
     const Point3 sum = axis + side * other_axis;
@@ -70,7 +70,7 @@ void take_mean(Point3& axis, double& angle, const Point3& other_axis, double oth
     angle = (angle + side * other_angle) / 2;
 }
 
-/// Returns the mean of two turns: the mean of both angles, about the mean axis.
+/// Returns the mean of two rotations: the mean angle about the mean axis.
 JointTurn mean(JointTurn a, const JointTurn& b) {
     a.place = 0.5 * (a.place + b.place);
     take_mean(a.bend_axis, a.bend, b.bend_axis, b.bend);
@@ -160,7 +160,7 @@ double bone(const HandJoint& joint, const Point3& p) {
     return limb(p, joint.place, joint.end, joint.radius, joint.end_radius);
 }
 
-/// The skin's function: bones in flesh, a palm with two eminences, and lines under the joints.
+/// The implicit function of the skin: bones in flesh, a palm with two eminences, creases below the joints.
 class Skin {
 public:
     explicit Skin(const Hand& hand)

@@ -16,7 +16,7 @@ namespace {
 constexpr Colour clay{0.9f, 0.65f, 0.47f}, bone{0.93f, 0.9f, 0.8f}, steel{0.5f, 0.62f, 0.75f},
     ink{0.13f, 0.18f, 0.33f};
 
-// Where it is seen from: the camera looks along -z.
+// Views: the camera looks along -z.
 Point3 from_back(const Point3& p) {
     return p;
 }
@@ -31,7 +31,7 @@ Point3 from_thumb(const Point3& p) {
 
 using Skin = std::vector<Point3>;
 
-/// The part of a mesh at vertices of a kind.
+/// The part of a mesh with vertices of a kind.
 template <class Which>
 Model part_of(const Model& whole, const Which& which) {
     Model part;
@@ -59,7 +59,7 @@ bool is_of_ray(const Hand& hand, std::size_t joint, std::size_t ray) {
     return std::find(joints.begin(), joints.end(), joint) != joints.end();
 }
 
-/// Whether a vertex is of a finger, from its first joint on.
+/// Whether a vertex belongs to a finger, from the first joint on.
 bool is_of_finger(const Hand& hand, std::size_t vertex, std::size_t ray) {
     const std::size_t joint = hand.vertex_joint[vertex];
     return is_of_ray(hand, joint, ray) && (ray == 4 || joint != hand.rays[ray][0]);
@@ -71,7 +71,7 @@ HandPose with(std::initializer_list<std::pair<HandAngle, double>> angles) {
     return pose;
 }
 
-/// A place on the skin, which moves with it.
+/// A position on the skin, which moves with it.
 struct OnSkin {
     Face face{};
     Point3 weights{1, 0, 0};
@@ -81,7 +81,7 @@ struct OnSkin {
     }
 };
 
-/// Where a line through a place meets the skin nearest to it; the nearest vertex where it does not.
+/// The nearest intersection of a line through a position with the skin; without one, the nearest vertex.
 OnSkin onto_skin(const ImplicitMesh& skin, const Point3& p, const Point3& direction) {
     OnSkin found;
     double least = 0.05;
@@ -202,7 +202,7 @@ constexpr std::array<Colour, 10> kind_colours{{{0.85f, 0.1f, 0.1f},  // ring
                                                {0.35f, 0.25f, 0.2f}, // wrist
                                                {0.6f, 0.6f, 0.6f}}}; // surround
 
-/// The control points but for those that surround the hand.
+/// The control points without those that surround the hand.
 void add_points(Model& model, const Hand& hand, const std::vector<Point3>& sites) {
     for (std::size_t i = 0; i < sites.size(); ++i) {
         const HandPointKind kind = hand.points[i].kind;
@@ -306,7 +306,7 @@ Picture poses(const BoundHand& bound) {
                       {draw_tiles(tiles, count, 400, 560)});
 }
 
-/// How a vertex follows the bones beside it: by the inverse sixth power of their distances.
+/// Weights of a vertex for nearby bones: the inverse sixth power of distances.
 Point3 blended(const Hand& hand, const std::vector<RigidMotion3>& motions, std::size_t joint,
                const Point3& p) {
     const auto& ray = *std::find_if(hand.rays.begin(), hand.rays.end(), [&](const auto& joints) {
@@ -472,8 +472,8 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
     return std::size_t(nearest - hand.joints.begin());
 }
 
-/// The most of what is measured of the skin, of fingers and thumb but for one of them, from so many radii
-/// of the finger beyond its first joint on.
+/// The maximum of a measurement over the skin of all fingers except one, from a number of radii beyond the
+/// first joint on.
 double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
     double most = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -488,7 +488,7 @@ double most_beside(const Hand& hand, const std::vector<double>& values, std::siz
     return most;
 }
 
-/// The skin by harmonic coordinates in a cage of the hand, whose vertices move with the nearest joints.
+/// The skin deformed by harmonic coordinates in a cage whose vertices move with the nearest joints.
 Skin in_posed_cage(const Hand& hand, const ImplicitMesh& cage, const HandPose& angles) {
     ObjFile file;
     file.vertices = cage.vertices;

@@ -1,9 +1,8 @@
-// The hand in all its poses, its control points, inflation on and off, three builds of it, and what is
-// measured of them.
+// Draws the hand in all poses, its control points, inflation on and off and three builds, and measures them.
 //
 //     hand_sheet out
 //
-// writes the pictures that hand_pictures.hpp names, and prints one line a property (hand_acceptance.hpp).
+// writes the pictures of hand_pictures.hpp, and prints one line per property (hand_acceptance.hpp).
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"

@@ -1,11 +1,11 @@
-// Makes a hand: its skin, its control points and its poses.
+// Makes a hand: skin, control points, poses.
 //
 //     make_hand out
 //
-// writes out/hand.obj, out/hand_cage.obj (a cage of it), out/hand_points.csv (what each control point is,
-// and what moves it), out/hand_poses.csv (22 angles a line, as pose_hand takes them) and out/hand.glb: it
-// opens, closes to a fist, points and grasps a ball, in 4 s. A clip is morph targets a quarter of a second
-// apart: a rational clone is not linear in the pose.
+// writes out/hand.obj, out/hand_cage.obj (its cage), out/hand_points.csv (the kind of each control point and
+// the bone that moves it), out/hand_poses.csv (22 angles per line, for pose_hand) and out/hand.glb. In this
+// clip of 4 s the hand opens, closes to a fist, points and grasps a ball. Morph targets are 0.25 s apart,
+// because a rational clone is not linear in the pose.
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"
@@ -53,7 +53,7 @@ std::string poses_text(const BoundHand& bound) {
     return text;
 }
 
-/// The poses of the clip: every second one is come to, and smoothly left.
+/// The poses of the clip, with smooth transitions.
 HandPose pose_at(const BoundHand& bound, double seconds) {
     const auto& poses = hand_poses();
     const std::array<HandPose, 5> keys{poses[0].angles, poses[1].angles, poses[2].angles,
@@ -75,7 +75,7 @@ Rows difference(Rows a, const Rows& b) {
     return a;
 }
 
-/// The clip as morph targets, one a key.
+/// The clip as morph targets, one per key.
 Expected<std::string> clip_text(const BoundHand& bound) {
     using Use = GltfDocument::Use;
     constexpr std::size_t keys = 17; // the first and the last are at rest

@@ -1,5 +1,4 @@
-// Poses the hand of make_hand by joint angles and draws it, from the back and from the inner side, or
-// writes its skin.
+// Poses the hand of make_hand by joint angles. Draws it from the back and the palm, or writes its skin.
 //
 //     pose_hand --pose poses.csv --picture poses.png
 //     pose_hand --pose point -o point.obj
@@ -16,13 +15,13 @@ namespace {
 
 using namespace cageform_sources;
 
-/// The joint at a fingertip, where nothing is said of it: two thirds of the one before it, as tendons pull
-/// both.
+/// The default angle of the last joint of a finger: two thirds of the previous joint, because tendons couple
+/// them.
 bool follows(std::size_t angle) {
     return angle < std::size_t(HandAngle::ring_metacarpal) && angle % 4 == std::size_t(HandAngle::index_dip);
 }
 
-/// The angles of a line; empty, or why there are none.
+/// Parses the angles of a line; returns the fault, or empty.
 std::string parse_angles(std::string_view line, HandPose& pose) {
     const auto cells = detail::cells_of(line, hand_angle_count);
     if (cells.size() != hand_angle_count)

@@ -1,13 +1,13 @@
-// Instant image cloning: a region of one picture in another, without a seam (Farbman, Hoffer, Lipman,
+// Instant image cloning: copies a region of one picture into another without a seam (Farbman, Hoffer, Lipman,
 // Cohen-Or, Lischinski, Coordinates for instant image cloning, ACM Trans. Graph. 28(3) (2009)).
 //
 //     clone_image --make .
 //     clone_image noon.png evening.png --region boat.svg -o boat.png --report
 //
-// The region keeps its own colours, plus a smooth function that is on its outline the difference of the
-// target to the source. Mean value coordinates of the outline make that function. Their weights are bound
-// once; each place in the target then costs the differences, a clone of them, and a blend. --poisson and
-// --report compare it with the harmonic function, which the Poisson equation asks for.
+// The result is the source plus a smooth function whose values on the outline are the differences of target
+// and source. Mean value coordinates of the outline interpolate it. The weights are bound once; each position
+// in the target then needs the differences, a clone, and a blend. --poisson and --report compare with the
+// solution of the Poisson equation.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"
@@ -37,7 +37,7 @@ struct Given {
     bool report = false;
 };
 
-/// Seconds since it was made, or last asked.
+/// Seconds since construction or the last call.
 class Stopwatch {
 public:
     double lap() {
@@ -49,7 +49,7 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// "30,-12", whole pixels.
+/// Parses "30,-12", in pixels.
 std::optional<PixelPlace> parse_place(const std::string& text) {
     std::array<double, 2> at{};
     if (!detail::parse_point(text, at).empty()) return std::nullopt;
@@ -114,7 +114,7 @@ Expected<PixelRegion> load_region(const std::string& path, const Pixels& source)
     return region;
 }
 
-/// The places asked for, with steps between them.
+/// The given positions, with steps between them.
 std::vector<PixelPlace> way_of(const Given& given, const PixelRegion& region) {
     if (given.places.empty()) return {{std::int64_t(region.left), std::int64_t(region.top)}};
     std::vector<PixelPlace> way{given.places.front()};
@@ -129,7 +129,7 @@ std::vector<PixelPlace> way_of(const Given& given, const PixelRegion& region) {
     return way;
 }
 
-/// The name of a frame, counted from 1, with as many digits as the last has.
+/// The name of a frame, numbered from 1, with the digits of the last frame.
 std::string frame_path(const std::string& begin, std::size_t frame, std::size_t count) {
     std::string number = std::to_string(frame + 1);
     number.insert(

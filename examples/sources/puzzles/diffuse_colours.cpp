@@ -1,10 +1,9 @@
-// Diffusion curves: a picture of smooth colours from lines that have a colour on each side.
+// Diffusion curves: smooth colours from lines with a colour on each side.
 //
 //     diffuse_colours cat_colours.svg -o cat_colours.png
 //
-// The attributes data-left and data-right give a stroke's colours on its two sides as it runs, else its own
-// is that of both. Colours are diffused as light, in linear values, each times its alpha; --srgb takes the
-// values as displayed.
+// The attributes data-left and data-right are the colours on the sides of a stroke; the default is the
+// stroke's colour. Colours are diffused as linear values, premultiplied by alpha; --srgb uses sRGB values.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"
@@ -22,7 +21,7 @@ namespace {
 using namespace cageform_support;
 constexpr std::size_t channels = 4; // red, green, blue, each times alpha, and alpha
 
-/// A colour as it is diffused, and back.
+/// Conversion of a colour to diffused values, and back.
 struct Light {
     bool as_displayed = false;
 
@@ -52,8 +51,8 @@ struct Light {
     }
 };
 
-/// The left and the right values of a line, on the screen, where y points down. In the drawing's units, y
-/// upwards as the library has it, these are the other way round.
+/// The left and right values of a line on the screen, where y points down. In the library's coordinates, with
+/// y up, the sides are swapped.
 Expected<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light& light) {
     cageform::Stroke<double> stroke{line.points, {}, {}, 0};
     const auto read = [&](const std::string& word) { return light.read(word); };

@@ -1,10 +1,10 @@
-// A field on a grid as a picture: a map of colours with level lines, and a surface seen from any side.
+// Draws a field on a grid: a colour map with contour lines, and a surface.
 //
 //     height_map hills.svg -o hills.csv
 //     grid_field hills.csv -o field.png --surface surface.png
 //
-// The grid is a CSV file of a row a line: numbers, or fractions as puzzle writes them; a cell that is
-// empty, ".", or "nan" lies outside.
+// The grid is a CSV file with one row per line: numbers, or fractions as puzzle writes them. Cells that are
+// empty, "." or "nan" are outside.
 
 #include "io/csv.hpp"
 #include "io/messages.hpp"
@@ -26,7 +26,7 @@ struct Grid {
     std::size_t height() const { return values.size() / width; }
 };
 
-/// A number, or a fraction a/b; empty, or why it is neither.
+/// Parses a number or a fraction a/b; returns the fault, or empty.
 std::string parse_cell(std::string_view cell, double& value) {
     const std::size_t bar = std::min(cell.find('/'), cell.size());
     std::string why = detail::parse_number(cell.substr(0, bar), value);
@@ -51,7 +51,7 @@ Expected<Grid> load_grid(const std::string& path) {
     return grid;
 }
 
-/// Cells as squares of pixels, under level lines through their centres.
+/// Cells as squares of pixels, below contour lines through their centres.
 Picture draw_cells(const Grid& grid, const PlaneBox& part, const FieldStyle& style) {
     const double scale = 2 * double(style.size) / part.extent();
     const std::size_t width = 2 * std::size_t(std::ceil(part.width() * scale / 2));
@@ -81,7 +81,7 @@ Picture draw_cells(const Grid& grid, const PlaneBox& part, const FieldStyle& sty
     return fine.halved();
 }
 
-/// The grid's cells in a part of it, at their centres, as places.
+/// The centres of cells in a part of the grid.
 FieldSurface surface_of(const Grid& grid, const PlaneBox& part) {
     FieldSurface surface{mesh_of_grid(grid.width, grid.height()), grid.values, {}};
     for (std::size_t i = 0; i < grid.values.size(); ++i) {

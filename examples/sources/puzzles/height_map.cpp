@@ -1,9 +1,9 @@
-// Heights from a few lines that have them: contours, ridges, rivers of a drawing are diffused over it.
+// Heights from a few lines: contours, ridges and rivers of a drawing are interpolated harmonically.
 //
 //     height_map hills.svg -o hills.png --lines hills_lines.svg --3d hills_3d.png --levels 0.1
 //
-// Each stroke of the SVG is a line of known height: its attribute data-height, else how light its colour
-// is. Between the lines the field is harmonic, so it has no summit of its own: each is drawn.
+// Each stroke of the SVG has a height: its attribute data-height, or the lightness of its colour. Between the
+// lines the field is harmonic and has no extrema.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"
@@ -48,7 +48,7 @@ Expected<std::vector<double>> heights_of(const DrawnLine& line) {
                                0.2126 * double(r) + 0.7152 * double(g) + 0.0722 * double(b));
 }
 
-/// The field of a drawing; an error that names the stroke.
+/// The field of a drawing, or an error with the stroke.
 Expected<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const HeightOptions& options) {
     const auto& [x, y, width, height] = file.canvas;
     cageform::Diffusion<double> field({{x, y}, {x + width, y + height}}, options.size, 1);
@@ -108,7 +108,7 @@ void write_field(AtomicFile& out, const cageform::Diffusion<double>& field) {
     out.write(text);
 }
 
-/// Level lines over the strokes, in the drawing's units; every fifth is thick.
+/// Contour lines over the strokes, in the drawing's units; every fifth is thick.
 void write_lines(AtomicFile& out, const StrokeFile& file, const cageform::Diffusion<double>& field,
                  double step) {
     const auto lattice = field.lattice();

@@ -1,11 +1,10 @@
-// Puzzles of numbers: some cells of a table are given, each of the others is the mean of its neighbours.
+// Number puzzles: some cells of a table are given, each other cell is the mean of its neighbours.
 //
 //     puzzle grid.csv --exact -o solved.svg
 //
-// The answer exists and is the only one if every unknown cell is joined to a given one. With --exact it is
-// found in fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at
-// hand. Random walks from a cell, which end at the first given one, have its value as the mean of what they
-// find.
+// The solution exists and is unique if every unknown cell is connected to a given one. --exact computes
+// fractions (GMP) by elimination with non-zero pivots, which proves uniqueness for the table. The value of a
+// cell is also the expected value that random walks from the cell find at the first given cell.
 
 #include "cli/command_line.hpp"
 #include "io/atomic_file.hpp"
@@ -38,7 +37,7 @@ Expected<Puzzle> read_puzzle(const std::string& path, int neighbours) {
     return puzzle;
 }
 
-/// Solves by the library, in doubles.
+/// Solves with the library, in double.
 std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
     const cageform::CellBox<2> cells{{puzzle.columns, puzzle.rows}};
     const auto links = cageform::grid_links(cells, puzzle.neighbours == 8 ? cageform::CellNeighbours::all
@@ -51,7 +50,7 @@ std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
     return (at_cell ? puzzle.place(solved.solver.culprit) : puzzle.name) + ": " + to_string(solved.status);
 }
 
-/// The mean of what walks find and its standard error.
+/// The mean value of random walks, and its standard error.
 std::array<double, 2> walk(const Puzzle& puzzle, std::size_t from, std::size_t count, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     double sum = 0, squares = 0;
@@ -71,8 +70,8 @@ std::array<double, 2> walk(const Puzzle& puzzle, std::size_t from, std::size_t c
     return {mean, std::sqrt(std::max(0.0, squares / double(count) - mean * mean) / double(count))};
 }
 
-/// A table whose rim is given so that all within are whole numbers: a + bx + cy + dxy + e (x² − y²), which
-/// both kinds of neighbours reproduce.
+/// A table with given border and integer solution: a + bx + cy + dxy + e (x² − y²), which four and eight
+/// neighbours reproduce.
 Puzzle make_puzzle(std::size_t rows, std::size_t columns, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::array<int, 5> part{};

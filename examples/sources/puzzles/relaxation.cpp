@@ -1,5 +1,5 @@
-// Relaxation on a line, drawn: every cell without a given value becomes the mean of its neighbours, sweep
-// after sweep, once from zero and once from a good first guess.
+// Draws relaxation on a line: in each sweep, every cell without a given value becomes the mean of its
+// neighbours; from zero, and from a good initial guess.
 //
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 
@@ -19,7 +19,7 @@ using namespace cageform_support;
 
 constexpr std::size_t most_cells = 1000, most_sweeps = 200000;
 
-/// Cells of a line; those that are given keep their values.
+/// Cells of a line; given cells keep their values.
 struct Line {
     std::vector<double> values;
     std::vector<bool> given;
@@ -78,7 +78,7 @@ AveragingPyramid<double, 1> make_pyramid(const Line& line, const averaging::Aver
     return {cageform::CellBox<1>{{tags.size()}}, std::move(tags), options};
 }
 
-/// The solution on cells twice as long, each of which serves two.
+/// The solution on cells of twice the length, each used for two cells.
 std::vector<double> coarse_guess(const Line& line, double tolerance) {
     Line coarse{std::vector<double>((line.values.size() + 1) / 2, 0.0), {}};
     std::vector<double> children(coarse.values.size(), 0.0);
@@ -103,7 +103,7 @@ struct Frame {
     std::vector<double> values;
 };
 
-/// The line after 0, 1, 2, 5, 10 … sweeps, and when it is steady.
+/// The line after 0, 1, 2, 5, 10 … sweeps, until convergence.
 struct Run {
     std::string name;
     std::vector<Frame> frames;
@@ -227,7 +227,7 @@ void write_sheet(AtomicFile& out, const Line& line, const std::vector<Run>& runs
     out.write("</svg>\n");
 }
 
-/// Both runs beside each other, frame by frame; what plays no animations shows the last.
+/// Animates both runs side by side; viewers without animation show the last frame.
 void write_film(AtomicFile& out, const Line& line, const std::vector<Run>& runs) {
     constexpr double width = 560, height = 360, title = 34, hold = 0.8, hold_last = 3;
     std::size_t count = 0;

@@ -1,9 +1,9 @@
-// The tables of the source on Bézier curves fitted in a Sobolev norm (Izdebski 2019, ch. 6), computed here,
-// set beside the numbers known of them: captions of figures, its Table 6.1, and what two prototypes found.
+// Computes the tables of Izdebski 2019, ch. 6 (Bézier curves fitted in a Sobolev norm), and compares them
+// with known numbers: captions of figures, Table 6.1, and results of two prototypes.
 //
 //     bezier_tables
 //
-// Each row stands twice: ours above, theirs below. At the end the largest difference of each table.
+// Each row is printed twice, ours above theirs. The largest difference of each table follows at the end.
 
 #include "cli/command_line.hpp"
 #include "io/messages.hpp"
@@ -354,15 +354,31 @@ BezierCurve test_curve(std::size_t c, double height = 1) {
 
 using Row = std::vector<double>;
 
-/// A table: prints ours above theirs and remembers the largest difference.
+/// f(1), …, f(n).
+template <class F>
+Row row_of(std::size_t n, const F& f) {
+    Row row;
+    for (std::size_t i = 1; i <= n; ++i) row.push_back(f(i));
+    return row;
+}
+
+/// The summaries of all tables, in the order of their construction.
+std::vector<std::string> summaries;
+
+/// Prints a table, ours above theirs. Its destructor adds a summary with the largest difference.
 class Table {
 public:
     Table(std::string name, std::string what, int decimals, bool sampled = false)
         : name_(std::move(name))
         , decimals_(decimals)
-        , sampled_(sampled) {
+        , sampled_(sampled)
+        , number_(summaries.size()) {
+        summaries.emplace_back();
         std::printf("\n== %s: %s\n", name_.c_str(), what.c_str());
     }
+    Table(const Table&) = delete;
+    Table& operator=(const Table&) = delete;
+    ~Table() { summaries[number_] = summary(); }
     template <class Theirs>
     void row(const std::string& label, const Row& ours, const Theirs& theirs) {
         std::printf("%-14s", label.c_str());
@@ -377,6 +393,8 @@ public:
             where_ = label + ", column " + std::to_string(i + 1);
         }
     }
+
+private:
     /// "8.2.1   70 numbers   largest difference 5.0e-07 (half a last digit: 5e-07)".
     std::string summary() const {
         std::array<char, 200> text{};
@@ -391,10 +409,10 @@ public:
         return result;
     }
 
-private:
     std::string name_;
     int decimals_;
     bool sampled_;
+    std::size_t number_;
     double largest_ = 0;
     std::size_t count_ = 0;
     std::string where_;
@@ -476,8 +494,6 @@ double natural_spline_error(const BezierCurve& curve, const std::vector<double>&
     return std::sqrt(fitter.in_units(sum));
 }
 
-std::vector<std::string> summaries;
-
 void captions_and_sup_errors() {
     const auto candidates = uniform_in_parameter(30);
     Table errors("Figs 5.7-5.16", "W12 errors, values times 10, K = 30 steps of t, 1 ... 6 pieces", 6);
@@ -493,10 +509,8 @@ void captions_and_sup_errors() {
         }
         errors.row(curve_name(c), Row(w12[c].begin(), w12[c].begin() + 6), captions[c]);
     }
-    summaries.push_back(errors.summary());
     Table largest("8.1 sup errors", "of the same fits, values as they are, 1 ... 8 pieces", 6);
     for (std::size_t c = 0; c < 10; ++c) largest.row(curve_name(c), sup[c], sup_errors[c]);
-    summaries.push_back(largest.summary());
     Table needed("8.1 pieces needed", "sup <= 1/256, 0.0011598, 1/1920; W12 <= 0.125, 0.0125", 0);
     for (std::size_t c = 0; c < 10; ++c) {
         Row row;
@@ -508,26 +522,22 @@ void captions_and_sup_errors() {
         for (const double limit : {1.25, 0.125}) first_below(w12[c], limit); // values are times 10
         needed.row(curve_name(c), row, pieces_needed[c]);
     }
-    summaries.push_back(needed.summary());
 }
 
 void knots() {
+    const auto rows = [](Table& table, std::size_t n, const auto& theirs, const auto& parameters) {
+        for (std::size_t c = 0; c < 10; ++c) {
+            const auto error = [&](std::size_t pieces) {
+                return error_at(test_curve(c), parameters(test_curve(c), pieces), configuration(2));
+            };
+            table.row(curve_name(c), row_of(n, error), theirs[c]);
+        }
+    };
     Table by_time("8.2.1", "uniform in time, 1 ... 7 pieces", 6);
-    for (std::size_t c = 0; c < 10; ++c) {
-        Row row;
-        for (std::size_t n = 1; n <= 7; ++n)
-            row.push_back(error_at(test_curve(c), uniform_in_time(test_curve(c), n), configuration(2)));
-        by_time.row(curve_name(c), row, uniform_time[c]);
-    }
-    summaries.push_back(by_time.summary());
+    rows(by_time, 7, uniform_time, uniform_in_time);
     Table by_parameter("8.2.2", "uniform in the parameter, 1 ... 7 pieces", 6);
-    for (std::size_t c = 0; c < 10; ++c) {
-        Row row;
-        for (std::size_t n = 1; n <= 7; ++n)
-            row.push_back(error_at(test_curve(c), uniform_in_parameter(n), configuration(2)));
-        by_parameter.row(curve_name(c), row, uniform_parameter[c]);
-    }
-    summaries.push_back(by_parameter.summary());
+    rows(by_parameter, 7, uniform_parameter,
+         [](const BezierCurve&, std::size_t n) { return uniform_in_parameter(n); });
     Table brute("8.2.3", "brute force, error against K, F1 ... F10", 5);
     for (const auto& theirs : brute_force) {
         const auto pieces = std::size_t(theirs[0]), steps = std::size_t(theirs[2]);
@@ -541,7 +551,6 @@ void knots() {
                       std::to_string(steps),
                   row, std::span(theirs).subspan(3));
     }
-    summaries.push_back(brute.summary());
     Table ratio("8.2.4", "uniform t over brute force in t, F1 ... F10", 2);
     for (const auto& theirs : uniform_over_brute) {
         const auto steps = std::size_t(theirs[0]), pieces = std::size_t(theirs[1]);
@@ -553,17 +562,10 @@ void knots() {
         ratio.row("K " + std::to_string(steps) + ", N " + std::to_string(pieces), row,
                   std::span(theirs).subspan(2));
     }
-    summaries.push_back(ratio.summary());
     Table best("8.2.5", "optimal knots, 1 ... 6 pieces", 6);
-    for (std::size_t c = 0; c < 10; ++c) {
-        Row row;
-        for (std::size_t n = 1; n <= 6; ++n)
-            row.push_back(error_at(
-                test_curve(c), cageform::optimal_knots(test_curve(c), n, {configuration(2)}).value.parameters,
-                configuration(2)));
-        best.row(curve_name(c), row, optimum[c]);
-    }
-    summaries.push_back(best.summary());
+    rows(best, 6, optimum, [](const BezierCurve& curve, std::size_t n) {
+        return cageform::optimal_knots(curve, n, {configuration(2)}).value.parameters;
+    });
 }
 
 void conditions() {
@@ -573,7 +575,6 @@ void conditions() {
         base.push_back(searched_error(test_curve(c), candidates, 3, configuration(1)));
     Table absolute("Table 6.1, base", "3 pieces, K = 20 steps of t, no condition, F1 ... F10", 6);
     absolute.row("I", base, conditions_base[0]);
-    summaries.push_back(absolute.summary());
     Table percent("Table 6.1", "increase over the base in percent, F1 ... F10", 1);
     for (std::size_t n = 2; n <= 27; ++n) {
         Row row;
@@ -582,7 +583,6 @@ void conditions() {
                           (searched_error(test_curve(c), candidates, 3, configuration(n)) / base[c] - 1));
         percent.row(roman[n - 1], row, conditions_percent[n - 2]);
     }
-    summaries.push_back(percent.summary());
 }
 
 void w12_against_sup() {
@@ -630,7 +630,6 @@ void w12_against_sup() {
     Row medians;
     for (const Row& values : by_conditions) medians.push_back(median(values));
     table.row("II IV VIII XVI", medians, Row{16.6, 15.1, 9.3, 7.2});
-    summaries.push_back(table.summary());
 }
 
 void inner_and_outer() {
@@ -662,10 +661,8 @@ void inner_and_outer() {
         shares.row("outer " + std::to_string(o + 1), row, their_shares[o]);
     }
     shares.row("all", {share_below(all[0], 0.1), share_below(all[1], 0.1)}, their_shares[4]);
-    summaries.push_back(shares.summary());
     Table middles("8.5 medians", "steps of 0.1, outer 1 ... 4", 4);
     middles.row("", medians, Row{0.0154, 0.0176, 0.0228, 0.0556});
-    summaries.push_back(middles.summary());
 
     Table corners("8.5 corners", "L2 errors, outer (0, 1), K = 10: (0,0), (1,1), (1,0), (0,1)", 6);
     Row row;
@@ -677,7 +674,6 @@ void inner_and_outer() {
         row.push_back(fit_pieces(curve, search.value.parameters, options).report.l2_error);
     }
     corners.row("", row, Row{0.001463, 0.001463, 0.008739, 0});
-    summaries.push_back(corners.summary());
 
     constexpr std::array<std::array<double, 2>, 3> inner{
         {{1. / 6, 5. / 6}, {2. / 3, 1. / 3}, {2. / 3, 2. / 3}}};
@@ -695,12 +691,10 @@ void inner_and_outer() {
     Table below("8.6", "outer functions: percent with W12 < 0.1, inner 1 ... 3", 1);
     below.row("", {share_below(errors[0], 0.1), share_below(errors[1], 0.1), share_below(errors[2], 0.1)},
               Row{80.3, 99.4, 100});
-    summaries.push_back(below.summary());
     Table sizes("8.6 errors", "largest, median", 4);
     for (std::size_t k = 0; k < 3; ++k)
         sizes.row("inner " + std::to_string(k + 1),
                   {*std::max_element(errors[k].begin(), errors[k].end()), median(errors[k])}, found[k]);
-    summaries.push_back(sizes.summary());
 }
 
 void degrees_and_splines() {
@@ -712,7 +706,6 @@ void degrees_and_splines() {
                 searched_error(test_curve(r / 3), uniform_in_parameter(20), n, configuration(3, 3 + r % 3)));
         by_degree.row(curve_name(r / 3) + ", degree " + std::to_string(3 + r % 3), row, degrees[r]);
     }
-    summaries.push_back(by_degree.summary());
     for (const bool in_time : {true, false}) {
         Table ratio(in_time ? "8.8 uniform in time" : "8.8 uniform in t",
                     "clamped spline over IX, over II, 1 ... 8 pieces", 2);
@@ -727,7 +720,6 @@ void degrees_and_splines() {
             ratio.row(curve_name(r / 2) + (r % 2 == 0 ? ", IX" : ", II"), row,
                       (in_time ? spline_ratio_time : spline_ratio_parameter)[r]);
         }
-        summaries.push_back(ratio.summary());
     }
     Table absolute("8.8 errors", "clamped, natural, IX, II, uniform in t, 1 ... 8 pieces", 6);
     constexpr std::array<const char*, 4> methods{"clamped", "natural", "IX", "II"};
@@ -744,7 +736,6 @@ void degrees_and_splines() {
         }
         absolute.row(curve_name(r / 4) + ", " + methods[r % 4], row, spline_errors[r]);
     }
-    summaries.push_back(absolute.summary());
 }
 
 void scale_and_memory() {
@@ -771,7 +762,6 @@ void scale_and_memory() {
     }
     scale.row("least", least, theirs[0]);
     scale.row("most", most, theirs[1]);
-    summaries.push_back(scale.summary());
 
     Table memory("8.10",
                  "random curves, degrees 3, 4, 5: mean pieces for 0.0125, size over Bezier's, % over 0.125",
@@ -809,7 +799,6 @@ void scale_and_memory() {
         for (const double m : more) std::printf(" %10.0f", m);
         std::printf("   theirs: 52 to 107\n");
     }
-    summaries.push_back(memory.summary());
 }
 
 int run_program(int argc, char** argv) {

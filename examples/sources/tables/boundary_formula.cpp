@@ -1,6 +1,5 @@
-// Prints a cage's harmonic function on the boundary, edge by edge, as formulas. It is 1 at its vertex,
-// linear along the edges that meet there, and 0 on all others. Inside it solves Laplace's equation with
-// these values.
+// Prints the boundary values of a harmonic function of a cage as formulas, edge by edge. The function is 1 at
+// its vertex, linear along the adjacent edges, and 0 on all others. Inside it solves Laplace's equation.
 //
 //     boundary_formula --cage square.csv --vertex 0 --at 1,0
 
@@ -21,7 +20,7 @@ std::string number(double x) {
     return text_of("%.12g", x == 0 ? 0.0 : x);
 }
 
-/// "3 + 2 t", without what is not there.
+/// "3 + 2 t", without zero terms.
 std::string linear(double constant, double slope, const std::string& variable) {
     if (slope == 0) return number(constant);
     const std::string size = std::fabs(slope) == 1 ? "" : number(std::fabs(slope)) + " ";
@@ -29,7 +28,7 @@ std::string linear(double constant, double slope, const std::string& variable) {
     return number(constant) + (slope < 0 ? " - " : " + ") + size + variable;
 }
 
-/// "(x - 3)/4": the share of the way from one coordinate to another; "1 - x/4" to 0.
+/// "(x - 3)/4": the fraction of the path between two coordinates; "1 - x/4" towards 0.
 std::string share(const std::string& variable, double from, double to) {
     const double length = to - from;
     if (to == 0) {

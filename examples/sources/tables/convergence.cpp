@@ -80,7 +80,7 @@ Curve error_by_cycle(const cageform::Polygon<double>& cage, std::size_t resoluti
     return curve;
 }
 
-/// Points spread over a cage (a Halton sequence), the same for every grid.
+/// Points distributed over a cage (a Halton sequence), equal for all grids.
 std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t count) {
     const auto bounds = cageform::bounds_of(cage.vertices());
     const auto radical_inverse = [](std::size_t n, std::size_t base) {
@@ -115,7 +115,7 @@ weights_of(const CageFile& cage, const Way& way, std::size_t resolution) {
         .bind(points_in(cage.polygon<double>(), 1000));
 }
 
-/// The largest difference of weights to those that are `exact` beside.
+/// The largest difference between weights and `exact` weights.
 Curve error_by_cells(const CageFile& cage, const Way& way, const cageform::Binding<double, 2>& exact) {
     Curve curve;
     for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
@@ -273,7 +273,7 @@ struct Measured {
     double unknowns = 0, seconds = 0, error = 0;
 };
 
-/// A whole bind; the least processor time of some.
+/// A complete bind; the least processor time of several runs.
 template <std::size_t D>
 Measured measure(const Oracle<D>& oracle, const CoordinatesChoice& choice) {
     Measured measured;
@@ -342,7 +342,7 @@ void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams)
     }
 }
 
-/// Adds the oracle of a file; returns the fault, or nothing.
+/// Adds the oracle of a file; returns an error message, or empty.
 std::string add_oracle(const std::string& path, const char* colour, Diagrams& diagrams) {
     const auto text = read_file(path);
     if (!text) return to_string(text.error());
@@ -365,7 +365,7 @@ std::string add_oracle(const std::string& path, const char* colour, Diagrams& di
     return {};
 }
 
-/// Adds to the diagrams by cycles and cells; returns what is wrong.
+/// Adds to the diagrams by cycles and cells; returns an error message, or empty.
 std::string add_cage(const std::string& path, const char* colour, std::size_t resolution,
                      Diagrams& diagrams) {
     const auto file = load_cage(path);
@@ -406,7 +406,7 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
     return {};
 }
 
-/// Two diagrams a row.
+/// Arranges two diagrams per row.
 std::string draw(const Diagrams& diagrams, std::size_t resolution) {
     double top = 60;
     std::string svg;

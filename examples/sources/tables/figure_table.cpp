@@ -1,4 +1,4 @@
-// Binds figures to their cages and prints a table of what it took and how exact it is.
+// Binds figures to their cages and prints a table of time, memory and accuracy.
 //
 //     figure_table FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…] …
 
@@ -34,7 +34,7 @@ double median_seconds(int repeats, int calls, F&& f) {
     return samples[std::size_t(repeats / 2)];
 }
 
-/// One row; returns why it could not be made, or nothing.
+/// Prints one row; returns an error message, or empty.
 std::string print_row(const std::string& figure_path, const std::string& cage_path,
                       const std::string& pose_path, const std::string& coordinates_name) {
     const auto document = load_svg(figure_path);

@@ -3,10 +3,10 @@
 //
 //     lattice_board -o board.png
 //
-// The control points of a lattice of splines move so that the board follows a relief as well as it can
-// (fit_lattice). The two outer layers of points are frozen, so the board outside stays where it is, without
-// a crease. A coarse lattice makes a soft face; refined twice, it has points enough for eyes and a mouth.
-// The picture has the board at rest, by the coarse lattice, and by the fine one.
+// fit_lattice moves the control points of a spline lattice so that the board fits a relief. Two outer layers
+// of points are frozen, so there is no crease at the border. A coarse lattice makes a soft face; refined
+// twice, it has enough points for eyes and a mouth. The picture shows the board at rest, by the coarse and by
+// the fine lattice.
 
 #include "cli/command_line.hpp"
 #include "io/atomic_file.hpp"
@@ -27,7 +27,7 @@ using namespace cageform_support;
 using Lattice = cageform::LatticeCoordinates<double, 3>;
 using Axes = std::array<cageform::LatticeAxis, 3>;
 
-/// How far the relief stands out of the board; 0 from the frozen points on.
+/// The height of the relief; 0 at the frozen points.
 double relief(double x, double y) {
     const auto bump = [&](double height, double at_x, double at_y, double wide, double high) {
         const double u = (std::fabs(x) - at_x) / wide, v = (y - at_y) / high; // both sides are alike
@@ -74,7 +74,7 @@ Board make_board() {
     return board;
 }
 
-/// All handles that may not move: those of the back, and two layers at the four sides.
+/// All frozen handles: those of the back, and two layers at the four sides.
 std::vector<std::uint32_t> frozen(const Lattice& lattice) {
     std::vector<std::uint32_t> list;
     const std::size_t wide = lattice.points(0), high = lattice.points(1);
@@ -85,7 +85,7 @@ std::vector<std::uint32_t> frozen(const Lattice& lattice) {
     return list;
 }
 
-/// The board by a lattice that was fitted to the relief.
+/// The board deformed by a lattice that is fitted to the relief.
 struct Fitted {
     std::vector<Point3> pose, moved;
     cageform::LatticeFitReport report;

@@ -1,10 +1,10 @@
-// A figure in a cage of curves, beside the polygon that does the same.
+// Compares a cage of curves with an equivalent polygon.
 //
 //     leaf_cages leaf.svg --cage leaf_cage.svg --pose leaf_pose.svg -o leaf.svg --png --seconds
 //
-// The polygon has its vertices on the curves, at equal steps of their parameter, at rest and posed. Both
-// cages move the figure by Green coordinates. The picture has both at rest and posed, with their handles. The
-// handles, the seconds, and how far the two figures are from each other are printed.
+// The polygon has its vertices on the curves, at equal parameter steps, at rest and posed. Both cages deform
+// the figure by Green coordinates. The picture shows both, at rest and posed, with their handles. The program
+// prints numbers of handles, seconds, and the distance between the two figures.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -32,7 +32,7 @@ struct Arguments {
     bool png = false, seconds = false;
 };
 
-/// The polygon with vertices on the curves of a cage, which share them out equally.
+/// The polygon with equally distributed vertices on the curves of a cage.
 CageFile polygon_on(const CageFile& cage, std::size_t vertices) {
     std::vector<CageBlock> blocks;
     std::size_t edges = 0, edge = 0;
@@ -51,7 +51,7 @@ CageFile polygon_on(const CageFile& cage, std::size_t vertices) {
     return make_cage("the polygon on " + cage.name, std::move(blocks));
 }
 
-/// A cage, its pose, and what it makes of the figure.
+/// A cage, its pose, and the deformed figure.
 struct Trial {
     CageFile cage, pose;
     std::string coordinates, title;
@@ -61,7 +61,7 @@ struct Trial {
     double bind_seconds = 0, clone_seconds = 0;
 };
 
-/// Returns the least seconds of some calls, which is that of a machine that does nothing else.
+/// Returns the least seconds of several calls.
 template <class F>
 double least_seconds(F&& f) {
     using Clock = std::chrono::steady_clock;
@@ -74,7 +74,7 @@ double least_seconds(F&& f) {
     return least;
 }
 
-/// Binds and poses; an empty reason is success. `points` that lie outside the cage are taken out.
+/// Binds and poses; returns an error message, or empty. Removes `points` outside the cage.
 std::string run_trial(const Arguments& given, const SvgDocument& figure, std::vector<Point2>& points,
                       Trial& trial) {
     CoordinatesChoice choice;

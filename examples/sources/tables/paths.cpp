@@ -1,6 +1,6 @@
-// Two ways from a point to the boundary, and the coordinates that are means over them: straight rays give
-// mean value coordinates, Brownian paths harmonic ones. A ray jumps over what is not inside; a Brownian
-// path stays inside.
+// Coordinates as means over paths from a point to the boundary: straight rays give mean value coordinates,
+// Brownian paths give harmonic coordinates. Rays may leave the cage and enter it again; Brownian paths stay
+// inside.
 //
 //     paths --cage biped_cage.svg --point 150,600 -o paths.svg --png
 
@@ -26,7 +26,7 @@ struct Arguments {
     bool png = false;
 };
 
-/// The library's weights of a point; an error that says why there are none.
+/// The library's weights of a point, or an error.
 Expected<std::vector<double>> weights_of(const std::string& type, const CageFile& cage, const Point2& p) {
     CoordinatesChoice choice;
     choice.name = type;

@@ -1,12 +1,11 @@
-// Poses of a figure by pins, beside the least moves of its cage that take the pins to the same targets.
+// Compares poses by pins with least-squares poses of the cage for the same targets.
 //
 //     pin_poses cat.svg --cage cat_cage.svg --pinned "212,740 645,740 915,165:760,60" -o cat_pins_
 //     pin_poses character.obj --cage character_cage.obj --pinned "0 0,0.9,0 0.9,1.3,0:0.6,1.9,0.2" -o man_
 //
-// The pins move the cage so that the inside stays as rigid as it can. Least squares solve for the pins alone:
-// among all poses of the cage that take them to their targets they choose the one whose vertices move least,
-// d = Wᵀ (W Wᵀ)⁻¹ (t − W H). Every pose is drawn both ways, with the pins, and what becomes of the inside is
-// printed.
+// PoseSolver keeps the inside as rigid as possible. Least squares chooses, among all poses of the cage that
+// take the pins to their targets, the one with the smallest displacements of vertices, d = Wᵀ (W Wᵀ)⁻¹ (t − W
+// H). The program draws each pose by both methods, and prints the distortion of the inside.
 
 #include "cli/auto_cage.hpp"
 #include "cli/mesh_cage.hpp"
@@ -55,7 +54,8 @@ Expected<std::vector<Pin<D>>> pins_in(const std::string& words,
     return pins;
 }
 
-/// The least moves of all handles that take the pins to their targets, as nearly as the weights allow.
+/// The smallest displacements of all handles that take the pins to their targets, as far as the weights
+/// allow.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> least_moves(const ChosenCoordinates<double, D>& coordinates,
                                                   const std::vector<Pin<D>>& pins) {
@@ -78,7 +78,7 @@ std::vector<cageform::Vec<double, D>> least_moves(const ChosenCoordinates<double
     return result;
 }
 
-/// Prints what becomes of samples of a cage's inside.
+/// Prints the distortion at samples of a cage's inside.
 template <std::size_t D>
 class Inside {
 public:
@@ -156,7 +156,7 @@ private:
     Inside<2> inside_;
 };
 
-/// Draws the poses of a mesh side by side, in one picture by pins and in another by least moves.
+/// Draws the poses of a mesh side by side, one picture per method.
 int draw_in_space(const Arguments& given) {
     const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));

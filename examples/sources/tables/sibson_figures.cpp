@@ -1,16 +1,15 @@
-// Natural neighbour coordinates in pictures and figures:
+// Pictures and numbers of natural neighbour coordinates:
 //
 //     sibson_figures FOLDER
 //
-// sibson_cells.svg   how a point takes its cell from those of its neighbours, and what inner Bézier points
-// do: figure 1
-//                    of Moccozet and Magnenat-Thalmann, Dirichlet free-form deformations (Computer
+// sibson_cells.svg   the Voronoi cell of a point and those of its neighbours, and inner Bézier points: figure
+//                    1 of Moccozet, Magnenat-Thalmann, Dirichlet free-form deformations (Computer
 //                    Animation '97)
-// sibson_types.png   one control point's influence, and a pose of it: degree 1, degree 3, harmonic in a
-// cage sibson_legs.png    what distance alone knows: a point on one leg moves the other
+// sibson_types.png   the influence of one control point, and a pose: degree 1, degree 3, harmonic in a cage
+// sibson_legs.png    weights depend on distance alone: a control point on one leg moves the other
 //
-// Prints how far unit displacements are amplified by each rule of gradients, and the error of a wave that
-// is followed.
+// Prints the amplification of unit displacements for each gradient rule, and the interpolation error of a
+// wave.
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
@@ -34,7 +33,7 @@ using cageform::SiteGradients;
 
 using Cell = std::vector<Vec2>; // a convex polygon
 
-/// The part of a cell that is nearer to `site` than to `other`.
+/// The part of a cell closer to `site` than to `other`.
 Cell clip(const Cell& cell, const Vec2& site, const Vec2& other) {
     const Vec2 normal = other - site;
     const double offset = 0.5 * (dot(other, other) - dot(site, site));
@@ -63,7 +62,7 @@ double area(const Cell& cell) {
 
 // ---- figure 1 of the source -----------------------------------------------------------------------
 
-/// A row of panels as an SVG: each shows the same window, y upwards.
+/// A row of panels as an SVG, all with the same window, y up.
 class Panels {
 public:
     static constexpr double size = 300, gap = 16;
@@ -473,7 +472,7 @@ Sites<2> three_rings() {
     }
     return sites;
 }
-/// Rings about an axis, two by two close together, and an end.
+/// Rings around an axis in close pairs, and an end.
 Sites<3> finger() {
     Sites<3> sites{{0.5, 0.5, 1}};
     for (const double z : {0.0, 0.05, 0.3, 0.35, 0.6, 0.65, 0.9}) {
@@ -485,8 +484,7 @@ Sites<3> finger() {
     return sites;
 }
 
-/// A line of the table: Σ|w|, its mean and worst, the least weight, and the error of a wave that the sites
-/// follow.
+/// A line of the table: mean and maximum of Σ|w|, the least weight, the interpolation error of a wave.
 template <std::size_t D>
 void print_rules(const char* name, const Sites<D>& sites) {
     const auto wave = [](const cageform::Vec<double, D>& p) {

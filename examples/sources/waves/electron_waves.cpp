@@ -1,11 +1,11 @@
-// Electrons as waves: through slits, out of a magnetised tip, past an opaque square.
+// Electron waves: through slits, from a magnetised tip, past an opaque square.
 //
 //     electron_waves --scene slit -o slit.png --csv slit.csv --gif slit.gif
 //
-// Follows "Computer animation of electron motion in nanometre-scale devices": Schrödinger's equation on a
-// lattice, by a product formula of fourth order. A picture has a row for each run of a scene and a column for
-// each of four times. Densities |Φ|² are grey, potentials are orange, a magnetic field is blue. Beyond walls,
-// where little arrives, densities are drawn brighter; the caption tells how much.
+// Follows "Computer animation of electron motion in nanometre-scale devices": the Schrödinger
+// equation on a lattice, by a product formula of fourth order. A picture has a row per run of a scene and a
+// column for each of four times. Densities |Φ|² are grey, potentials orange, magnetic fields blue. Densities
+// behind walls are brightened; the caption has the factor.
 
 #include "waves/wave_tables.hpp"
 
@@ -42,7 +42,7 @@ std::string text_of(const char* format, double value) {
     return text.data();
 }
 
-/// Columns and rows of "384x288"; empty, or why these are none.
+/// Parses columns and rows "384x288"; returns the fault, or empty.
 std::string parse_size(const std::string& text, WaveLattice& lattice) {
     int columns = 0, rows = 0, end = 0;
     if (std::sscanf(text.c_str(), "%6dx%6d%n", &columns, &rows, &end) != 2 || end != int(text.size()))
@@ -55,7 +55,7 @@ std::string parse_size(const std::string& text, WaveLattice& lattice) {
     return "";
 }
 
-/// A run's pictures and what its screen saw.
+/// The pictures and screen densities of a run.
 struct Recorded {
     std::string name;
     std::vector<std::vector<float>> frames; ///< densities at half the resolution
@@ -75,8 +75,7 @@ std::vector<float> half_resolution(const LatticeWave<T>& wave) {
     return halves;
 }
 
-/// Bright fringes beside the shadow of the square, both sides together: where, and how bright by the
-/// brightest.
+/// Bright fringes on both sides of the square's shadow: positions, and brightness relative to the brightest.
 std::string fringes(const WaveScene& scene, const std::vector<double>& screen) {
     const std::size_t half = screen.size() / 2;
     const double mesh = scene.lattice.mesh;
@@ -93,7 +92,7 @@ std::string fringes(const WaveScene& scene, const std::vector<double>& screen) {
     return words.empty() ? " none" : words;
 }
 
-/// Runs a scene once, and tells how its beams went.
+/// Runs a scene once, and prints the directions of its beams.
 template <class T>
 Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settings, std::size_t steps,
               double step, std::string& csv) {
@@ -164,15 +163,15 @@ Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settin
     return recorded;
 }
 
-/// A row of the pictures: densities of all frames, and how to draw them.
+/// A row of pictures: densities of all frames, and their scale.
 struct Row {
     std::string caption;
     std::vector<std::vector<float>> frames; ///< grey in [0, 1]
     const std::vector<double>* potential = nullptr;
 };
 
-/// Densities as greys: the largest beyond a place is white. Before it, if that has a scale of its own, the
-/// largest at the start is white, and the caption tells how much brighter all beyond is drawn.
+/// Densities as greys. The largest density behind a position is white. In front of it, with a separate scale,
+/// the largest initial density is white, and the caption has the ratio of the scales.
 Row grey_row(const WaveScene& scene, const std::string& caption, std::vector<std::vector<float>> frames,
              const WaveTerms& terms, double beyond, bool two_scales) {
     const std::size_t width = scene.lattice.columns / 2;
@@ -216,7 +215,7 @@ std::vector<Row> rows_of(const WaveScene& scene, const std::vector<Recorded>& ru
     return rows;
 }
 
-/// Frames beside each other, one row of tiles below the other, each row with its caption.
+/// Arranges frames in rows, each row with its caption.
 Picture draw(const WaveScene& scene, const std::vector<Row>& rows, const std::vector<std::size_t>& frames) {
     constexpr std::size_t gap = 4, head = 14;
     const std::size_t width = scene.lattice.columns / 2, height = scene.lattice.rows / 2;
@@ -242,7 +241,7 @@ Picture draw(const WaveScene& scene, const std::vector<Row>& rows, const std::ve
     return picture;
 }
 
-/// Writes all that is asked for, together.
+/// Writes all requested files.
 int write(const Settings& settings, const WaveScene& scene, const std::vector<Recorded>& runs,
           const std::string& csv) {
     const std::vector<Row> rows = rows_of(scene, runs);
@@ -265,14 +264,14 @@ int write(const Settings& settings, const WaveScene& scene, const std::vector<Re
     return 0;
 }
 
-/// Bytes that two runs take, with their frames and pictures.
+/// Memory of two runs, with their frames and pictures, in bytes.
 double memory_of(const Settings& settings) {
     const double number = settings.single ? sizeof(float) : sizeof(double);
     const double point = 16 * number + 6 * sizeof(double) + 3 * sizeof(Colour);
     return double(settings.lattice.size()) * (point + 8.0 * (settings.frames + 1) * sizeof(float) / 4);
 }
 
-/// Steps a second for 512 x 1024 points in float, beside reading and writing all of Φ once.
+/// Steps per second for 512 x 1024 points in float, compared with reading and writing Φ once.
 int benchmark(const Settings& settings) {
     using Clock = std::chrono::steady_clock;
     const auto seconds = [](const auto& body) { // the best of many

@@ -21,6 +21,18 @@ std::string percent(double part) {
 
 } // namespace
 
+void add_cage(CommandLine& line, std::string& cage, CageFiles files) {
+    const bool is_mesh = files == CageFiles::mesh || files == CageFiles::mesh_or_sites;
+    std::string help =
+        is_mesh ? "the cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside"
+                : "the cage: the first closed polygon of an SVG, for curved-green the first closed outline, "
+                  "or a CSV "
+                  "file of loops, chains and points";
+    if (files == CageFiles::drawing_or_sites || files == CageFiles::mesh_or_sites)
+        help += "; for sibson and sibson-c1 a file of points";
+    line.add("--cage", cage, help + auto_cage_help).required();
+}
+
 CageWord CageWord::of(const std::string& word) {
     using Shape = cageform::CageShape;
     if (word.starts_with(lattice_prefix)) return {true, true, 0, 0, Shape::figure};

@@ -21,8 +21,14 @@ inline constexpr const char* auto_cage_help =
     "tightest auto:15%) to make one, as make_cage does; or a lattice of points, lattice:4x4 in the plane and "
     "lattice:4x4x4 in space, or a .lattice.json file";
 
-/// The value of --cage: auto, hull, box, auto:N, hull:N, auto:15%, hull:15% or lattice:…; otherwise a file
-/// (./auto for a file of that name).
+/// The files that a program accepts as --cage.
+enum class CageFiles { drawing, drawing_or_sites, mesh, mesh_or_sites };
+
+/// Adds the required option --cage.
+void add_cage(CommandLine& line, std::string& cage, CageFiles files);
+
+/// The choice of --cage: auto, hull, box, auto:N, hull:N, auto:15%, hull:15% or lattice:…, otherwise a file
+/// (write ./auto for a file of that name).
 struct CageWord {
     bool is_auto = false;
     bool is_lattice = false;  // described by the rest of the word

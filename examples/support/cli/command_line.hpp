@@ -62,6 +62,17 @@ public:
     /// Options whose value is passed to a function.
     CommandOption add_text(const std::string& name, const std::function<void(const std::string&)>& take,
                            const std::string& help);
+    /// An option that `parse` reads into `value`; it returns why a word is no value, or "".
+    template <class T, class Parse>
+    CommandOption add_parsed(const std::string& name, T& value, const Parse& parse, const std::string& help) {
+        const auto fault = [parse](const std::string& word) {
+            T ignored{};
+            return std::string(parse(word, ignored));
+        };
+        return add_text(
+                   name, [&value, parse](const std::string& word) { (void)parse(word, value); }, help)
+            .check(fault);
+    }
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
     /// Sets the examples in the help, without the program's name.

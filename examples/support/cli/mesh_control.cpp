@@ -139,11 +139,7 @@ std::string MeshControl::saved_pose() const {
 }
 
 void MeshControlChoice::add_options(CommandLine& line) {
-    line.add("--cage", cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; for sibson "
-             "and sibson-c1 a file of points" +
-                 std::string(auto_cage_help))
-        .required();
+    add_cage(line, cage, CageFiles::mesh_or_sites);
     line.add("--pose", pose,
              "the pose: the same mesh or points with vertices moved; or give operations such as --turn; with "
              "--cage auto and none of these, half the figure bends");

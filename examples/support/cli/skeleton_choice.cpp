@@ -115,13 +115,7 @@ std::string parse_share(const std::string& word, double& share) {
 }
 
 CommandOption add_share(CommandLine& line, const std::string& name, double& share, const std::string& help) {
-    return line
-        .add_text(
-            name, [&share](const std::string& word) { (void)parse_share(word, share); }, help)
-        .check([](const std::string& word) {
-            double ignored = 0;
-            return parse_share(word, ignored);
-        });
+    return line.add_parsed(name, share, parse_share, help);
 }
 
 std::vector<CommandOption> SkeletonChoice::add_options(CommandLine& line) {

@@ -24,13 +24,9 @@ std::string parse_view(std::string_view word, ViewAngles& sight) {
 } // namespace
 
 void ViewChoice::add_options(CommandLine& line) {
-    line.add_text(
-            "--view", [this](const std::string& word) { (void)parse_view(word, sight); },
+    line.add_parsed(
+            "--view", sight, parse_view,
             "the picture's view: TURN,RISE in degrees, from the front towards the figure's left, and upwards")
-        .check([](const std::string& word) {
-            ViewAngles ignored;
-            return parse_view(word, ignored);
-        })
         .show_default("34,11");
     line.add_text(
             "--up", [this](const std::string& word) { sight.z_is_up = word == "z"; },

@@ -97,12 +97,11 @@ struct SolverReport {
     // ---- refused problems: the culprit, and what would work -------------------------------------
     /// For grid_too_coarse: the first handle whose data reaches no link of the grid.
     std::size_t unseen_handle = none;
-    /// For grid_too_coarse and out_of_memory: a resolution that would work; 0: none is known. With
-    /// out_of_memory `bytes` holds the memory that was needed, if known. For an adaptive grid that
-    /// number is an estimate, off by at most a factor of two on the cages measured.
+    /// For grid_too_coarse and out_of_memory: a sufficient resolution; 0: unknown. With out_of_memory
+    /// `bytes` holds the required memory, if known. For an adaptive grid it is an estimate, within a
+    /// factor of two on the measured cages.
     std::size_t sufficient_resolution = 0;
-    /// For out_of_memory on an adaptive grid: an accuracy that would work, by an estimate;
-    /// 0: none is known.
+    /// For out_of_memory on an adaptive grid: an accuracy that fits the limit, by estimate; 0: unknown.
     double sufficient_accuracy = 0;
     /// The index of the input that is refused: a cell or value (fields/dirichlet.hpp), a node or
     /// link (fields/graph.hpp), a stroke (fields/strokes.hpp).
@@ -111,7 +110,7 @@ struct SolverReport {
     std::size_t unreached_cells = 0;
 
     /// Returns a quantile of tree.grid_errors, in [0, 1]: the fraction `quantile` of them does not exceed
-    /// it. For part = 1 it was measured between half and four times the largest error anywhere.
+    /// it. grid_error(1) was measured between half and four times the largest error anywhere.
     double grid_error(double quantile = 1) const {
         if (tree.grid_errors.empty()) return 0;
         auto sorted = tree.grid_errors;
