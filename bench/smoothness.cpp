@@ -36,7 +36,7 @@
 namespace {
 
 using namespace cageform_bench;
-using cageform::PointState, cageform::Status, cageform::detail::Facet, cageform::detail::length;
+using cageform::PointState, cageform::Status, cageform::Facet, cageform::detail::length;
 using cageform_tests::gradients_of, cageform_tests::larger, cageform_tests::WalkNumbers;
 using Point = cageform::Vec<double, 3>;
 using Points = std::vector<Point>;

@@ -37,13 +37,13 @@ count 'of them that declare into namespace detail' "$(printf '%s' "$machinery" |
 # Public names are those in namespace cageform, wherever their header lies, but none in a folder detail/. A .impl.hpp
 # defines functions that other headers declare.
 names=$(find include -name '*.hpp' ! -name '*.impl.hpp' -exec "$awk" -f tests/public_names.awk {} + | grep -vF "$types")
-count 'public names' "$(printf '%s\n' "$names" | sed 's/.*://' | sort -u | grep -c .)" 459
+count 'public names' "$(printf '%s\n' "$names" | sed 's/.*://' | sort -u | grep -c .)" 446
 hidden=$(printf '%s\n' "$names" | grep '/detail/')
 printf '%s\n' "$hidden"
 count 'of them in folders detail/' "$(printf '%s' "$hidden" | grep -c .)" 0
 private=$(grep -rnE 'include <cageform/.*detail/|cageform::detail' examples --include='*.hpp' --include='*.cpp' --include='*.md')
 printf '%s\n' "$private"
-count 'uses of detail in examples/' "$(printf '%s' "$private" | grep -c .)" 4 # facets in averaging/rasterise.hpp
+count 'uses of detail in examples/' "$(printf '%s' "$private" | grep -c .)" 0
 rows=$(printf '%s\n' "$types" | grep -c .)
 count 'lines of README.md' "$(grep -c '' README.md)" $((187 + rows))
 for document in include/cageform/*/README.md bench/README.md tests/README.md; do

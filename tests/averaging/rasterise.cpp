@@ -19,12 +19,12 @@ using cageform::check;
 using cageform::epsilon;
 using cageform::Lattice;
 using cageform::locate;
+using cageform::nearest_on_edge;
 using cageform::PointState;
 using cageform::Polygon;
 using cageform::Status;
 using cageform::Vec;
 using cageform::vec_cast;
-using cageform::detail::nearest_on_edge;
 using cageform_sources::averaging::CellTag;
 using cageform_sources::averaging::GridDomain;
 using cageform_sources::averaging::lattice_about;
@@ -434,7 +434,7 @@ std::vector<Face> faces_of(const cageform::TriangleMesh<T>& mesh) {
 template <class T>
 Vec<double, 3> nearest_place(const cageform::TriangleMesh<T>&, const Face& face, const Vec<double, 3>& p) {
     const cageform::detail::Corners<3> corner{face.corner[0], face.corner[1], face.corner[2]};
-    return cageform::detail::point_on_facet(cageform::detail::nearest_on_facet(p, corner), corner);
+    return cageform::detail::point_on_facet(cageform::nearest_on_facet(p, corner), corner);
 }
 
 /// Everything that rasterise promises in space, by the slow way: every face against every cell.

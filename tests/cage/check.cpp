@@ -187,7 +187,7 @@ Faults brute_force(const IntegerPolygon& polygon) {
 
 /// Facets of all sizes: scattered, slivers at a few common points, parallel slivers.
 template <std::size_t D>
-std::vector<cageform::detail::Facet<D>> random_facets(Random& random, std::vector<std::uint32_t>& groups) {
+std::vector<cageform::Facet<D>> random_facets(Random& random, std::vector<std::uint32_t>& groups) {
     std::vector<Vec<double, D>> vertices;
     const auto place = [&](const Vec<double, D>& about, double size) {
         Vec<double, D> p = about;
@@ -216,7 +216,7 @@ std::vector<cageform::detail::Facet<D>> random_facets(Random& random, std::vecto
             groups.push_back(fan);
         }
     }
-    std::vector<cageform::detail::Facet<D>> facets;
+    std::vector<cageform::Facet<D>> facets;
     for (const auto& facet : corners) facets.emplace_back(facet, std::span<const Vec<double, D>>(vertices));
     return facets;
 }
@@ -230,7 +230,7 @@ std::size_t find_as_all_pairs_do(int seed) {
     const double margin = 1e-15;
     std::set<std::pair<std::size_t, std::size_t>> expected, found;
     const auto meet = [&](std::size_t m, std::size_t n) {
-        return facets_touch(facets[m], facets[n], margin);
+        return cageform::detail::facets_touch(facets[m], facets[n], margin);
     };
     for (std::size_t m = 0; m < facets.size(); ++m) {
         for (std::size_t n = m + 1; n < facets.size(); ++n) {
@@ -575,7 +575,7 @@ TEST_CASE("FacetPairs separates the slivers of two caps with few tests", "[cage]
         if (i != bottom && j != bottom) add({bottom, j, i}, bottom);
         if (n + i != top && n + j != top) add({top, n + i, n + j}, top);
     }
-    std::vector<cageform::detail::Facet<3>> facets;
+    std::vector<cageform::Facet<3>> facets;
     for (const auto& face : faces) facets.emplace_back(face, std::span<const Vec<double, 3>>(vertices));
     std::size_t tests = 0;
     FacetPairs<3>(facets, apex, 1e-15)

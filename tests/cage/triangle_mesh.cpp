@@ -99,9 +99,9 @@ TEMPLATE_TEST_CASE("the face hierarchy agrees with a loop over all faces", "[cag
         const auto q = cageform::vec_cast<TestType>(p);
         double least = std::numeric_limits<double>::infinity();
         for (const auto& face : mesh.faces())
-            least = (std::min)(least, cageform::detail::distance_to_facet(
-                                          cageform::vec_cast<double>(q),
-                                          cageform::detail::Facet<3>(face, mesh.vertices()).corner));
+            least = (std::min)(
+                least, cageform::detail::distance_to_facet(cageform::vec_cast<double>(q),
+                                                           cageform::Facet<3>(face, mesh.vertices()).corner));
         Vec<TestType, 3> place;
         const auto value = nearest_boundary_value(mesh, q, place);
         auto off = -1.0 * cageform::vec_cast<double>(place);

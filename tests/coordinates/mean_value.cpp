@@ -64,7 +64,7 @@ double room_about(const Polygon<T>& cage, const Vec<T, 2>& place, double diagona
     double room = diagonal;
     const double here = 1e-4 * diagonal;
     cage.for_each_edge([&](std::size_t i, std::size_t j) {
-        const double to_edge = double(cageform::detail::nearest_on_edge(cage, i, j, place).distance);
+        const double to_edge = double(cageform::nearest_on_edge(cage, i, j, place).distance);
         const double to_vertex = distance(cage[i], place);
         if (to_edge > here) room = std::min(room, to_edge);
         if (to_vertex > here) room = std::min(room, to_vertex);

@@ -49,7 +49,7 @@ TEST_CASE("the clearance is the minimum distance over all pairs of faces", "[enc
         const double reach = random.uniform(0.01, 1);
         double least = reach;
         for (const auto& face : faces) {
-            const detail::Facet<3> facet(face, cage.vertices());
+            const Facet<3> facet(face, cage.vertices());
             for (const auto& corner : figure)
                 least = std::min(least, detail::facet_distance(corner, facet.corner));
         }

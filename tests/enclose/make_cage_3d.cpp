@@ -103,8 +103,8 @@ double sampled_clearance(const TriangleMesh<T>& cage, const Figure<T>& figure) {
                 p = p + weights[k] * vec_cast<double>(figure.vertices[face[k]]);
             double nearest = std::numeric_limits<double>::infinity();
             for (const auto& f : cage.faces())
-                nearest = std::min(nearest,
-                                   detail::distance_to_facet(p, detail::Facet<3>(f, cage.vertices()).corner));
+                nearest =
+                    std::min(nearest, detail::distance_to_facet(p, Facet<3>(f, cage.vertices()).corner));
             const bool inside = detail::is_enclosed(winding_number(cage, vec_cast<T>(p)));
             least = std::min(least, inside ? nearest : -nearest);
         }

@@ -46,8 +46,8 @@ double sampled_clearance(const TriangleMesh<double>& cage, const MeshData& figur
         for (const Point& p : {at(figure, a), (1.0 / 3) * (at(figure, a) + at(figure, b) + at(figure, c))}) {
             double nearest = std::numeric_limits<double>::infinity();
             for (const auto& face : cage.faces())
-                nearest = std::min(
-                    nearest, detail::distance_to_facet(p, detail::Facet<3>(face, cage.vertices()).corner));
+                nearest =
+                    std::min(nearest, detail::distance_to_facet(p, Facet<3>(face, cage.vertices()).corner));
             least = std::min(least, detail::is_enclosed(winding_number(cage, p)) ? nearest : -nearest);
         }
     }

@@ -126,8 +126,7 @@ TEST_CASE("the quick test of two faces agrees with the full one", "[enclose][pro
         std::array<std::uint32_t, 3> first{0, 1, 2}, second{3, 4, 5};
         for (std::size_t k = 0; k < shared; ++k) second[k] = first[(k + 1) % 3];
         std::rotate(second.begin(), second.begin() + std::ptrdiff_t(random.below(3)), second.end());
-        const detail::Facet<3> a(first, std::span<const Point>(points)),
-            b(second, std::span<const Point>(points));
+        const Facet<3> a(first, std::span<const Point>(points)), b(second, std::span<const Point>(points));
         CAPTURE(n, shared);
         const bool touch = detail::facets_touch(a, b, gap);
         const Point normal = detail::area_normal(a.corner);

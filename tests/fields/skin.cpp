@@ -356,7 +356,7 @@ TEST_CASE("FaceTree agrees with a loop over all faces and the winding number", "
         const auto vertex = std::uint32_t(random.below(mesh.vertices.size()));
         bool meets = false;
         for (const auto& face : shape.faces()) {
-            const cageform::detail::Facet<3> facet(face, shape.vertices());
+            const cageform::Facet<3> facet(face, shape.vertices());
             meets =
                 meets || (!facet.has(vertex) && cageform::detail::pierces(shape[vertex], p, facet.corner));
         }

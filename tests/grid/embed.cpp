@@ -264,7 +264,7 @@ void check_free_distances(const Cage& cage, double cells, std::uint64_t seed) {
     }
     SimplexBoundary<D> boundary(cage, lattice);
     boundary.index_cells(1e-6);
-    std::vector<cageform::detail::PlacedFacet<D>> facets;
+    std::vector<cageform::PlacedFacet<D>> facets;
     const auto vertices = lattice.in_cells(cage.vertices());
     cageform::for_each_facet(cage, [&](const auto& facet) {
         facets.emplace_back(facet, std::span<const Vec<double, D>>(vertices), true);

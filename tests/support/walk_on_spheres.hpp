@@ -39,7 +39,7 @@ inline WalkWeights walk_on_spheres(const cageform::TriangleMesh<double>& mesh,
                                    const cageform::Vec<double, 3>& from, std::uint64_t walks,
                                    std::uint64_t seed) {
     using Point = cageform::Vec<double, 3>;
-    using cageform::detail::Facet;
+    using cageform::Facet;
     struct Near {
         std::uint32_t face = 0;
         double distance2;
@@ -49,7 +49,7 @@ inline WalkWeights walk_on_spheres(const cageform::TriangleMesh<double>& mesh,
         Near near{0, most * most};
         mesh.boxes().for_each_near(p, near.distance2, [&](std::uint32_t f) {
             const Facet<3> facet(mesh.faces()[f], mesh.vertices());
-            const auto weights = cageform::detail::nearest_on_facet(p, facet.corner);
+            const auto weights = cageform::nearest_on_facet(p, facet.corner);
             const auto way = cageform::detail::point_on_facet(weights, facet.corner) - p;
             if (dot(way, way) < near.distance2) near = {f, dot(way, way), weights};
             return near.distance2;
@@ -113,7 +113,7 @@ inline std::vector<cageform::Vec<double, 3>> points_below_faces(const cageform::
     for (std::uint64_t n = 0; points.size() < count; ++n) {
         WalkNumbers numbers(seed, n);
         const auto f = std::size_t(numbers.next() * double(mesh.faces().size()));
-        const cageform::detail::Facet<3> face(mesh.faces()[f], mesh.vertices());
+        const cageform::Facet<3> face(mesh.faces()[f], mesh.vertices());
         const auto& [a, b, c] = face.corner;
         const double s = std::sqrt(numbers.next()), t = numbers.next();
         const auto normal = cross(b - a, c - a);

@@ -3,7 +3,7 @@
 
 #include "averaging/lattice.hpp"
 
-#include <cageform/cage/detail/nearest_on_edge.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>
 
@@ -16,10 +16,9 @@
 namespace cageform_sources::averaging {
 
 using cageform::BoundaryPoint, cageform::BoundaryValue, cageform::PointState;
+using cageform::Facet, cageform::nearest_on_facet, cageform::PlacedFacet;
 using cageform::Polygon, cageform::TriangleMesh;
 using cageform::value_on_facet, cageform::vec_cast;
-using cageform::detail::Facet, cageform::detail::MeshFace, cageform::detail::nearest_on_facet;
-using cageform::detail::PlacedFacet;
 
 /// The value of a handle's function in a boundary cell.
 template <Scalar T>
@@ -114,8 +113,8 @@ void mark_boundary(const Polygon<T>& polygon, GridDomain<T, 2>& domain) {
         for_each_cell(placed, touch_slack, [&](const std::array<std::int32_t, 2>& at) {
             const auto cell = cell_number(lattice, at);
             if (!cell) return;
-            const auto point = cageform::detail::nearest_on_edge(polygon, edge[0], edge[1],
-                                                                 lattice.centre(lattice.index(*cell)));
+            const auto point =
+                cageform::nearest_on_edge(polygon, edge[0], edge[1], lattice.centre(lattice.index(*cell)));
             if (slot[*cell] == none) {
                 slot[*cell] = points.size();
                 domain.tags[*cell] = CellTag::boundary;
@@ -190,7 +189,7 @@ public:
     }
 
 private:
-    std::span<const MeshFace> faces_;
+    std::span<const std::array<std::uint32_t, 3>> faces_;
     std::vector<Vec<double, 3>> vertices_;
 };
 

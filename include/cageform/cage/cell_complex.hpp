@@ -182,8 +182,8 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     const auto q = vec_cast<double>(p);
     double least = detail::length(vec_cast<double>(position) - q);
     for (const auto& vertices : cage.cells().facets) {
-        const detail::Facet<D> facet(vertices, cage.vertices());
-        const auto weight = detail::nearest_on_facet(q, facet.corner);
+        const Facet<D> facet(vertices, cage.vertices());
+        const auto weight = nearest_on_facet(q, facet.corner);
         const auto x = detail::point_on_facet(weight, facet.corner);
         if (detail::length(x - q) >= least) continue;
         least = detail::length(x - q);
@@ -211,8 +211,7 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
     const auto q = vec_cast<double>(p);
     const auto& [facets, bones] = cage.cells();
     const auto on_facet = [&](const auto& vertices) {
-        return detail::distance_to_facet(q, detail::Facet<D>(vertices, cage.vertices()).corner) <=
-               double(tolerance);
+        return detail::distance_to_facet(q, Facet<D>(vertices, cage.vertices()).corner) <= double(tolerance);
     };
     const auto in_bone = [&](const Bone& bone) { return detail::placed_bone(cage, bone).distance(q) <= 0; };
     const bool on_cell = std::any_of(facets.begin(), facets.end(), on_facet) ||

@@ -1,11 +1,12 @@
 // The 2D cage, one or more closed polygons: its data, point location, and its check.
 #pragma once
 
-#include <cageform/cage/detail/nearest_on_edge.hpp>
 #include <cageform/cage/types/boundary_value.hpp>
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/types/buffer.hpp>
 #include <cageform/core/view.hpp>
+
+#include <cmath>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -128,12 +129,29 @@ struct BoundaryPoint {
     Vec<T, 2> position; ///< of the boundary point
 };
 
+/// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so both ends are
+/// exact. `p` must be finite.
+template <Scalar T>
+BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
+                                 const Vec<T, 2>& p) noexcept {
+    const auto a = vec_cast<double>(polygon[i]);
+    const auto b = vec_cast<double>(polygon[j]);
+    const auto q = vec_cast<double>(p);
+    const auto e = b - a;
+    const double length2 = dot(e, e);
+    const double from_a = length2 > 0 ? dot(q - a, e) / length2 : 0;
+    const double from_b = length2 > 0 ? dot(b - q, e) / length2 : 1;
+    const double s = from_a <= 0.5 ? std::fmax(from_a, 0.0) : std::fmin(1 - from_b, 1.0);
+    const auto x = s <= 0.5 ? a + s * e : b - std::fmax(from_b, 0.0) * e;
+    return {i, j, static_cast<T>(s), static_cast<T>(std::hypot(x[0] - q[0], x[1] - q[1])), vec_cast<T>(x)};
+}
+
 /// Returns the nearest point of the boundary. `p` must be finite and the polygon not empty. O(#V).
 template <Scalar T>
 BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>& p) noexcept {
     BoundaryPoint<T> best;
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
-        const auto candidate = detail::nearest_on_edge(polygon, i, j, p);
+        const auto candidate = nearest_on_edge(polygon, i, j, p);
         const bool first = best.i == best.j; // always accepted: far away all distances may be infinite
         if (first || candidate.distance < best.distance) best = candidate;
     });
@@ -164,8 +182,7 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
         const auto b = vec_cast<double>(polygon[j]);
         const auto e = b - a;
         const double reach = tolerance * (std::fabs(e[0]) + std::fabs(e[1]));
-        if (std::fabs(cross(e, q - a)) <= reach &&
-            detail::nearest_on_edge(polygon, i, j, p).distance <= tolerance)
+        if (std::fabs(cross(e, q - a)) <= reach && nearest_on_edge(polygon, i, j, p).distance <= tolerance)
             touches = true;
         if (detail::crosses_ray(q, a, b)) inside = !inside;
     });

@@ -73,7 +73,7 @@ private:
         faces_.insert(faces_.end(), closing.begin(), closing.end());
         if (std::all_of(vertices_.begin(), vertices_.end(), [](const auto& p) { return is_finite(p); }))
             boxes_ = detail::BoxTree<3>(faces_.size(), [&](std::uint32_t f) {
-                return detail::Facet<3>(faces_[f], this->vertices()).bounds();
+                return Facet<3>(faces_[f], this->vertices()).bounds();
             });
         return Status::ok;
     }
@@ -103,7 +103,7 @@ template <Scalar T>
 double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
     double sum = 0;
     for (const auto& face : mesh.faces())
-        sum += detail::half_solid_angle(vec_cast<double>(p), detail::Facet<3>(face, mesh.vertices()).corner);
+        sum += detail::half_solid_angle(vec_cast<double>(p), Facet<3>(face, mesh.vertices()).corner);
     return sum / (2 * std::numbers::pi);
 }
 
@@ -118,8 +118,8 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     std::uint32_t nearest = no_vertex; // far away all distances may be infinite
     BoundaryValue<3> value;
     mesh.boxes().for_each_near(q, infinity, [&](std::uint32_t f) {
-        const detail::Facet<3> facet(mesh.faces()[f], mesh.vertices());
-        const auto weight = detail::nearest_on_facet(q, facet.corner);
+        const Facet<3> facet(mesh.faces()[f], mesh.vertices());
+        const auto weight = nearest_on_facet(q, facet.corner);
         const auto x = detail::point_on_facet(weight, facet.corner);
         const double distance2 = dot(x - q, x - q);
         if (distance2 < least || (distance2 == least && f < nearest)) {

@@ -109,7 +109,7 @@ public:
                 for (const std::uint32_t i : face) {
                     if (i >= wall.points.size()) return Status::face_without_vertex;
                 }
-                const detail::Facet<3> facet(face, std::span<const Vec<T, 3>>(wall.points));
+                const Facet<3> facet(face, std::span<const Vec<T, 3>>(wall.points));
                 if (detail::is_flat(facet.corner, double(coincidence_tolerance(canvas_))))
                     return Status::face_without_area;
                 cells.facets.push_back(face);

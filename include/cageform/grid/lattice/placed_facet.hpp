@@ -9,7 +9,7 @@
 #include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/lattice/grid_boundary.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace cageform::inline CAGEFORM_ABI {
 
 /// A facet in units of the lattice.
 template <std::size_t D>
@@ -41,6 +41,8 @@ struct PlacedFacet : Facet<D> {
         }
     }
 };
+
+namespace detail {
 
 /// Returns a normal of a facet, not normalised.
 inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
@@ -290,6 +292,8 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
     }
 }
 
+} // namespace detail
+
 /// Calls f(lower corner) for the cells within `slack` of an edge.
 template <class F>
 void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
@@ -334,4 +338,4 @@ void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
     }
 }
 
-} // namespace cageform::inline CAGEFORM_ABI::detail
+} // namespace cageform::inline CAGEFORM_ABI

@@ -95,7 +95,7 @@ public:
         double least = (std::numeric_limits<double>::max)();
         BoundaryValue<D> value;
         for (const Facet& facet : facets_) {
-            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const auto weights = nearest_on_facet(p, facet.corner);
             const auto d = facet.position(weights) - p;
             if (dot(d, d) >= least) continue;
             least = dot(d, d);
@@ -125,7 +125,7 @@ public:
         std::uint32_t element = 0;
         const auto add = [&](const Index& low) { elements_.add(low, element); };
         for (const Facet& facet : facets_) {
-            detail::for_each_cell(facet, slack, add);
+            cageform::for_each_cell(facet, slack, add);
             ++element;
         }
         for (std::size_t n = 0; n < bones_.size(); ++n, ++element) bones_.for_each_cell(n, add);
@@ -146,7 +146,7 @@ public:
         for (const Pass& pass : elements) {
             if (pass.element >= facets_.size()) return std::nullopt;
             const Facet& facet = facets_[pass.element];
-            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const auto weights = nearest_on_facet(p, facet.corner);
             const double distance = detail::length(facet.position(weights) - p);
             // Of two equally near facets, the first is used.
             if (distance > least || (result && distance == least)) continue;
@@ -187,7 +187,7 @@ public:
     }
 
 private:
-    using Facet = detail::PlacedFacet<D>;
+    using Facet = PlacedFacet<D>;
     using Pass = typename detail::ElementsByCell<D>::Pass;
     struct Cell {
         const NodeRuns<D>& nodes;

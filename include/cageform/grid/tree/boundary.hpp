@@ -75,7 +75,7 @@ namespace grid {
 template <std::size_t D>
 class TreeBoundary {
 public:
-    using Facet = detail::PlacedFacet<D>;
+    using Facet = PlacedFacet<D>;
     using Index = std::array<std::int32_t, D>;
 
     /// The cage must pass `check`.
@@ -112,7 +112,7 @@ public:
         bones_ = GridBones<D>(interior_cells(cage).bones, std::span<const Vec<double, D>>(placed),
                               Lattice<double, D>{{}, origin_, unit_});
         for (const Facet& facet : facets_) {
-            const auto normal = normal_of(facet);
+            const auto normal = detail::normal_of(facet);
             const double size = detail::length(normal);
             normals_.push_back(size > 0 ? (1 / size) * normal : Vec<double, D>{});
         }
@@ -218,7 +218,7 @@ public:
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
         for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
-            const auto normal = normal_of(exact_[n]);
+            const auto normal = detail::normal_of(exact_[n]);
             meet(exact_[n], dot(normal, normals_[n]) < 0 ? -1.0 * normal : normal, from, along, met);
             return met.fraction;
         });
@@ -242,7 +242,7 @@ public:
                 continue;
             }
             const Facet& facet = rounded ? facets_[n] : exact_[n];
-            const auto weights = detail::nearest_on_facet(p, facet.corner);
+            const auto weights = nearest_on_facet(p, facet.corner);
             const auto position = facet.position(weights);
             const double distance = detail::length(position - p);
             if (distance < best.distance) best = {distance, value_on_facet(facet.vertex, weights), position};
@@ -318,7 +318,7 @@ private:
             return all;
         });
         if (!apart) return 0;
-        return detail::length(normal_of(facet)) * (inside_above == (normal[axis] > 0) ? -1.0 : 1.0);
+        return detail::length(detail::normal_of(facet)) * (inside_above == (normal[axis] > 0) ? -1.0 : 1.0);
     }
 
     static constexpr double rounding = 1e-6; ///< above the rounding of positions
