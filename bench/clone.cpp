@@ -137,6 +137,7 @@ void transposed_dense(benchmark::State& state) {
     Workload<T, D> work(state);
     std::vector<cageform::Vec<T, D>> gradients(work.handles);
     for (std::size_t i = 0; i < work.points; ++i) work.out[i] = work.binding.rest_point(i);
+    const cageform_bench::Counted counted;
     for (auto _ : state) {
         const auto status = cageform::clone_transposed(work.binding, work.out, gradients);
         if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
