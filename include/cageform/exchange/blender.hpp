@@ -19,15 +19,15 @@ struct BlenderKey {
 enum class BlenderLimit : std::uint8_t {
     /// A handle longer in time than the interval is scaled to the interval's length. Blender 3.4.1.
     each_handle,
-    /// Two handles whose lengths in time exceed the interval together are both scaled to fit. Earlier
-    /// Blender.
+    /// If the lengths in time of both handles add up to more than the interval, both are scaled to fit.
+    /// Earlier versions of Blender.
     both_together,
 };
 
 /// Imports the curve between two keyframes as Blender evaluates it, with long handles shortened.
 ///
 ///   fails  value_not_finite; interval_empty; time_not_monotone if a handle points away from the interval
-/// The easing interpolations (SINE, BOUNCE, …) are not Bézier curves and not supported. Blender manual,
+/// The easing interpolations (SINE, BOUNCE, …) are not Bézier curves; they are not supported. Blender manual,
 /// Graph Editor, F-Curves, "Handles" and "Interpolation"; the limits were measured with fcurve.evaluate().
 inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKey& second,
                                         BlenderLimit limit = BlenderLimit::each_handle) noexcept {
@@ -43,8 +43,8 @@ inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKe
                             detail::with_blender_limit(stored, limit == BlenderLimit::each_handle));
 }
 
-/// Exports a curve to two keyframes: their points, the handles between them and the interpolation. The
-/// outer handles belong to the neighbouring curves. Both handle types must be FREE (or ALIGNED), or Blender
+/// Exports a curve to two keyframes: their points, the handles between them and the interpolation. The outer
+/// handles belong to the neighbouring curves. Both handle types must be FREE (or ALIGNED); otherwise Blender
 /// recomputes the handles.
 ///
 ///   hold   the second key's value does not change

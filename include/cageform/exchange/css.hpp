@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   value_not_finite     if y1 or y2 is too large for a double
 struct CssReport {
     Status status = Status::ok;
-    std::size_t error_at = 0; ///< byte offset of the error in the text; the text's size if it ends too early
+    std::size_t error_at = 0; ///< byte offset of the error; the text's size if the text ends too early
 };
 
 /// Parses `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
@@ -83,8 +83,8 @@ inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) no
 ///
 ///   level   y1 and y2 of a constant curve become 0 and 1, because any easing between equal values is
 ///           constant
-///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval, which CSS forbids, or
-///           if the keys have equal values and a handle has another; value_not_finite; out_of_memory
+///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval, which CSS forbids, or if
+///           the keys have equal values and a handle has a different value; value_not_finite; out_of_memory
 /// CSS Easing Functions Level 1, sec. 2.2.
 inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
     Result<std::string> result;

@@ -17,13 +17,13 @@ struct GltfTrack {
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 
 /// Imports the arrays of a sampler as keys, one curve per component. CUBICSPLINE gives handles at thirds of
-/// the interval, on the tangents; LINEAR gives straight lines, STEP held values.
+/// the interval, on the tangents; LINEAR gives straight lines, and STEP gives held values.
 ///
 ///   times       #K, in seconds, ascending; a single key is allowed
 ///   values      #K · components; for CUBICSPLINE 3 · #K · components: in-tangent, value and out-tangent of
 ///               each key, with tangents per second. Normalise a rotation after evaluation. For LINEAR
-///               rotations this is not the slerp of the glTF standard
-///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
+///               rotations the result is not the slerp of the glTF standard
+///   components  3 for translation and scale, 4 for rotation; for weights, the number of morph targets
 ///   fails       input_malformed if the sizes do not match, or for no keys or components;
 ///               value_not_finite, also for the unused first in- and last out-tangent; keys_not_ascending;
 ///               out_of_memory

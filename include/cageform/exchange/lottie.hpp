@@ -18,8 +18,8 @@ struct LottieHandle {
     friend bool operator==(const LottieHandle&, const LottieHandle&) = default;
 };
 
-/// The members `o`, `i` and `h` of a keyframe. They define the easing to the next keyframe; `i` too is
-/// stored in the first of the two. Linear by default.
+/// The members `o`, `i` and `h` of a keyframe. They define the easing to the next keyframe; `i` too is stored
+/// in the first of the two keyframes. Linear by default.
 struct LottieEasing {
     LottieHandle out{0, 0}, in{1, 1};
     bool hold = false;
@@ -49,11 +49,12 @@ inline Result<KeyInterval> from_lottie(const LottieEasing& easing, const Vec<dou
     return detail::imported(KeyKind::bezier, {{first, position(easing.out), position(easing.in), second}});
 }
 
-/// Exports a curve as the easing of its first keyframe. Only bezier writes handles.
+/// Exports a curve as the easing of its first keyframe. Handles are written only for KeyKind::bezier.
 ///
-///   level  the y of a constant curve are 0 and 1, because any easing between equal values is constant
-///   fails  as `check`; handle_not_allowed if a handle's time leaves the interval, or if the keys have
-///          equal values and a handle has another, which Lottie cannot express; value_not_finite
+///   level  a constant curve gets 0 and 1 as its y values, because any easing between equal values is
+///          constant
+///   fails  as `check`; handle_not_allowed if a handle's time leaves the interval, or if the keys have equal
+///          values and a handle has a different value, which Lottie cannot express; value_not_finite
 inline Result<LottieEasing> to_lottie(const BezierCurve& curve, KeyKind kind = KeyKind::bezier) noexcept {
     Result<LottieEasing> result;
     result.value.hold = kind == KeyKind::hold;

@@ -45,10 +45,9 @@ inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& 
     return detail::imported(KeyKind::bezier, {{begin, begin + leave, end - arrive, end}});
 }
 
-/// Exports a curve to two keys: times, values, the tangents, weights and weighted sides between them, and
-/// the interpolation. A handle at a third is written unweighted. The outer tangents belong to the
-/// neighbouring curves. The tangent mode must be RCTM_User or RCTM_Break, or Unreal recomputes the
-/// tangents.
+/// Exports a curve to two keys: times, values, the tangents, weights and weighted sides between them, and the
+/// interpolation. A handle at a third is written unweighted. The outer tangents belong to the neighbouring
+/// curves. The tangent mode must be RCTM_User or RCTM_Break; otherwise Unreal recomputes the tangents.
 ///
 ///   hold   the second key's value does not change
 ///   fails  as `check`; slope_unbounded if a handle is vertical or too steep for single precision; nothing

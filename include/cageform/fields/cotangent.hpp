@@ -9,10 +9,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Returns the weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles opposite to edge ij. Then
-/// Σ ½ w_ij (u_i − u_j)² is the Dirichlet energy of the function that is u at the vertices and linear on
-/// the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their conjugates, Exper. Math. 2
-/// (1993), sec. 2). There is no flux across boundary edges.
+/// Returns the weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles opposite to edge ij. Let a
+/// function be u at the vertices and linear on the faces. Then Σ ½ w_ij (u_i − u_j)² is the Dirichlet energy
+/// of this function (Pinkall, Polthier, Computing discrete minimal surfaces and their conjugates, Exper.
+/// Math. 2 (1993), sec. 2). There is no flux across boundary edges.
 ///
 ///   vertices  of a surface in 3D, or of a mesh in 2D
 ///   faces     in any orientation; the mesh may be open or closed, orientable or not, with several

@@ -1,6 +1,6 @@
-// The discrete Dirichlet problem on grids in one, two or three dimensions: some cells have given values,
-// and the value of each other cell is the mean of its neighbours. It uses the solver of harmonic
-// coordinates. Applications: images filled in from known pixels, steady heat, number puzzles.
+// The discrete Dirichlet problem on grids in one, two or three dimensions. Some cells have given values. The
+// value of each other cell is the mean of its neighbours' values. The solver is that of harmonic coordinates.
+// Applications: images filled in from known pixels, steady heat, number puzzles.
 #pragma once
 
 #include <cageform/core/types/scalar_range.hpp>
@@ -19,10 +19,11 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   values   fields of #cells each, one after the other; reads given values and writes unknown ones, only
 ///            if the status is ok. Results lie between the smallest and the largest given value of their
 ///            component
-///   cost     O(#unknown cells) per field, sixteen together; memory: Multigrid::bytes() once, block_bytes()
-///            per thread, the unknown values, and 8 bytes per unknown cell. Reports progress before every
-///            cycle. Usually 9 to 13 cycles; mazes of outside cells need more, so max_cycles may have to be
-///            raised. SolverReport::Multigrid::error_bound is valid if nothing is mirrored
+///   cost     O(#unknown cells) per field; sixteen fields are solved together. Memory: Multigrid::bytes()
+///            once, block_bytes() per thread, the unknown values, and 8 bytes per unknown cell. Reports
+///            progress before every cycle. Usually 9 to 13 cycles suffice. If the outside cells form a maze,
+///            more are needed; raise max_cycles then. SolverReport::Multigrid::error_bound is valid if
+///            nothing is mirrored
 ///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index in
 ///            `values`); cells_unreached if a connected component of unknown cells touches no given one
 ///            (its first cell, and the number of cells in all such components); input_malformed (an invalid

@@ -26,8 +26,8 @@ struct GraphOptions {
 
 /// The neighbours of a grid cell.
 enum class CellNeighbours : std::uint8_t {
-    face, ///< cells with a common face: 2, 4, 6
-    all,  ///< also cells with a common corner: 2, 8, 26
+    face, ///< cells with a common face: 2, 4, 6 in 1D, 2D, 3D
+    all,  ///< also cells with a common corner: 2, 8, 26 in 1D, 2D, 3D
 };
 
 /// Returns links of conductance 1 between neighbouring cells of a grid with fewer than 2³² cells.
@@ -61,8 +61,8 @@ std::vector<GraphLink> grid_links(const CellBox<D>& cells, CellNeighbours neighb
 ///   given    #nodes; 0 if the value is unknown
 ///   values   fields of #nodes each, one after the other; reads given values and writes unknown ones, only
 ///            if the status is ok
-///   returns  values accurate to a few roundings of the largest given value, for any ratio of conductances;
-///            with negative conductances within 1e-6 of the largest value
+///   returns  values accurate to a few roundings of the largest given value, for any ratio of conductances.
+///            With negative conductances, the error is below 1e-6 of the largest value
 ///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; 16 fields cost one pass
 ///            over the factors. Reports progress before each pass
 ///   fails    index_out_of_range, input_malformed (a link from a node to itself) and weights_not_positive

@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Computes harmonic weights: 1 at the vertices of a bone's group, 0 at those of other bones
+/// Computes harmonic weights: 1 at the vertices of a bone's group, 0 at the vertices of other bones' groups
 /// (SurfaceSkinOptions::groups), and harmonic in between (fields/surface.hpp).
 ///
 ///   returns  #vertices · #bones weights, contiguous per vertex; zero if the vertex has no face. They sum
@@ -27,11 +27,12 @@ harmonic_skin(const R& points, const F& faces, std::span<const BoneSegment> bone
                                 [&](auto& skinner) { return skinner.solve_harmonic(running); });
 }
 
-/// Computes weights by bone heat (Baran, Popović, Automatic rigging and animation of 3D characters,
-/// SIGGRAPH 2007, sec. 4): the equilibrium of heat that flows along the mesh and from the nearest bone, (L
-/// + M H) w = M H p. M is a third of the area of a vertex's faces. H = c / d² if the nearest bone, at the
-/// distance d, is visible from the vertex, else 0; bones at equal distance within 1e-9 have equal shares.
-/// Distances are at least 1e-6 of the mesh's size. Weights do not depend on the unit.
+/// Computes weights by bone heat (Baran, Popović, Automatic rigging and animation of 3D characters, SIGGRAPH
+/// 2007, sec. 4): the equilibrium of heat that flows along the mesh and from the nearest bone, (L + M H) w =
+/// M H p. M is a third of the area of a vertex's faces. H is c / d² if the nearest bone, at the distance d,
+/// is visible from the vertex; otherwise it is 0. p is the bone's share of the heat at a vertex. Bones at
+/// equal distance within 1e-9 have equal shares. Distances below 1e-6 of the mesh's size are set to this
+/// value. Weights do not depend on the unit.
 ///
 ///   returns  weights that sum to 1, in [0, 1] as those of harmonic_skin
 ///   cost     as harmonic_skin; visibility usually O(log #F) per test

@@ -2,7 +2,7 @@
 // no flux through the boundary of the canvas.
 //
 // Strokes are not rasterised but keep their exact position: as for cages, data enters the equations where
-// they cross lattice lines. A stroke may have different values on its right and left (diffusion curves:
+// strokes cross lattice lines. A stroke may have different values on its right and left (diffusion curves:
 // Orzan et al., ACM Trans. Graph. 27(3) (2008), sec. 3). In 3D the strokes are walls of triangles.
 #pragma once
 
@@ -19,10 +19,10 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 struct Stroke {
     std::vector<Vec<T, 2>> points;
-    std::vector<T> left;  ///< of point i, channel c at [i · channels + c]
+    std::vector<T> left;  ///< value of point i, channel c at [i · channels + c]
     std::vector<T> right; ///< likewise; empty: equal to `left`
-    /// Points within the radius have the value of the line's nearest point; 0: a line. A single point needs
-    /// a radius, because a harmonic function ignores the value at a point.
+    /// Half the width of the stroke: points within it have the value of the line's nearest point. 0: a line.
+    /// A single point needs a radius, because a harmonic function ignores the value at a point.
     T radius = 0;
 };
 
@@ -31,13 +31,13 @@ template <Scalar T>
 struct Wall {
     std::vector<Vec<T, 3>> points;
     std::vector<std::array<std::uint32_t, 3>> faces;
-    std::vector<T> front; ///< of point i, channel c at [i · channels + c]; the side that normals point to
+    std::vector<T> front; ///< values as in Stroke::left; the side that normals point to
     std::vector<T> back;  ///< likewise; empty: equal to `front`
 };
 
 struct DiffusionOptions {
-    double tolerance = 1e-6;     ///< of the discrete solution, relative to the range of a channel's data
-    std::size_t max_cycles = 60; ///< then not_converged
+    double tolerance = 1e-6;     ///< error of the discrete solution, relative to a channel's range
+    std::size_t max_cycles = 60; ///< if more are needed: not_converged
 };
 
 /// The fields of a drawing.
@@ -48,9 +48,9 @@ struct DiffusionOptions {
 ///     field.sample(pixels, colours);
 ///
 /// Each value is a weighted mean of given values, so it lies between the smallest and the largest value of
-/// its channel. The error is of order h² for the spacing h, and of order h at the ends of strokes, where
-/// the field grows like the square root of the distance. If two strokes pass between neighbouring nodes,
-/// each node uses the nearer one.
+/// its channel. The error is of order h² for the spacing h. At the ends of strokes it is of order h, because
+/// the field grows there like the square root of the distance. If two strokes pass between neighbouring
+/// nodes, each node uses the nearer one.
 template <Scalar T, std::size_t D = 2>
 class Diffusion {
     static_assert(D == 2 || D == 3, "strokes in 2D, walls in 3D");
@@ -119,8 +119,8 @@ public:
         });
     }
 
-    /// Solves all channels, in O(#nodes) for sixteen; usually in 9 to 13 cycles. On failure the fields of
-    /// the last successful solve remain.
+    /// Solves all channels, usually in 9 to 13 cycles. The cost is O(#nodes) for sixteen channels. On failure
+    /// the fields of the last successful solve remain.
     ///
     ///   fails  resolution_not_supported (also for a canvas that is empty or not finite);
     ///          tolerance_not_positive; cells_unreached (no strokes); grid_too_coarse
@@ -184,8 +184,8 @@ private:
         detail::CanvasBoundary<D> boundary;
         grid::NodeRuns<D> nodes;
         std::uint32_t points;  ///< number of points of all strokes; the handles of right sides follow
-        std::vector<T> values; ///< of the unknown nodes, channel after channel
-        std::vector<T> fields; ///< of all nodes, channel after channel
+        std::vector<T> values; ///< values of the unknown nodes, channel after channel
+        std::vector<T> fields; ///< values of all nodes, channel after channel
 
         Lattice<double, D> cells() const noexcept {
             auto lattice = nodes_at;
@@ -253,7 +253,8 @@ private:
         return lattice;
     }
 
-    /// Returns the value at a boundary point; handles from `points` on are those of right sides.
+    /// Returns the value at a boundary point. Handles below `points` belong to left sides, the others to
+    /// right sides.
     double value(const BoundaryValue<D>& at, std::size_t points, std::size_t channel) const noexcept {
         double sum = 0;
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
@@ -363,7 +364,7 @@ private:
         }
     }
 
-    /// Writes the channels at a point, given in units of nodes, with the distance `stride`.
+    /// Writes the channels at a point, which is given in units of nodes. Channel c has the index c · stride.
     void write(const Solution& solution, Vec<double, D> p, T* values, std::size_t stride) const noexcept {
         for (std::size_t k = 0; k < D; ++k)
             p[k] = std::clamp(p[k], -0.5, double(solution.nodes_at.cells[k]) - 0.5);
@@ -385,7 +386,7 @@ private:
     detail::OpenCells<D> drawing_;
     std::vector<std::uint32_t> strokes_; ///< first point of each stroke
     std::vector<T> front_, back_;        ///< values of the points, on either side
-    std::optional<Solution> solution_;   ///< of the last successful solve
+    std::optional<Solution> solution_;   ///< solution of the last successful solve
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

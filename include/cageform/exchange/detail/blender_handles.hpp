@@ -15,7 +15,7 @@ inline Vec<double, 2> shortened(const Vec<double, 2>& key, const Vec<double, 2>&
 
 /// Returns the curve as Blender evaluates it (BlenderLimit).
 ///
-///   each  limits each handle to the interval's length; otherwise the sum of both is limited
+///   each  true: limits each handle to the interval's length; false: limits the sum of both handles
 inline BezierCurve with_blender_limit(const BezierCurve& curve, bool each) noexcept {
     const auto& [p0, p1, p2, p3] = curve.points;
     const double length = p3[0] - p0[0];

@@ -83,10 +83,10 @@ private:
         return at;
     }
 
-    /// Whether a number that std::from_chars rejects is too large rather than too small, decided by the
-    /// power of ten of its first digit.
+    /// For a number that std::from_chars rejects as out of range: true if it is too large, false if it is too
+    /// small. Decides by the power of ten of the first digit.
     static bool is_large(std::string_view token) noexcept {
-        constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
+        constexpr std::int64_t most = std::int64_t{1} << 56; // above the length of any text
         const std::size_t e = (std::min)(token.find_first_of("eE"), token.size());
         const std::size_t point = (std::min)(token.substr(0, e).find('.'), e);
         const std::size_t first = (std::min)(token.find_first_of("123456789"), e);

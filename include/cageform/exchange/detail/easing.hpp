@@ -58,12 +58,13 @@ inline WeightedHandles with(WeightedHandles set, WeightedHandles one, bool on) n
     return WeightedHandles((unsigned(set) & ~unsigned(one)) | (on ? unsigned(one) : 0));
 }
 
-/// Returns infinity, under -ffast-math too.
+/// Returns infinity, also if compiled with -ffast-math.
 inline double infinite() noexcept {
     return std::bit_cast<double>(std::uint64_t{0x7ff0000000000000});
 }
 
-/// Whether `x` is infinite and not NaN. Tests the bits, like is_finite, for -ffast-math.
+/// Whether `x` is infinite and not NaN. Tests the bits, like is_finite, so that the result is right with
+/// -ffast-math too.
 inline bool is_infinite(double x) noexcept {
     return !is_finite(x) && (std::bit_cast<std::uint64_t>(x) << 12) == 0;
 }
@@ -77,7 +78,7 @@ inline bool is_third(double fraction) noexcept {
     return std::fabs(fraction) < 1 && static_cast<float>(fraction) == 1.0f / 3;
 }
 
-/// Computes the slope of a handle; 0 if the handle lies on its key. Returns slope_unbounded if it is
+/// Computes the slope of a handle; 0 if the handle lies on its key. Returns slope_unbounded if the handle is
 /// vertical or too steep for single precision, because an infinite slope would mean a hold.
 inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     slope = 0;
@@ -97,8 +98,8 @@ struct UnitHandles {
 
 /// Converts a curve's handles to fractions.
 ///
-///   fails  as `check`; handle_not_allowed if a handle's time leaves the interval, or if the keys have
-///          equal values and a handle has another; value_not_finite if a fraction overflows
+///   fails  as `check`; handle_not_allowed if a handle's time leaves the interval, or if the keys have equal
+///          values and a handle has a different value; value_not_finite if a fraction overflows
 inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
     if (const Status status = check_curve(curve); status != Status::ok) return {{}, status};
     UnitHandles unit;
@@ -132,8 +133,8 @@ Vec<double, 2> position_of(const K& key) noexcept {
         return {key.time, key.value};
 }
 
-/// Imports keys by their intervals; interval(first, second) converts one. The keys reproduce the intervals
-/// bit by bit.
+/// Imports keys interval by interval: interval(first, second) converts one interval. The keys reproduce the
+/// intervals bit by bit.
 template <class K, class Interval>
 Result<std::vector<Key>, ExchangeReport> import_keys(std::span<const K> keyframes,
                                                      const Interval& interval) noexcept {

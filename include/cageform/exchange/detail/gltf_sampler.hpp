@@ -42,7 +42,7 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     for (const auto& point : p) {
         if (!fits_float(point[0]) || !fits_float(point[1])) return refused(Status::value_not_finite);
     }
-    // The tolerance includes the rounding of the thirds of intervals far from time zero.
+    // The tolerance includes the rounding of the thirds if the interval is far from time zero.
     const double length = p[3][0] - p[0][0], third = length / 3;
     const double rounding = 4 * epsilon<double> * (std::max)(std::fabs(p[0][0]), std::fabs(p[3][0]));
     const double off =
@@ -55,8 +55,8 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// Whether a curve begins at the value where the previous one ends, to single precision relative to their
-/// largest value.
+/// Whether a curve begins at the value at which the previous curve ends. The tolerance is epsilon<float>
+/// times the largest absolute value of both curves.
 inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noexcept {
     double size = 0;
     for (const auto* one : {&before, &curve}) {

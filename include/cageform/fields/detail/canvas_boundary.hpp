@@ -20,7 +20,7 @@ const InteriorCells<D>& interior_cells(const OpenCells<D>& drawing) noexcept {
     return drawing.cells;
 }
 
-/// Strokes on a canvas. Its boundary is half a cell beyond the last nodes and has no data.
+/// Strokes on a canvas. The boundary of the canvas is half a cell beyond the last nodes and has no data.
 template <std::size_t D>
 class CanvasBoundary : public grid::SimplexBoundary<D> {
     using Base = grid::SimplexBoundary<D>;

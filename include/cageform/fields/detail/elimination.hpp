@@ -26,9 +26,9 @@ struct Adjacency {
     }
 };
 
-/// An elimination order with little fill-in: Eigen's approximate minimum degree, postordered along the
-/// elimination tree, with nodes grouped into supernodes (Liu, The role of elimination trees in sparse
-/// factorization, SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
+/// An elimination order with little fill-in. It is Eigen's approximate minimum degree order, postordered
+/// along the elimination tree. Nodes are grouped into supernodes (Liu, The role of elimination trees in
+/// sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
 class Elimination {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -87,8 +87,8 @@ private:
             position_[nodes_[position]] = position;
     }
 
-    /// Finds the parent of every position in the elimination tree: the first later position that is linked
-    /// to it after elimination. `top` has shortcuts over subtrees already visited (path compression).
+    /// Finds the parent of every position in the elimination tree: the first later position to which it is
+    /// linked after elimination. `top` has shortcuts over subtrees already visited (path compression).
     void find_parents() {
         std::vector<std::uint32_t> top(nodes_.size(), none);
         parent_.assign(nodes_.size(), none);
@@ -137,7 +137,7 @@ private:
         find_positions();
     }
 
-    /// A group whose parent has not been reached, and the later positions linked to it.
+    /// A group whose parent has not been reached, and the later positions linked to this group.
     struct Open {
         std::uint32_t group;
         std::vector<std::uint32_t> rows;
@@ -155,7 +155,7 @@ private:
                 rows.push_back(row);
             };
             for (const std::uint32_t i : graph_.neighbours(nodes_[position])) add(position_[i]);
-            std::size_t first = open.size(); // of the position's children
+            std::size_t first = open.size(); // first child of the position
             for (; first > 0 && parent_[groups_[open[first - 1].group].end - 1] == position; --first) {
                 for (const std::uint32_t row : open[first - 1].rows) add(row);
             }

@@ -1,4 +1,4 @@
-// Whether a segment meets a triangle mesh.
+// Tests whether a segment meets a triangle mesh.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>

@@ -26,7 +26,7 @@ private:
 
 /// Solves for the nodes of all fields.
 ///
-///   cuts     the links that end on data; those of weight 0 end on none
+///   cuts     the links that end at data; a link of weight 0 ends at no data
 ///   ranges   one per field
 ///   given    given(cut, field) returns the data at the end of a cut link
 ///   options  tolerance, relative to a field's range, and max_cycles

@@ -62,7 +62,7 @@ public:
         }
     }
 
-    /// Returns the first node without a path to a given one, or SolverReport::none.
+    /// Returns the first node without a path to a given node, or SolverReport::none.
     std::size_t unreached() const {
         DisjointSets components(rows_.size());
         for (const GraphLink& link : graph_.links) {
@@ -149,8 +149,8 @@ private:
     Graph graph_;
     std::vector<std::int32_t> rows_;
     std::vector<std::size_t> nodes_;
-    Adjacency links_;                          ///< between unknown nodes
-    std::vector<GraphFactors::Excess> excess_; ///< of the links to given nodes
+    Adjacency links_;                          ///< links between unknown nodes
+    std::vector<GraphFactors::Excess> excess_; ///< per row, sum over the links to given nodes
     bool negative_ = false;
     GraphFactors factors_;
 };

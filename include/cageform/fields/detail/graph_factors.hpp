@@ -9,12 +9,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The multifrontal factorisation L D Lᵀ: a front is a dense matrix of the columns of a group of nodes
-/// (Duff, Reid, The multifrontal solution of indefinite sparse symmetric linear equations, ACM Trans. Math.
-/// Softw. 9 (1983)). No diagonal is stored: a pivot is the remaining e plus the sum of the remaining
-/// conductances. Without negative conductances there are no subtractions, so all numbers are accurate to
-/// rounding for any ratio of conductances (Alfa, Xue, Ye, Accurate computation of the smallest eigenvalue
-/// of a diagonally dominant M-matrix, Math. Comp. 71 (2002), sec. 2).
+/// The multifrontal factorisation L D Lᵀ. A front is a dense matrix of the columns of a group of nodes (Duff,
+/// Reid, The multifrontal solution of indefinite sparse symmetric linear equations, ACM Trans. Math. Softw. 9
+/// (1983)). No diagonal is stored: a pivot is the remaining e plus the sum of the remaining conductances.
+/// Without negative conductances there are no subtractions. All numbers are then accurate to rounding, for
+/// any ratio of conductances (Alfa, Xue, Ye, Accurate computation of the smallest eigenvalue of a diagonally
+/// dominant M-matrix, Math. Comp. 71 (2002), sec. 2).
 class GraphFactors {
 public:
     /// The excess e of a node, and the sum of the absolute values of its terms.
@@ -100,7 +100,7 @@ private:
     struct Front {
         std::vector<std::uint32_t> rows; ///< its own nodes, then those of later fronts, in elimination order
         std::size_t own = 0;
-        Matrix columns; ///< of L, with diagonal 1
+        Matrix columns; ///< columns of L, with diagonal 1
         Vector pivots;
     };
     /// The update matrix of a front for its parent: links between its remaining rows.
@@ -194,9 +194,9 @@ private:
     }
 
     std::vector<Front> fronts_;           ///< in elimination order
-    std::vector<Update> pending_;         ///< of fronts with a later parent
+    std::vector<Update> pending_;         ///< updates whose parent front is not assembled yet
     std::vector<std::uint32_t> position_; ///< per node, in elimination order
-    std::vector<std::uint32_t> marked_;   ///< per node, the last front with it
+    std::vector<std::uint32_t> marked_;   ///< per node, number of the last front that contains it
     std::vector<Eigen::Index> local_;     ///< per node, its row in that front
     std::vector<Excess> excess_;          ///< updated during elimination
 };

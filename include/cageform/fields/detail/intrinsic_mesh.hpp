@@ -11,7 +11,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The shape of a triangle. Side k is opposite to corner k.
 struct TriangleShape {
-    std::array<double, 3> length{}; ///< of the sides
+    std::array<double, 3> length{}; ///< lengths of the sides
     std::array<double, 3> dot{};    ///< per corner, dot product of the two sides from it
     double area2 = 0;               ///< twice the area
 
@@ -41,9 +41,9 @@ struct TriangleShape {
     }
 };
 
-/// Two triangles with the common side ab, unfolded into a plane with c above and d below it. The arrays
-/// have, for c and d, the distance along ab from a (towards b) and from b (towards a), and the height over
-/// ab.
+/// Two triangles with the common side ab, unfolded into a plane with c above and d below it. Each array has
+/// an element for c and one for d. `from_a` is the distance along ab from a (towards b), `from_b` the
+/// distance from b (towards a), and `height` the height over ab.
 struct UnfoldedPair {
     std::array<double, 2> from_a, from_b, height;
     double diagonal; ///< length of cd
@@ -55,14 +55,14 @@ struct UnfoldedPair {
         from_a = {first.dot[(k + 1) % 3] / ab, second.dot[(m + 2) % 3] / ab};
         from_b = {first.dot[(k + 2) % 3] / ab, second.dot[(m + 1) % 3] / ab};
         height = {first.area2 / ab, second.area2 / ab};
-        // Both differences are equal; the one of smaller numbers is more accurate.
+        // Both differences are equal except for rounding; the one of the smaller numbers is more accurate.
         const auto &x = from_a, &y = from_b;
         const bool is_nearer_a = std::fabs(x[0]) + std::fabs(x[1]) <= std::fabs(y[0]) + std::fabs(y[1]);
         diagonal = std::hypot(is_nearer_a ? x[0] - x[1] : y[0] - y[1], height[0] + height[1]);
     }
 
-    /// Returns the triangle (c, x, d), with corners and sides in this order. x is the end of ab that `from`
-    /// is measured from; the lengths of the sides from x to c and d are given.
+    /// Returns the triangle (c, x, d), with corners and sides in this order. `from` is measured from x, an
+    /// end of ab. `to_c` and `to_d` are the lengths of the sides from x to c and d.
     TriangleShape half(const std::array<double, 2>& from, double to_c, double to_d) const noexcept {
         const double across = from[0] - from[1], up = height[0] + height[1];
         TriangleShape shape;
@@ -114,8 +114,7 @@ public:
 
     /// Flips edges until no two angles opposite to an edge exceed π in sum (Bobenko, Springborn, A discrete
     /// Laplace–Beltrami operator for simplicial surfaces, Discrete Comput. Geom. 38 (2007), sec. 2). Each
-    /// flip decreases the Dirichlet energy, so this terminates, usually after few flips. Returns their
-    /// number.
+    /// flip decreases the Dirichlet energy, so the flips end, usually after few. Returns the number of flips.
     std::size_t make_delaunay() {
         std::vector<std::uint32_t> pending(sides());
         for (std::uint32_t side = 0; side < sides(); ++side) pending[side] = side;

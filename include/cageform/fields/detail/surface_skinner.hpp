@@ -28,7 +28,8 @@ public:
     }
 
 private:
-    /// Returns a distance of at least 1e-6. For less, the bone determines the weight up to rounding.
+    /// Returns a distance of at least 1e-6. At smaller distances the bone alone determines the weight, up to
+    /// rounding.
     static double at_least(double distance) noexcept { return std::fmax(distance, 1e-6); }
 
     double least_ = std::numeric_limits<double>::infinity();
@@ -54,7 +55,7 @@ public:
         for (std::size_t b = 0; b < bones_.size(); ++b) {
             for (auto* end : {&bones_[b].head, &bones_[b].tail}) {
                 *end = scaled(*end);
-                constexpr double most = 1e200; // squares of distances do not overflow
+                constexpr double most = 1e200; // so that squares of distances do not overflow
                 if (dot(*end, *end) <= most) continue;
                 report_.solver.culprit = b;
                 return Status::value_not_finite;
@@ -67,7 +68,8 @@ public:
         return Status::ok;
     }
 
-    /// Computes weights that are 1 and 0 in the groups and harmonic in between.
+    /// Computes weights that are 1 in the bone's own group, 0 in the groups of other bones, and harmonic
+    /// elsewhere.
     Status solve_harmonic(const Running& running) {
         const std::size_t size = positions_.size();
         std::vector<std::uint32_t> groups(options_.groups.begin(), options_.groups.end());
@@ -153,7 +155,7 @@ private:
     }
 
     NearestBones nearest_to(const Vec<double, 3>& p) const {
-        constexpr double rounding = 1e-9; // bones at equal distance within this have equal shares
+        constexpr double rounding = 1e-9; // bones at equal distance within this tolerance have equal shares
         NearestBones nearest;
         const auto is_near = [&](double distance) {
             return distance <= nearest.distance + rounding * (std::max)(nearest.distance, 1e-6);

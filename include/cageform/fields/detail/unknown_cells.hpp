@@ -89,7 +89,8 @@ struct UnknownCells {
         });
     }
 
-    /// Finds components without a given cell. Reports the first of their cells, and their number.
+    /// Finds components without a given cell. Reports the first cell of these components, and the number of
+    /// their cells.
     void find_unreached(SolverReport& report) const {
         NodeComponents<D> components(nodes);
         std::vector<bool> reached(components.runs(), false);

@@ -14,7 +14,7 @@ enum class MeshWeights : std::uint8_t {
     /// The triangles after intrinsic edge flips (by lengths only), which make the mesh Delaunay. The
     /// surface and the vertices do not change. Edges with two faces have no negative weights.
     intrinsic_delaunay,
-    own, ///< the mesh's own triangles; weights are negative if the opposite angles exceed π in sum
+    own, ///< the given triangles; the weight is negative if its two angles exceed π in sum
 };
 
 /// The report on the weights of a mesh and its faults.
@@ -35,10 +35,10 @@ struct SurfaceReport {
 /// The edge weights of a mesh that make functions on its vertices harmonic (`cotangent_weights`).
 struct CotangentWeights {
     std::size_t vertices = 0;
-    std::vector<GraphLink> links;     ///< w_ij; without those that are zero within rounding
+    std::vector<GraphLink> links;     ///< w_ij; weights that are zero up to rounding are left out
     std::vector<double> areas;        ///< per vertex: a third of the area of the given faces around it
     std::vector<std::uint8_t> unused; ///< per vertex: 1 if it has no face
-    double unit = 1;                  ///< a power of two; areas are in its square
+    double unit = 1;                  ///< unit of length, a power of two; `areas` has its square as unit
     bool has_negative = false;        ///< whether SurfaceReport::negative_weights is positive
 
     Graph graph() const noexcept { return {vertices, links}; }

@@ -8,19 +8,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class Cell : std::uint8_t {
-    unknown, ///< the mean of its neighbours
+    unknown, ///< its value is the mean of its neighbours' values
     given,   ///< keeps its value
     outside, ///< not part of the problem and not a neighbour
 };
 
 enum class Rim : std::uint8_t {
-    given,    ///< cells there must not be unknown
-    mirrored, ///< no neighbours beyond, so there is no flux through the boundary
+    given,    ///< cells at the boundary of the grid must not be unknown
+    mirrored, ///< cells have no neighbours beyond the grid, so no flux crosses the boundary
 };
 
 struct DirichletOptions {
     double tolerance = 1e-6;     ///< maximum estimated error, relative to the range of a field's given values
-    std::size_t max_cycles = 60; ///< then not_converged
+    std::size_t max_cycles = 60; ///< if more are needed: not_converged
     Rim rim = Rim::given;
 };
 

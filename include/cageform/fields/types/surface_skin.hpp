@@ -11,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bone at rest; a point if both ends coincide. Meshes in 2D have the third coordinate 0.
+/// A bone at rest; a point if both ends coincide. For meshes in 2D the third coordinate is 0.
 struct BoneSegment {
     Vec<double, 3> head, tail;
 };
@@ -25,18 +25,19 @@ enum class BoneVisibility : std::uint8_t {
 };
 
 struct SurfaceSkinOptions {
-    /// Bone heat: c > 0, the influence of bones relative to that of neighbours; dimensionless.
+    /// `bone_heat`: the constant c > 0. A larger value increases the influence of bones relative to that of
+    /// neighbouring vertices. Dimensionless.
     double heat = 1;
     BoneVisibility visibility = BoneVisibility::inside; ///< for bone heat
-    /// `harmonic_skin`: per vertex, the bone whose weight is 1 there, or no_bone. If empty, a bone has the
-    /// vertices whose nearest point on all bones is in its middle third.
+    /// `harmonic_skin`: per vertex, the bone whose weight is 1 there, or no_bone. If empty, the group of a
+    /// bone has the vertices whose nearest point on any bone lies in the middle third of this bone.
     std::span<const std::uint32_t> groups{};
 };
 
 struct SurfaceSkinReport {
     Status status = Status::ok;
     SurfaceReport mesh;                  ///< faults of the mesh, flips, negative weights
-    SolverReport solver;                 ///< culprit: a vertex (cells_unreached), else a bone or a label
+    SolverReport solver;                 ///< culprit: index of a vertex (cells_unreached), bone or label
     std::vector<std::size_t> idle_bones; ///< bones that no vertex uses; their weights are zero
     std::size_t hidden = 0;              ///< number of vertices whose nearest bones are not visible
     double seconds = 0;                  ///< wall-clock time

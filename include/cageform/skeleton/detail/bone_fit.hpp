@@ -9,9 +9,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Bones and weights. The sum of squared distances falls in each step, except for the smoothing of weights.
-/// Steps of weights sum over the frames once, so the cost of a vertex does not depend on their number. Steps
-/// of bones sum over the vertices once, so the cost of a frame does not depend on their number.
+/// Bones and weights. The sum of squared distances falls in each step, except for the smoothing of weights. A
+/// step of weights sums over the frames once, so the cost of a vertex does not depend on the number of
+/// frames. A step of bones sums over the vertices once, so the cost of a frame does not depend on the number
+/// of vertices.
 class BoneFit {
 public:
     BoneFit(const Motion& motion, BoneKind kind, std::size_t influences)
@@ -24,8 +25,8 @@ public:
 
     std::size_t bones() const noexcept { return bones_; }
     const VertexWeights& weights() const noexcept { return weights_; }
-    /// Squared distances of each vertex, summed over the frames, after the last step of weights; then their
-    /// sum.
+    /// errors(): squared distance of each vertex, summed over the frames, after the last step of weights.
+    /// error(): their sum.
     const std::vector<double>& errors() const noexcept { return errors_; }
     double error() const noexcept { return error_; }
     /// Entry (axis, column) of a bone's map in all frames; column 3 is the translation.
@@ -74,7 +75,8 @@ public:
             importance_[i] = (std::fmin)(importance_[i] * (std::fmax)(factors[i], 1.0), most);
     }
 
-    /// Adds a bone with the best map for some vertices, which it owns if `owns`. Returns its index.
+    /// Adds a bone with the best map for some vertices. If `owns`, the bone gets all weight of these
+    /// vertices. Returns its index.
     std::size_t add_bone(std::span<const std::uint32_t> vertices, bool owns, const Running& running) {
         const std::size_t lanes = motion_->lanes, bone = bones_++;
         maps_.resize(bones_ * 12 * lanes, 0);
@@ -153,7 +155,7 @@ public:
             for (std::size_t k = 0; k < width; ++k) w[k] /= sum;
         }
     }
-    /// Per bone, after a step of weights that requested it.
+    /// Returns, per bone, the error added by its removal. Valid after a step of weights with `removals`.
     const std::vector<double>& removals() const noexcept { return removals_; }
 
     /// Removes bones and renormalises the remaining weights.
@@ -192,15 +194,15 @@ private:
         std::uint32_t vertex;
         double weight;
     };
-    /// Σ_i w_ij w_ik (x, y, z, 1)(x, y, z, 1)ᵀ of two bones, and Σ_i w_ij (x, y, z, 1) x_iᵀ of each, with all
-    /// vertices weighted by importance.
+    /// The sums Σ_i w_ij w_ik (x, y, z, 1)(x, y, z, 1)ᵀ for each pair of bones, and Σ_i w_ij (x, y, z, 1)
+    /// x_iᵀ for each bone. All vertices are weighted by importance.
     struct Couplings {
         struct Other {
             std::uint32_t bone;
             Products sum;
         };
-        std::vector<Products> of;               ///< of each bone with itself
-        std::vector<std::vector<Other>> others; ///< of each bone with others
+        std::vector<Products> of;               ///< sum of each bone with itself
+        std::vector<std::vector<Other>> others; ///< sums of each bone with others
         std::vector<std::vector<double>>
             right_sides; ///< per bone, laid out as its map; empty for an idle bone
     };
@@ -268,8 +270,8 @@ private:
         for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
         return Lanes8::load(numbers);
     }
-    /// Right sides of a bone minus the contributions of other bones, by column and axis, in the frames of a
-    /// group that starts at `at`.
+    /// Right sides of a bone minus the contributions of other bones, by column and axis. The frames are those
+    /// of the group that starts at `at`.
     std::array<std::array<Lanes8, 3>, 4> residual_of(std::size_t bone, std::size_t at,
                                                      const Couplings& couplings) const noexcept {
         std::array<std::array<Lanes8, 3>, 4> left;
@@ -310,7 +312,7 @@ private:
         const auto turn_row = [&](std::size_t r, std::size_t c) {
             return rotations_.data() + ((3 * bone + r) * 3 + c) * motion_->lanes + at;
         };
-        // Pulls towards the last rotation, which decides where J is singular.
+        // Adds a weak pull towards the previous rotation. It determines the rotation if J is singular.
         const double pull = 1e-4 * size + 1e-9 * mass;
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) {
@@ -351,8 +353,8 @@ private:
             for (Lanes8& x : line) x *= factor;
         }
     }
-    /// Replaces a rotation by the affine map that fits J best. The rotation is kept in directions without
-    /// extent.
+    /// Replaces a rotation by the affine map that fits J best. In directions in which the vertices have no
+    /// extent, the rotation is kept.
     static void stretch(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j,
                         const double (&spread)[3][3], double size) {
         const double hold = 1e-3 * size / 3;

@@ -64,18 +64,18 @@ FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
 
 /// Errors of a skeleton in one frame, in the units of Motion.
 struct FrameErrors {
-    double sum = 0;                    ///< of squares, over all input vertices
-    double largest = -1;               ///< square
+    double sum = 0;                    ///< sum of squared errors over all input vertices
+    double largest = -1;               ///< largest squared error
     std::size_t vertex = 0;            ///< input vertex with the largest error
     std::vector<float> turns;          ///< rotation error of each face with an area, in degrees
-    std::vector<std::uint32_t> beyond; ///< vertices beyond the distance
+    std::vector<std::uint32_t> beyond; ///< vertices beyond the maximum distance
 };
 
 /// Measures a skeleton in frame t.
 ///
-///   copies  number of input vertices of each vertex
-///   given   first of these
-///   most    the distance; 0: none
+///   copies  number of input vertices that each vertex was welded from
+///   given   first of these input vertices
+///   most    maximum distance; 0: no limit
 template <class T>
 FrameErrors frame_errors(const Motion& motion, const FittedSkeleton<T>& skeleton, std::size_t t,
                          std::span<const std::uint32_t> copies, std::span<const std::uint32_t> given,
@@ -147,8 +147,8 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
     report.mean_influences = double(used) / double(motion.welded.size());
 }
 
-/// Rejects positions so far away that their products overflow; reports the farthest of the first frame with
-/// any.
+/// Rejects positions so far away that their products overflow. Reports the farthest such position in the
+/// first frame that has one.
 inline Status check_reach(const Motion& motion, SkeletonReport& report) noexcept {
     constexpr double reach = 1e30;
     std::size_t first = motion.frames;

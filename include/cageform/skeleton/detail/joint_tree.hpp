@@ -12,7 +12,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The joint p of bones a and b minimises Σ_t |M_a^t p − M_b^t p|² + λ |p − c|². c is the mean of the
-/// vertices, weighted by the products of their two weights. λ is 1e-2 of the scale of the first term,
+/// vertices, weighted by the products of their weights for a and b. λ is 1e-2 of the scale of the first term,
 /// increased until p is within the standard deviation of those vertices. The tree maximises Σ_i w_ia w_ib
 /// exp(−r), where r is the RMS of the remaining distances.
 class JointTree {
@@ -84,7 +84,7 @@ private:
         const Vec<double, 3> mean = (1 / shared.weight) * shared.sum;
         const Eigen::Vector3d centre(mean[0], mean[1], mean[2]);
         const double spread = (std::max)(shared.squares / shared.weight - centre.squaredNorm(), 0.0);
-        constexpr double most = 1e6; // then the position is the mean
+        constexpr double most = 1e6; // limit of the factor of λ; there the position is nearly the mean
         Eigen::Vector3d p = centre;
         for (double more = 1; more < most; more *= 4) {
             const double hold = more * (1e-2 * square.trace() / 3 + 1e-12 * double(motion_.frames));
@@ -119,7 +119,7 @@ private:
         std::stable_sort(heaviest.begin(), heaviest.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return masses_[a] > masses_[b]; });
         std::vector<bool> seen(bones, false);
-        for (const std::uint32_t root : heaviest) { // of each set of bones without common weights
+        for (const std::uint32_t root : heaviest) { // first of its set; sets have no common weights
             if (seen[root]) continue;
             if (root != heaviest[0]) parents[root] = heaviest[0];
             seen[root] = true;

@@ -9,11 +9,12 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Processes bones in order, parents first, channel by channel. The tolerance of a vertex is the distance
-/// times (the sum of its weights of finished bones + share · its weight of the current bone); the share grows
-/// from channel to channel. Keys are as far apart as this allows. Local transforms are relative to the parent
-/// as played, so errors do not accumulate along a chain. Rotations without tangents keep the distance by
-/// slerp, and per bone also by nlerp. Neighbouring keys are at most 90° apart. Keys are added between
-/// neighbouring frames where slerp and nlerp differ by more than the distance.
+/// times (the sum of its weights of finished bones + share · its weight of the current bone). The share grows
+/// from channel to channel. Keys are as far apart as this tolerance allows. Local transforms are relative to
+/// the motion that the parent's keys reproduce, so errors do not accumulate along a chain. Rotations without
+/// tangents stay within the distance with slerp and, per bone, also with nlerp. Neighbouring keys are at most
+/// 90° apart. Keys are added between neighbouring frames where slerp and nlerp differ by more than the
+/// distance.
 class KeyFitter {
 public:
     using Map = FittedSkeleton<double>::Map;
@@ -92,7 +93,7 @@ private:
             exact_.push_back(path.next(own));
         }
         played_ = exact_;
-        double reach = 0, scale = 0; // of the figure about the joint
+        double reach = 0, scale = 0; // largest distance from the joint, and scale
         for (const auto& p : rest_) {
             const auto d = p - skeleton_.joints[bone];
             reach = (std::max)(reach, share_ * std::sqrt(dot(d, d)));
@@ -126,8 +127,8 @@ private:
         return vec_cast<double>(errors_[t * rest_.size() + influence.vertex]) +
                share_ * influence.weight * difference(rest_[influence.vertex]);
     }
-    /// True if a local transform is within tolerance when `share` of the bone's part of the distance may be
-    /// used.
+    /// True if a local transform is within tolerance. `share` is the fraction of the bone's part of the
+    /// distance that may be used.
     bool is_within(std::size_t t, const NodeTransform& local, double share) const {
         const Map by = difference(t, node(t, local));
         for (const Influence& influence : influences_[bone_]) {
@@ -151,8 +152,8 @@ private:
             for (std::size_t k = 0; k < 4; ++k) local.values[at + k] /= std::sqrt(square);
         });
     }
-    /// Cubic segment through its end frames with least-squares tangents for the frames between. Regularised
-    /// by finite differences.
+    /// Cubic segment through its end frames. Its tangents are a least-squares fit to the frames in between,
+    /// with finite differences as regularisation.
     Segment segment(std::size_t from, std::size_t to, const Range& range) const {
         const double length = times_[to] - times_[from];
         double aa = 0, ab = 0, bb = 0;
@@ -215,8 +216,8 @@ private:
         });
         return exceeds;
     }
-    /// Bisects between two frames until slerp and nlerp agree; both have the same midpoint. Stores the
-    /// midpoints.
+    /// Bisects between two frames until slerp and nlerp agree, and stores the midpoints. Both interpolations
+    /// have the same midpoint.
     template <class Store>
     void bisect(double begin, const NodeTransform& a, double end, const NodeTransform& b, const Range& range,
                 const Store& store) const {
@@ -252,7 +253,7 @@ private:
         });
         if (how == Play::nlerp) normalise(local, range);
     }
-    /// Segments from frame to frame, as long as possible.
+    /// Finds segments that begin and end at frames and are as long as possible.
     Segments segments(bool cubic, const Range& range, double share) const {
         const bool turns = range.end > NodeTransform::rotation && range.begin != NodeTransform::scale;
         std::vector<Play> ways{cubic ? Play::cubic : Play::linear};
@@ -320,7 +321,8 @@ private:
         for (std::size_t c = range.begin; c < range.end; ++c) local.values[c] = by.values[c];
         return local;
     }
-    /// Makes keys of a range of values and plays them. store(time, values, in, out) receives each key.
+    /// Makes keys of a range of values, and computes the motion that they reproduce. store(time, values, in,
+    /// out) receives each key.
     template <class Store>
     void fit(const Range& range, double share, const Store& store) {
         if (NodeTransform mean; is_constant(range, share, mean)) {
@@ -417,12 +419,12 @@ private:
     const FittedSkeleton<double>& skeleton_;
     const std::vector<Vec<double, 3>>& rest_;
     const std::vector<double>& times_;
-    double distance_, share_, cosine_of_half_step_ = 0; ///< the last one per bone
+    double distance_, share_, cosine_of_half_step_ = 0; ///< cosine_of_half_step_: of the current bone
     bool tangents_;
-    std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices, relative to the size, of finished bones
+    std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices: by finished bones, relative to the size
     std::vector<double> used_weight_;   ///< #vertices: sum of the weights of finished bones
     std::vector<std::vector<Influence>> influences_;
-    std::vector<Map> nodes_; ///< #frames · #bones, as played
+    std::vector<Map> nodes_; ///< #frames · #bones, as the keys reproduce them
     std::size_t bone_ = 0;
     std::vector<NodeTransform> exact_, played_; ///< #frames, of the current bone
 };

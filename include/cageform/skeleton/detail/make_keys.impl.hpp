@@ -42,7 +42,7 @@ Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, s
     return Status::ok;
 }
 
-/// Measures the maximum distance between vertices by maps and by keys, relative to `size`.
+/// Measures the maximum distance between the positions of a vertex by maps and by keys, relative to `size`.
 template <class T>
 void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
                   std::span<const T> times, double size, const SkeletonKeys<T>& keys,

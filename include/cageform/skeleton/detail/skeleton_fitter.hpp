@@ -95,7 +95,8 @@ public:
 private:
     static constexpr std::size_t sweeps = 6, first_rounds = 3, plain_rounds = 10, min_cluster = 6,
                                  patch_size = 24;
-    /// Upper bound of the factors by error. Cuts the maximum error by 25 % and raises the mean by 1 %.
+    /// Upper bound of the importance by error. It lowers the maximum error by 25 % and raises the mean error
+    /// by 1 %.
     static constexpr double max_importance = 10;
 
     void weights(bool removals, double smoothing) {
@@ -108,10 +109,10 @@ private:
         }
         return true;
     }
-    /// Rounds with vertices weighted by importance. Later rounds extrapolate the weights, with momentum that
-    /// grows while the error falls (Ang and Gillis, Accelerating nonnegative matrix factorization algorithms
-    /// using extrapolation, Neural Computation 31(2), 2019; restarts as in O'Donoghue and Candès, Adaptive
-    /// restart for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
+    /// Runs rounds with vertices weighted by importance. Later rounds extrapolate the weights (Ang and
+    /// Gillis, Accelerating nonnegative matrix factorization algorithms using extrapolation, Neural
+    /// Computation 31(2), 2019). The momentum grows while the error falls, and then restarts (as in
+    /// O'Donoghue and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
     bool last_rounds() {
         VertexWeights last;
         double error = 0;
@@ -197,8 +198,8 @@ private:
         return sum;
     }
 
-    /// Moves bones to the largest errors. If the error does not fall, reverts and halves their number for the
-    /// next time.
+    /// Moves bones to the largest errors. If the error does not fall, reverts, and halves the number of moved
+    /// bones for the next call.
     bool relocate() {
         BoneFit before = fit_;
         if (!exchange(fit_.bones(), extra_)) return false;
@@ -210,7 +211,7 @@ private:
         }
         return true;
     }
-    /// The nearest vertices in the rest pose.
+    /// Returns the vertices nearest to vertex `i` in the rest pose.
     std::vector<std::uint32_t> nearest_at_rest(std::size_t i) const {
         std::vector<std::pair<double, std::uint32_t>> order(motion_.vertices);
         for (std::uint32_t k = 0; k < motion_.vertices; ++k) {

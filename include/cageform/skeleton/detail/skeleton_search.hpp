@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Adds bones to short fits until one is within the distance, then removes bones while the limit holds. The
-/// total cost is limited to two and a half times that of a fit by number.
+/// Runs short fits with more and more bones until one is within the distance, then removes bones while the
+/// limit holds. The total cost is limited to two and a half times the cost of a fit by number.
 class SkeletonSearch {
 public:
     struct Trial {
@@ -25,10 +25,11 @@ public:
 
     /// The valid fit with the fewest bones; if there is none, the one with the smallest distance.
     const BoneFit& best() const noexcept { return *best_; }
-    /// Numbers tried, in order.
+    /// Numbers of bones tried, in order.
     const std::vector<Trial>& trials() const noexcept { return trials_; }
 
-    /// Tries 1 to `most` bones; holds(fit) returns true if a fit is within the distance as stored.
+    /// Tries 1 to `most` bones; holds(fit) returns true if a fit, rounded as it is stored, is within the
+    /// distance.
     template <class Holds>
     Status run(std::size_t most, const Holds& holds) {
         if (!start(1) || !polish(holds)) return Status::cancelled;
@@ -51,8 +52,8 @@ public:
 private:
     // Steps; they return false if cancelled.
 
-    /// Removes bones from the fit found. After a fit beyond the distance, tries once more, then removes
-    /// fewer.
+    /// Removes bones from the fit found. If the fit is then beyond the distance, removes again. If that fails
+    /// too, returns to the best fit and removes fewer bones.
     template <class Holds>
     bool shrink(std::size_t low, const Holds& holds) {
         std::size_t high = best_->bones();
@@ -76,7 +77,7 @@ private:
         }
         return true;
     }
-    /// Rounds as in a fit by number, which lower the mean distance.
+    /// Runs rounds as in a fit by number. They lower the mean distance.
     template <class Holds>
     bool smooth(const Holds& holds) {
         fitter_.restore(*best_);
@@ -102,7 +103,7 @@ private:
         }
         return true;
     }
-    /// Rounds that re-fit with vertices over the limit weighted up, until there are none.
+    /// Runs rounds in which vertices over the limit have more weight, until no vertex is over the limit.
     template <class Holds>
     bool polish(const Holds& holds) {
         const std::size_t rounds = fitter_.fit().bones() > 1 ? options_.rounds : 0;

@@ -71,12 +71,12 @@ private:
             q * Eigen::Quaterniond(last[3], last[0], last[1], last[2]).conjugate();
         constexpr double half_turn = 1e-6;
         const double side =
-            step.vec().dot(Eigen::Vector3d(1, 0.61, 0.37)); // normal of a plane without coordinate axes
+            step.vec().dot(Eigen::Vector3d(1, 0.61, 0.37)); // normal of a plane without a coordinate axis
         const double sign = (std::fabs(along) < half_turn ? side : along) < 0 ? -1 : 1;
         to.set_turn(at, {sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w()});
     }
-    /// U S Vᵀ with rotations U and V. Columns are ordered and signed so that V is nearest to that of the last
-    /// frame.
+    /// Decomposes a matrix into U S Vᵀ with rotations U and V. The order and the signs of the columns make V
+    /// nearest to V of the last frame.
     void stretch(const Eigen::Matrix3d& a, NodeTransform& result) const {
         const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
         Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();

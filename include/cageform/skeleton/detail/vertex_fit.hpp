@@ -84,7 +84,7 @@ public:
         problem_.solve(step_.influences);
         return store(i, to);
     }
-    /// Increase of the error without the k-th bone of the last fitted vertex.
+    /// Returns the increase of the error if the k-th bone of the last fitted vertex is removed.
     double removal(std::size_t k) {
         const double before = problem_.value();
         without_ = full_;
@@ -191,8 +191,8 @@ private:
     const VertexWeights& before_;
     WeightStep step_;
     std::vector<double> own_,
-        across_;               ///< of each bone: its squared distance alone, its product with the places
-    std::vector<double> mean_; ///< of the neighbours' weights
+        across_; ///< per bone: the squared distance by this bone alone; the product of its map and the places
+    std::vector<double> mean_; ///< mean of the neighbours' weights
     std::vector<std::uint8_t> taken_;
     std::vector<std::uint32_t> order_;
     std::array<std::uint32_t, SimplexWeights::max_candidates> candidates_;

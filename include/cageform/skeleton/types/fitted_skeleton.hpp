@@ -68,9 +68,9 @@ struct FittedSkeleton {
         }
         return sum;
     }
-    /// Returns the local transform of a bone's node in a frame: from its own axes, with the origin at its
-    /// joint, to those of its parent (the world for a root). map(frame, bone) is the product of these from
-    /// the root, after a translation by minus the joint.
+    /// Returns the local transform of a bone's node in a frame. It maps the node's own axes, with the origin
+    /// at the joint, to the axes of its parent (of the world for a root). map(frame, bone) is a translation
+    /// by minus the joint, followed by the local transforms from the bone to the root.
     Map local(std::size_t frame, std::size_t bone) const noexcept {
         const Map own = node(frame, bone);
         return parents[bone] == no_parent ? own : node(frame, parents[bone]).inverse().after(own);

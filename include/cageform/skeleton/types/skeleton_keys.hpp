@@ -30,8 +30,9 @@ struct SkeletonKeys {
         Channel<Vec<T, 3>> translation;
         Channel<Quaternion<T>> rotation;
         Channel<Vec<T, 3>> scale; ///< (1, 1, 1) for rigid bones
-        /// Rotates to the axes of the scale; the identity unless bones are stretched. glTF needs a second
-        /// node for it: a child with the joint and the children.
+        /// Rotation to the axes of the scale; the identity unless bones are stretched. In glTF, this rotation
+        /// needs a second node, a child of the bone's node. The second node is then the
+        /// joint of the skin and the parent of the child bones.
         Channel<Quaternion<T>> axes;
     };
     std::vector<Bone> bones;
@@ -42,8 +43,8 @@ struct SkeletonKeys {
         return composed(at(of.translation, time, way), at(of.rotation, time, way), at(of.scale, time, way),
                         at(of.axes, time, way));
     }
-    /// Returns the map of each bone from the rest pose to a time, like FittedSkeleton::map for a frame;
-    /// #bones.
+    /// Returns the map of each bone from the rest pose to the pose at a time; #bones. FittedSkeleton::map is
+    /// the same for a frame.
     std::vector<Map> maps(const FittedSkeleton<T>& skeleton, T time, Turn way = Turn::slerp) const {
         std::vector<Map> nodes(bones.size());
         for (std::size_t b = 0; b < bones.size(); ++b) {
@@ -112,11 +113,12 @@ private:
 
 /// Options of fit_skeleton_keys.
 struct SkeletonKeyOptions {
-    /// Maximum distance of a vertex by keys from its position by maps, relative to the figure's diagonal in
-    /// the rest pose. 0: a key in each frame, except in constant channels.
+    /// Maximum distance between two positions of a vertex: by the keys, and by the maps of the fitted
+    /// skeleton. Relative to the figure's diagonal in the rest pose. 0: a key in each frame, except in
+    /// constant channels.
     double max_distance = 0;
-    /// Uses tangents in channels where these need fewer numbers. glTF players support them; Blender 3.4
-    /// replaces them by its own.
+    /// Uses tangents in channels where tangents need fewer numbers. glTF players support tangents; Blender
+    /// 3.4 replaces them by its own tangents.
     bool tangents = false;
 };
 
@@ -124,7 +126,7 @@ struct SkeletonKeysReport {
     Status status = Status::ok;
     std::size_t keys = 0;    ///< in all channels
     std::size_t numbers = 0; ///< stored: times, values and tangents
-    /// Maximum distance between vertices by maps and by keys, relative to the diagonal in the rest pose.
+    /// Largest distance that occurs, measured as SkeletonKeyOptions::max_distance.
     double max_distance = 0;
     std::size_t frame = 0, vertex = 0; ///< where max_distance is reached
     double seconds = 0;
