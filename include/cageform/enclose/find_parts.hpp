@@ -22,8 +22,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            shape without limbs, such as a sphere, is one part
 ///   mirror   if the cage is symmetric about an axis-aligned plane, so are the parts. Mirrored parts are
 ///            numbered n and -n; n has the larger coordinate
-///   limits   a limb has a compactness of at least 2.6, so mitten fingers are no limbs. If the cage merges
-///            limbs (legs closer than two margins), the trunk extends to where they part
+///   limits   a limb has a compactness of at least 2.6, so the fingers of a mitten are no limbs. If the cage
+///            merges limbs (legs closer than two margins), the trunk extends to the place where the limbs
+///            separate
 ///   cost     O(#faces log #faces): 10 ms for 60 vertices, 40 ms for 1,000
 ///   fails    the errors of `check`; out_of_memory
 ///

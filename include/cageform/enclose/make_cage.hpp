@@ -2,7 +2,7 @@
 // self-intersecting outlines and separate parts; only its coordinates must be finite.
 //
 // f is the unsigned distance from the figure minus the margin. A flood from the lattice boundary through f >
-// 0 finds the outside; all other nodes are inside. The figure therefore needs no inside of its own. With
+// 0 finds the outside; all other nodes are inside. The figure therefore need not be closed. With
 // MakeCageOptions::holes, painted areas are filled first, and enclosed empty regions larger than 16 squared
 // margins also count as outside.
 //
@@ -10,8 +10,8 @@
 //   1  detail/distance_lattice.hpp  samples f on a lattice
 //   2  detail/join_components.hpp   connects components by bridges and closes narrow gaps
 //   3  plane/contour.hpp            traces the border of the outside: a tight cage with many vertices
-//   4  plane/reduce_loop.hpp        merges neighbouring vertices; the loop only grows. Four trials leave n,
-//                                   7n/8, 6n/8 and 5n/8 vertices
+//   4  plane/reduce_loop.hpp        merges neighbouring vertices; the loop only grows. For n requested
+//                                   vertices, four trials leave n, 7n/8, 6n/8 and 5n/8 vertices
 //   5  plane/relax_loop.hpp         moves, inserts and removes vertices to lower the energy of cage_loop.hpp;
 //                                   the trial of least energy is kept
 //   6  plane/cage_maker.hpp         runs the steps and measures the exact clearance; repeats them with a
@@ -28,9 +28,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   figure   a range of DrawnSegment with radii >= 0, or a Drawing, which also lists painted areas (used
 ///            only by options.holes)
-///   returns  a counter-clockwise loop of options.vertices vertices. Several loops share them in proportion
-///            to the square roots of their areas, at least four each, so report.vertices can be larger. The
-///            cage passes `check` and contains the figure exactly; report.clearance is at least 0.9 margins
+///   returns  a counter-clockwise loop of options.vertices vertices. Several loops share these vertices in
+///            proportion to the square roots of their areas. Each loop gets at least four, so report.vertices
+///            can be larger. The cage passes `check` and contains the figure exactly; report.clearance is at
+///            least 0.9 margins
 ///   parts    connected by bridges 2.6 margins wide along a minimum spanning tree. Gaps below 3.2 margins are
 ///            closed
 ///   mirror   vertices are symmetric; the figure need not be
@@ -41,8 +42,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            margin_too_small; too_few_cage_vertices; mirror_not_supported; index_out_of_range (area);
 ///            cancelled; out_of_memory; cage_not_found, with the clearance of the last cage tried
 ///
-/// Deterministic. Translating the figure, or scaling it by a power of two, does the same to the cage, up to
-/// rounding.
+/// Deterministic. If the figure is translated, or scaled by a power of two, the cage changes in the same way,
+/// up to rounding.
 template <Scalar T>
 Result<Polygon<T>, MakeCageReport> make_cage(const Drawing<T>& drawing, const MakeCageOptions& options = {},
                                              const Running& running = {}) {

@@ -10,7 +10,7 @@
 //   3  space/surface_nets.hpp      meshes the border of the outside (shell.hpp): tight, with many vertices
 //      space/limb_rings.hpp        with options.rings: cuts the mesh along a plane across each limb
 //   4  space/reduce_shell.hpp      collapses edges without touching the figure or the mesh itself
-//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy: volume and poor shapes
+//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy of volume and poor shapes
 //   6  space/cage_maker.hpp        runs the steps and measures the exact clearance; repeats them with a
 //                                  larger distance if it is too small
 // pair_faces then merges triangles to quads (space/pair_faces.hpp, space/matching.hpp).
@@ -32,16 +32,18 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   parts            connected by bridges 2.9 margins wide along a minimum spanning tree; without one_cage,
 ///                    the shells share options.vertices. Gaps below 3.6 margins are closed
 ///   tunnels          kept, unless options.fill_tunnels; counted in report.tunnels
-///   mirror           vertices are symmetric; the requested number is met up to one
-///   vertices         see options.vertices for when the number differs. options.looseness searches for the
-///                    fewest; it takes two to three times as long up to 1,000 vertices, more above
+///   mirror           vertices are symmetric; their number may differ from the request by one
+///   vertices         see options.vertices for when the number differs. With options.looseness, the search
+///                    for the fewest vertices takes two to three times as long, and longer above 1,000
+///                    vertices
 ///   rings            with options.rings, report.parts has the parts of the cage. Each joint is a closed,
 ///                    planar (up to rounding) path of at least four edges. Limbs are found as by find_parts,
-///                    on meshes of four times, twice and once the vertices. Takes 1.3 to 2 times as long
-///   cost             about a second, and 40 bytes for each of at most 250^3 lattice nodes. The node limit
-///                    leaves small margins fewer than two nodes each; margins below 0.6 % of the longest side
-///                    fail. Threads share the work per figure face: two threads save 25 % for a million
-///                    faces, little below 10,000
+///                    on meshes of four times, twice and once the requested vertices. Takes 1.3 to 2 times as
+///                    long
+///   cost             about a second, and 40 bytes for each of at most 250^3 lattice nodes. Because of this
+///                    limit, small margins span fewer than two nodes. Margins below 0.6 % of the longest side
+///                    fail. Threads share the work per figure face. Two threads save 25 % of the time for a
+///                    million faces, and little below 10,000 faces
 ///   errors           figure_empty; index_out_of_range (face); figure_not_finite (vertex);
 ///                    figure_has_no_size; margin_not_positive; margin_too_small; too_few_cage_vertices;
 ///                    mirror_not_supported; cancelled; out_of_memory; cage_not_found, with the clearance of
@@ -70,16 +72,18 @@ Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& verti
 ///   returns  the vertices of `made`; each face is a triangle of `made` or a pair. The report is that of
 ///            `made` with `quads`, `triangles`, `worst_warp` and the least clearance over all triangulations
 ///   quads    convex seen along their normal, with angles of 20 to 160 degrees and a warp of at most 0.4. The
-///            cage keeps a quarter of the margin from the figure, encloses it and does not cross itself,
-///            whichever diagonal splits each quad (or a fan). Edges of joints in made.report.parts are kept
-///   choice   the most quads; among such choices, the best sum of right angles and low warp (maximum weight
-///            matching). If two quads may intersect, the worse one is dropped
+///            cage is at least a quarter of the margin from the figure, encloses it and does not cross
+///            itself. This holds for both diagonals of each quad, and for fans. Edges of joints in
+///            made.report.parts are kept
+///   choice   as many quads as possible; among such choices, the greatest sum of qualities, which rate right
+///            angles and low warp (maximum weight matching). If two quads may intersect, the worse one is
+///            dropped
 ///   mirror   the quads are symmetric
 ///   cost     typically O(n log n) for n cage faces; each figure face is tested against nearby pairs
 ///   errors   those of `made`, and of make_cage for an invalid figure
 ///
-/// Coordinates bind non-planar faces as fans (PolyhedralOptions). Green coordinates have four scaled normals
-/// for such a face.
+/// Cage coordinates treat non-planar faces as fans (PolyhedralOptions). Green coordinates have four scaled
+/// normals for such a face.
 template <Scalar T, PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
 Result<PolyhedralMesh<T>, MakeCageReport> pair_faces(const Result<TriangleMesh<T>, MakeCageReport>& made,

@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Maps to coordinates where the figure's diagonal lies between 1/2 and 1 and the mirror plane is x = 0.
+/// Maps the figure to coordinates in which its diagonal lies between 1/2 and 1 and the mirror plane is x = 0.
 template <std::size_t D>
 struct CageFrame {
     using Point = Vec<double, D>;

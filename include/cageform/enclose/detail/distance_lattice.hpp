@@ -45,7 +45,7 @@ public:
     /// Returns the index of a node along each axis.
     Count numbers(std::size_t node) const noexcept {
         Count n{};
-        auto rest = static_cast<std::uint32_t>(node); // below most_lattice_nodes; divides much faster
+        auto rest = static_cast<std::uint32_t>(node); // 32 bits suffice, and their division is much faster
         for (std::size_t k = D - 1; k > 0; --k) {
             const auto stride = static_cast<std::uint32_t>(stride_[k]);
             n[k] = rest / stride;

@@ -43,8 +43,8 @@ double deepest_hollow(std::span<const Vec<double, D>> points, std::span<const Co
     return most;
 }
 
-/// Chooses the number of vertices to try next. Doubles or halves the first one until the limit is bracketed,
-/// bisects, then tries two and four times the answer for the report.
+/// Chooses the number of vertices to try next. Doubles or halves the first number until the limit is
+/// bracketed, then bisects. Finally tries two and four times the chosen number for the report.
 template <class Cage>
 class VertexCountSearch {
 public:
@@ -66,7 +66,7 @@ public:
         if (tried_.empty()) return index_of(first_);
         const auto found = answer();
         std::optional<std::size_t> try_next;
-        if (found == tried_.end()) { // all too loose
+        if (found == tried_.end()) { // all cages tried are too loose
             const std::size_t highest = tried_.rbegin()->first;
             if (highest + 1 < counts_.size())
                 try_next = (std::max)(index_of(2 * counts_[highest]), highest + 1);

@@ -76,8 +76,9 @@ struct Bridge {
     std::size_t from, to;
 };
 
-/// Bridges of a minimum spanning tree over the components, by Kruskal's algorithm. The edges connect
-/// components whose nearest-component regions are adjacent, by the shortest bridge found.
+/// Bridges of a minimum spanning tree over the components, by Kruskal's algorithm. The region of a component
+/// has the nodes to which it is the nearest component. The edges are the shortest bridges found between
+/// components with adjacent regions.
 template <std::size_t D>
 std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeComponents& components) {
     const auto nearest = nearest_sources(
@@ -108,8 +109,8 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
     return bridges;
 }
 
-/// Adds bridges (capsules) until the figure has one component, in at most eight rounds; with `mirrored`, also
-/// their images. Returns the number of bridges without images.
+/// Adds bridges (capsules) until the figure has one component, in at most eight rounds. With `mirrored`, also
+/// adds the images of the bridges. Returns the number of bridges without images.
 ///
 ///   components  of the lattice before the call
 template <std::size_t D>

@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// 2D; defined in enclose/plane/cage_maker.hpp.
+/// Makes a 2D cage; defined in enclose/plane/cage_maker.hpp.
 template <class T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                       const MakeCageOptions& options, const Running& running,
@@ -29,13 +29,13 @@ struct FigureOfFaces {
     }
 };
 
-/// 3D; defined in enclose/space/cage_maker.hpp.
+/// Makes a 3D cage; defined in enclose/space/cage_maker.hpp.
 template <class T>
 Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                       const MakeCageOptions& options, const Running& running,
                       Result<TriangleMesh<T>, MakeCageReport>& made);
 
-/// Defined in enclose/space/pair_faces.hpp.
+/// Merges triangles to quads; defined in enclose/space/pair_faces.hpp.
 template <class T>
 Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> vertices,
                        std::span<const MeshFace> faces, const MakeCageOptions& options,

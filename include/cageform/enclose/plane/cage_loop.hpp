@@ -41,8 +41,8 @@ inline double angle_between(const Vec<double, 2>& u, const Vec<double, 2>& v) no
     return std::atan2(std::fabs(cross(u, v)), dot(u, v));
 }
 
-/// Energy that relaxation lowers: area, sharp angles, short and long edges. Dimensionless; the weights were
-/// tuned on some hundred figures.
+/// Energy that relaxation lowers. It has terms for area, sharp angles, and short and long edges. It is
+/// dimensionless; its weights were tuned on some hundred figures.
 class LoopEnergy {
 public:
     LoopEnergy(const CageLoop& contour, std::size_t vertices, double regular)
@@ -140,8 +140,8 @@ public:
             return segments_near(a, b, edge[0], edge[1], gap);
         });
     }
-    /// True if a triangle contains a mark. A vertex must not cross the mark: the loop would enclose another
-    /// loop or lose its own content.
+    /// True if a triangle contains a mark. A vertex must not cross a mark: the loop would enclose another
+    /// loop or lose its own part of the figure.
     bool any_mark_in(const Point& a, const Point& b, const Point& c) const noexcept {
         return std::any_of(marks_.begin(), marks_.end(), [&](const Point& p) {
             for (std::size_t k = 0; k < 2; ++k) { // a degenerate triangle covers only a segment of its line

@@ -63,8 +63,8 @@ private:
         }
     }
 
-    /// Crossing of the border and a lattice edge by linear interpolation of f. Kept off the nodes, so that
-    /// all segments have a positive length.
+    /// Crossing of the border and a lattice edge by linear interpolation of f. The crossing is kept away from
+    /// the nodes, so that all segments have a positive length.
     Vec<double, 2> crossing(std::size_t edge) const {
         const std::size_t from = edge / 2, to = from + (edge % 2 == 0 ? 1 : lattice_.count()[0]);
         const double f = double(lattice_[from]), g = double(lattice_[to]);

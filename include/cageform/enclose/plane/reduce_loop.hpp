@@ -71,7 +71,7 @@ private:
     struct Collapse {
         double cost;
         std::size_t b;
-        std::uint32_t version; ///< of the edge from b; outdated if it differs from the current one
+        std::uint32_t version; ///< of the edge from b; the collapse is outdated if it has changed
         Point x;
 
         bool operator<(const Collapse& other) const noexcept { // the queue pops the largest
@@ -90,8 +90,8 @@ private:
         return is_end(i) ? CageLoop::mirrored(point_[previous_[i]]) : point_[next_[i]];
     }
 
-    /// Queues the possible collapses of the edge from `b` to its successor c: keep b if c is reflex, keep c
-    /// if b is reflex, or extend both adjacent edges to their intersection.
+    /// Queues the possible collapses of the edge from `b` to its successor c. If c is reflex, b can be kept.
+    /// If b is reflex, c can be kept. The intersection of both adjacent edges, extended, can be a new vertex.
     void propose(std::size_t b) {
         ++version_[b];
         if (is_end(b)) return;

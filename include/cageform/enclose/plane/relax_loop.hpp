@@ -27,8 +27,8 @@ public:
     }
 
     /// Splits the longest edge until the loop has `vertices` vertices; its shape does not change. If a vertex
-    /// lies across the inside nearby, the edge is split opposite to it, so that limbs get vertices in pairs;
-    /// otherwise in the middle.
+    /// lies nearby across the inside, the edge is split opposite to this vertex, so that limbs get vertices
+    /// in pairs. Otherwise the edge is split in the middle.
     void insert(CageLoop& loop, std::size_t vertices) const {
         while (loop.size() < vertices) {
             std::size_t longest = 0;
@@ -44,8 +44,8 @@ public:
         }
     }
 
-    /// Removes the vertex whose loss costs least, inserts one elsewhere and relaxes; up to three times. This
-    /// escapes local minima of single-vertex moves.
+    /// Removes the vertex whose removal costs least, inserts one elsewhere and relaxes; up to three times.
+    /// These steps leave local minima of single-vertex moves.
     void reinsert(CageLoop& loop) const {
         for (int round = 0; round < 3; ++round) {
             double least = energy_.of(loop) - 1e-4;

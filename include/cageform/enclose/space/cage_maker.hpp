@@ -104,8 +104,8 @@ private:
     }
 
     /// Cuts a contour along a ring around each limb, after the first rounds of collapses. Searches for limbs
-    /// on shells of four times, twice and once the requested vertices, and uses the largest set. Returns
-    /// false if cancelled.
+    /// on shells of four times, twice and once the requested vertices, and uses the search that finds most
+    /// limbs. Returns false if cancelled.
     bool cut_rings(const ReductionInput& step, std::size_t vertices, const Running& running,
                    Shell& shell) const {
         ShellReduction reduction(shell, step.obstacles);
@@ -169,7 +169,7 @@ private:
     }
 
     /// Searches for the fewest vertices without rings, then makes a cage with rings and as many vertices, or
-    /// more while it is too loose. Its attempts replace those with the same number.
+    /// more while it is too loose. Attempts with rings replace those with the same number of vertices.
     Status make_fewest_with_rings(const ReductionInput& step, const Running& running, MakeCageReport& report,
                                   Shell& shell) const {
         const Shell contour = shell;
@@ -205,8 +205,8 @@ private:
             shell.points.push_back(p);
             shell.on_rim.push_back(false);
         }
-        // Each side by a corner and its two neighbours; the fourth corner is the sum of the neighbours minus
-        // the corner.
+        // A corner of each side, and its two neighbours. The fourth corner of the side is the sum of the
+        // neighbours minus the first corner.
         for (const Shell::Face& quad :
              {Shell::Face{0, 2, 1}, {4, 5, 6}, {0, 1, 4}, {2, 6, 3}, {0, 4, 2}, {1, 3, 5}}) {
             shell.faces.push_back(quad);

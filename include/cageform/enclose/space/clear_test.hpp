@@ -9,8 +9,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// Tests whether f >= 0 on triangles, up to a twentieth of the spacing at the sampled points. The slope of f
 /// is at most 1, so a triangle is clear if it lies in the sphere of radius f around its centroid. A larger
 /// sphere also suffices: radius r with r^2 = (0.8 spacings)^2 + 2 margin f. The border of f < 0 has at most
-/// the curvature of a ball whose radius is the margin. Between samples a distance r apart it rises by at most
-/// r^2 / (2 margin) - f, an eighth of the spacing. Triangles outside both spheres are bisected.
+/// the curvature of a ball whose radius is the margin. Between samples at the distance r, the border rises by
+/// at most r^2 / (2 margin) - f, an eighth of the spacing. Triangles outside both spheres are bisected.
 class ClearTest {
 public:
     using Weights = Vec<double, 3>;

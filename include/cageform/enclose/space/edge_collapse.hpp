@@ -1,4 +1,4 @@
-// make_cage in 3D: the collapse of an edge, and candidate positions of the merged vertex with costs by
+// make_cage in 3D: the collapse of an edge. The merged vertex has several candidate positions, with costs by
 // quadric error metrics (Garland & Heckbert, Surface simplification using quadric error metrics, SIGGRAPH
 // 1997).
 #pragma once
@@ -228,7 +228,7 @@ private:
         Point a, b;       ///< other corners
         double across2;   ///< squared distance between a and b
         Point normal;     ///< before the collapse
-        double hundredth; ///< 0.01 · its squared length
+        double hundredth; ///< 0.01 · squared length of the normal
     };
     static constexpr std::size_t base_count = 4;
     static constexpr std::array<double, 6> offsets{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
@@ -284,8 +284,8 @@ private:
         is_exact_ = 0;
         has_costs_ = true;
     }
-    /// Cost factor for poor faces: 1 for good ones, larger for needles; infinite if a face would flip or the
-    /// position is too close to the figure.
+    /// Cost factor for poor faces: 1 for good faces, larger for needles. It is infinite if a face would flip
+    /// or if the position is too close to the figure.
     CAGEFORM_DETAIL_FLATTEN double shape_factor(const Point& p) const noexcept {
         double worst2 = 1; // minimum of (twice the area / squared longest side)^2
         for (const IncidentFace& at : incident_) {

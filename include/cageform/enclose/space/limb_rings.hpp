@@ -73,7 +73,7 @@ public:
 
 private:
     struct Limb {
-        Point middle{}, axis{}; ///< of the joint: mean, and unit direction towards the limb
+        Point middle{}, axis{}; ///< mean of the joint, and unit direction from it towards the limb
         Point tip{};            ///< vertex farthest from the middle
         double area = 0, border = 0;
         bool crosses_mirror;
@@ -122,7 +122,7 @@ private:
         double offset = 0;
         double length = 0;
         bool is_open = false;
-        std::vector<Edge> edges; ///< from below the plane to above it, ascending
+        std::vector<Edge> edges; ///< each from a vertex below the plane to one above it; ascending
         std::vector<std::uint32_t> faces;
     };
 
@@ -330,7 +330,7 @@ public:
     }
 
     /// Returns the part number of each face. Part 1 is the largest region that is not on the limb side of a
-    /// ring; the others are numbered by decreasing area, mirrored regions n and -n.
+    /// ring. The other regions are numbered by decreasing area; mirrored regions are n and -n.
     std::vector<int> numbers() const {
         std::vector<double> areas(regions_.size()), moment(regions_.size());
         std::vector<std::size_t> images(regions_.size());
@@ -387,7 +387,7 @@ private:
     const Shell& shell_;
     WholeShell whole_;
     std::size_t own_; ///< number of faces that are no images
-    /// Ring of each vertex; a ring that does not cross the mirror plane and its image are two rings.
+    /// Ring of each vertex. If a ring does not cross the mirror plane, its image is another ring.
     std::vector<std::uint32_t> ring_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
         face_of_edge_;                  ///< face to the left of an edge

@@ -28,11 +28,11 @@ struct WeightedEdge {
 /// as described by Galil (Efficient algorithms for finding maximum matching in graphs, ACM Comput. Surv. 18,
 /// 1986), growing one alternating tree at a time from an unmatched vertex. Each vertex has a dual y >= 0.
 /// Each blossom, an odd cycle shrunk to a node, has a dual z >= 0. The slack of an edge is y_a + y_b - 2
-/// weight; it is >= 0 outside blossoms, and 0 for edges that are matched, in the tree or in a blossom. While
-/// the tree grows, y decreases at even nodes and increases at odd ones, at the same rate. A queue holds the
-/// times of events: the slack of an edge reaches 0, z of an odd blossom reaches 0, or y of an even vertex
-/// reaches 0, which may then stay unmatched. At the end y = 0 at all unmatched vertices, which proves
-/// optimality.
+/// weight. It is >= 0 outside blossoms. It is 0 for edges that are matched, in the tree or in a blossom.
+/// While the tree grows, y decreases at even nodes and increases at odd ones, at the same rate. A queue holds
+/// the times of events. At an event, one of three numbers reaches 0: the slack of an edge, z of an odd
+/// blossom, or y of an even vertex. Such a vertex may then stay unmatched. At the end y = 0 at all unmatched
+/// vertices, which proves optimality.
 class Matching {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -75,7 +75,7 @@ private:
 
     struct NodeData {
         Node parent = none; ///< enclosing blossom
-        Node base = none;   ///< its only vertex that is unmatched or matched to the outside
+        Node base = none;   ///< the only vertex in it that is unmatched or matched to the outside
         std::int64_t dual = 0;
         std::int64_t since = 0; ///< of an outermost node in the tree: time of the last update of its duals
         Label label = Label::free;

@@ -20,7 +20,7 @@ struct FacePair {
     std::array<Point, 4> corner{};
     double warp = 0;         ///< distance between the diagonals over the mean edge length
     double quality = 0;      ///< 1: a square; 0: the worst
-    double clearance = 0;    ///< of the tetrahedron, if it is below that of the cage
+    double clearance = 0;    ///< of the tetrahedron, at most that of the cage
     std::uint32_t image = 0; ///< index of the mirrored pair
     bool allowed = true;
 
@@ -46,7 +46,8 @@ struct FacePair {
         return warp <= most_warp;
     }
 
-    /// Triangle of the corners except one. Those without corners 0 and 2 are new, the others old.
+    /// Triangle of all corners except `left_out`. The triangles without corner 0 or 2 are new; those without
+    /// corner 1 or 3 are old.
     Facet<3> triangle_without(std::size_t left_out) const noexcept {
         std::array<std::uint32_t, 3> three{};
         for (std::size_t k = 0; k < 3; ++k) three[k] = std::uint32_t((left_out + 1 + k) % 4);
@@ -79,7 +80,7 @@ public:
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
 
-    ///   parts  of each face; faces of different parts form no pair. May be empty
+    ///   parts  part number of each face; faces of different parts form no pair. May be empty
     FacePairing(std::vector<Point> points, std::vector<Face> faces, std::vector<int> parts = {})
         : points_(std::move(points))
         , faces_(std::move(faces))
@@ -123,7 +124,7 @@ public:
 
     /// Rejects pairs whose tetrahedron is closer to a figure than `least`.
     ///
-    ///   clearance  of the cage
+    ///   clearance  clearance of the cage
     void reject_near(std::span<const Corners<3>> figure, double clearance, double least) {
         FaceHash hash = make_hash();
         std::vector<std::size_t> seen(pairs_.size(), figure.size()); // the hash may return a pair twice

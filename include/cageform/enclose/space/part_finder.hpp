@@ -112,8 +112,8 @@ private:
         return combined(p, q, [](bool a, bool b) { return a && !b; });
     }
 
-    /// The largest component of a set with its holes filled: everything that it separates from the largest
-    /// rest of the shell.
+    /// Returns the largest component of a set, with its holes filled. Its holes are all pieces of the rest of
+    /// the shell except the largest piece.
     Faces filled(const Faces& set, const Faces& shell) const {
         auto pieces = pieces_of(set);
         if (pieces.empty()) return set;
@@ -200,7 +200,7 @@ private:
             for (const SweptJoint& joint : swept_joints(surface, distance)) {
                 Region area;
                 area.has = filled(cut(joint, surface, distance, whole), shell);
-                if (is_pair) // neither gets the common faces
+                if (is_pair) // neither of the pair gets the common faces
                     area.has = filled(without(area.has, image_of(area.has)), shell);
                 if (is_own && image_of(area.has) != area.has) continue;
                 area.image = is_own ? found.size() : none;
@@ -278,9 +278,9 @@ private:
         if (is_pair) kept_.push_back(std::move(image));
     }
 
-    /// Drops regions with branches (an arm with fingers, a neck with head and antlers) unless they are long
-    /// without their branches and no more than 40 % of their shell. A body below the arms, which has two
-    /// legs, is not a limb.
+    /// Drops regions with branches (an arm with fingers, a neck with head and antlers). Keeps such a region
+    /// if it is long without its branches and no more than 40 % of its shell. A body below the arms, which
+    /// has two legs, is not a limb.
     void drop_short_branches() {
         std::vector<std::size_t> order;
         for (std::size_t n = 0; n < kept_.size(); ++n) {

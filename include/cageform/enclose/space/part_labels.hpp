@@ -23,7 +23,7 @@ inline bool part_precedes(int a, int b) noexcept {
 ///
 ///   images    mirror image of each part, or the part itself
 ///   moments   moment about the mirror plane; the part with the larger moment gets n
-///   is_trunk  is_trunk(n): whether part n may be number 1; the largest such part is, if any
+///   is_trunk  is_trunk(n): whether part n may be number 1; the largest such part becomes number 1
 template <class IsTrunk>
 std::vector<int> part_numbers(std::span<const double> areas, std::span<const std::size_t> images,
                               std::span<const double> moments, IsTrunk is_trunk) {
@@ -56,7 +56,7 @@ public:
     static constexpr std::size_t none = ~std::size_t{0};
 
     ///   names  part numbers, sorted by part_precedes
-    ///   pairs  adjacent parts, both ways, one entry per common edge; sorted
+    ///   pairs  pairs of adjacent parts, in both orders, one entry per common edge; sorted
     PartTree(std::span<const int> names, std::span<const std::array<std::size_t, 2>> pairs)
         : mirrored_(names.size(), none)
         , adjacent_(names.size())
@@ -162,7 +162,7 @@ private:
     std::priority_queue<Link> links_; ///< from parts in the tree
 };
 
-/// Pairs of adjacent parts, both ways, one entry per common edge; sorted.
+/// Returns the pairs of adjacent parts, in both orders, one entry per common edge; sorted.
 ///
 ///   part  of each face
 template <class Faces>
@@ -192,10 +192,11 @@ std::vector<std::array<std::size_t, 2>> adjacent_parts(const Faces& faces,
 ///
 ///   faces    lists of vertices below `vertices`, of any length
 ///   numbers  #faces, never 0
-///   returns  the root is the first part in the order of part_precedes. A part is attached to the part in the
-///            tree with which it shares most edges, once these are two thirds of the most that it shares with
-///            any part. If it shares as many with n as with -n, it is attached to their parent. If no part
-///            qualifies, those with most common edges are attached
+///   returns  the root is the first part in the order of part_precedes. A part qualifies for the tree if it
+///            shares enough edges with a part in the tree: two thirds of the most that it shares with any
+///            part. It is attached to the part in the tree with which it shares most edges. If it shares as
+///            many with n as with -n, it is attached to the parent of n. If no part qualifies, the parts that
+///            share most edges with a part in the tree are attached
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;

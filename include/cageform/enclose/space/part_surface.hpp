@@ -146,8 +146,8 @@ private:
         origins_ = std::move(origins);
     }
 
-    /// Length of the straight path between the tips of two faces unfolded about their common edge; none if it
-    /// does not cross the edge.
+    /// Length of the straight path between the tips of two faces unfolded about their common edge; none if
+    /// the path does not cross the edge.
     std::optional<double> way_across(const EdgeSide& one, const EdgeSide& other) const {
         const Point edge = points_[one.b] - points_[one.a];
         const double edge_length = length(edge);

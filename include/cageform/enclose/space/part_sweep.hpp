@@ -74,7 +74,8 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
     return places;
 }
 
-/// A front at a distance: the swept area, including all that the front separates from the larger rest.
+/// A front at a given distance, and the area that it has swept. If the rest of the surface has several
+/// pieces, all except the largest piece count as swept.
 struct SweptArea {
     double distance = 0, area = 0, border = 0;
     std::vector<bool> rest; ///< vertices not swept
@@ -143,7 +144,7 @@ struct SweptJoint {
 /// Minimum compactness of a part.
 inline constexpr double least_compactness = 2.6;
 
-/// Joints passed by a front from an extremity: maxima of the compactness followed by a drop by a factor of
+/// Joints passed by a front from an extremity: maxima of the compactness after which it falls by the factor
 /// `fall`. Areas above half of the surface are no parts.
 inline std::vector<SweptJoint> swept_joints(const PartSurface& surface, const std::vector<double>& distance) {
     constexpr int fronts = 96;

@@ -1,5 +1,5 @@
 // make_cage in 3D, step 4: reduces the mesh by edge collapses, cheapest first (edge_collapse.hpp). A collapse
-// is valid if the new faces stay clear of the figure and of each other (as in Calderon & Boubekeur, Bounding
+// is valid if the new faces touch neither the figure nor each other (as in Calderon & Boubekeur, Bounding
 // proxies for shape approximation, SIGGRAPH 2017).
 #pragma once
 
@@ -62,8 +62,8 @@ private:
     struct Collapse {
         double cost; ///< lower bound
         std::uint32_t u, v;
-        std::uint32_t versions; ///< sum over both ends; outdated if it has changed
-        std::uint32_t changes;  ///< of the faces at both ends when the candidate was chosen
+        std::uint32_t versions; ///< sum over both ends; the collapse is outdated if it has changed
+        std::uint32_t changes;  ///< of the faces at both ends, counted when the candidate was chosen
         EdgeCollapse::CandidateSet rejected;
         std::uint32_t candidate_index; ///< cheapest candidate left, if `cost` is its cost
 
@@ -73,9 +73,9 @@ private:
     };
 
     /// Collapses cheap edges in rounds. In each round, a vertex merges at most once, with the cheapest
-    /// neighbour. Edges remain shorter than six spacings, and large faces move by less than one. Sheets of
-    /// the mesh are more than one margin apart, so crossings are not tested here; the whole cage is checked
-    /// at the end.
+    /// neighbour. Edges remain shorter than six spacings, and large faces move by less than one spacing.
+    /// Sheets of the mesh are more than one margin apart, so crossings are not tested here; the whole cage is
+    /// checked at the end.
     template <class KeepGoing>
     bool merge_pairs(std::size_t vertices, const KeepGoing& keep_going) {
         if (has_begun_) return true;
@@ -195,7 +195,8 @@ private:
     }
 
     static constexpr double first_limit = 0.004, last_limit = 1.1; ///< costs in spacings^4
-    static constexpr std::size_t most_by_queue = 8; ///< times the requested vertices: the queue starts here
+    /// The rounds end, and the queue starts, at this multiple of the requested vertices.
+    static constexpr std::size_t most_by_queue = 8;
 
     Shell& shell_;
     double spacing_;

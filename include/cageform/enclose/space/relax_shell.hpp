@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Energy that relaxation lowers: volume, needles, short edges and folds. Dimensionless; the weights were
-/// tuned on sample cages.
+/// Energy that relaxation lowers. It has terms for volume, needles, short edges and folds. It is
+/// dimensionless; its weights were tuned on sample cages.
 class ShellEnergy {
 public:
     using Point = Vec<double, 3>;

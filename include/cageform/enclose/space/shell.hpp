@@ -32,8 +32,8 @@ struct Shell {
     bool are_of_one_ring(std::uint32_t v, std::uint32_t w) const noexcept {
         return ring_of(v) != none && ring_of(v) == ring_of(w);
     }
-    /// Nearest valid position to p: rim vertices of a half stay on the mirror plane, its other vertices to
-    /// the right of it, ring vertices in the plane of their ring.
+    /// Nearest valid position to p. Rim vertices of a half stay on the mirror plane, its other vertices to
+    /// the right of the plane. Ring vertices stay in the plane of their ring.
     ///
     ///   number  of the ring, or `none`
     Point allowed(Point p, bool is_on_rim, std::uint32_t number, double spacing) const noexcept {
@@ -257,8 +257,8 @@ inline FaceHash hash_of(const Shell& shell) {
 }
 
 /// Searches for a separating plane: the plane of triangle `a`, or a plane perpendicular to it through one of
-/// its edges. It separates if the corners of `b` that are not shared lie beyond it by more than `gap`; the
-/// triangles then intersect at most in shared corners. A cheap test that decides most pairs.
+/// its edges. A plane separates if the corners of `b` that are not shared lie beyond it by more than `gap`.
+/// The triangles then intersect at most in shared corners. This cheap test decides most pairs.
 ///
 ///   n      normal of `a`
 ///   reach  |n| · gap

@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Measures squared distances from a triangle in a local frame, in single precision: x along its longest
-/// side, y in its plane, z along the normal.
+/// Measures squared distances from a triangle in a local frame, in single precision. x is along the longest
+/// side, y in the plane of the triangle, z along its normal.
 class TriangleFrame {
 public:
     explicit TriangleFrame(const Corners<3>& corner) noexcept {

@@ -1,5 +1,5 @@
-// make_cage in space, step 3: the tightest cage, with a vertex in every lattice cell that the
-// border of the outside crosses.
+// make_cage in 3D, step 3: the tightest cage. It has a vertex in every lattice cell that the border of the
+// outside crosses.
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Calls visit(node, numbers) for the nodes of a lattice row by row, except for those whose cell, whose
-/// lowest corner they are, lies on one side.
+/// Calls visit(node, numbers) for the nodes of a lattice, row by row. A node stands for the cell of which it
+/// is the lowest corner. Skips seven nodes at a time if their cells lie on one side of the border.
 template <class Visit>
 void for_each_mixed(const DistanceLattice<3>& lattice, const std::vector<std::uint8_t>& outside,
                     const Visit& visit) {
@@ -43,9 +43,9 @@ void for_each_mixed(const DistanceLattice<3>& lattice, const std::vector<std::ui
     }
 }
 
-/// Changes outside nodes to inside until the border is a manifold: in no square of four nodes and
-/// no cube of eight are two opposite corners on one side and all others on the other (Latecki, 3D
-/// well-composed pictures, 1997). Nodes on the rim of the lattice stay outside.
+/// Changes outside nodes to inside until the border is a manifold (Latecki, 3D well-composed pictures, 1997).
+/// In a square of four nodes or a cube of eight, two opposite corners must not be on one side while all
+/// others are on the other side. Nodes on the rim of the lattice stay outside.
 inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<std::uint8_t>& outside) {
     const auto& stride = lattice.stride();
     const auto& count = lattice.count();
@@ -88,11 +88,11 @@ inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<st
     }
 }
 
-/// Makes the border of the outside by surface nets (Gibson, Constrained elastic surface nets,
-/// 1998). Each mixed cell gets a vertex at the mean of the points where its edges cross the border;
-/// each crossed lattice edge gets two triangles, divided along the shorter diagonal. With `half`,
-/// the lattice is symmetric, with its middle plane midway between nodes, and only the part x >= 0
-/// is made. The vertices of cells that the plane halves lie on it and form the rim.
+/// Makes the border of the outside by surface nets (Gibson, Constrained elastic surface nets, 1998). Each
+/// mixed cell gets a vertex at the mean of the points where its edges cross the border. Each crossed lattice
+/// edge gets two triangles, divided along the shorter diagonal. With `half`, the lattice is symmetric, and
+/// its middle plane is midway between nodes. Then only the part x >= 0 is made. The vertices of cells that
+/// the plane halves lie on it and form the rim.
 class SurfaceNets {
 public:
     using Point = Vec<double, 3>;
@@ -124,8 +124,8 @@ public:
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// Adds two triangles across the lattice edge from a node along an axis: they join the vertices
-    /// of the four cells around it, which exist because the rim of the lattice is outside.
+    /// Adds two triangles across the lattice edge from a node along an axis. They join the vertices of the
+    /// four cells around the edge. These cells exist, because the rim of the lattice is outside.
     void add_faces(std::size_t node, std::size_t axis, bool from_outside, Shell& shell) {
         const auto& stride = lattice_.stride();
         const std::size_t u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];

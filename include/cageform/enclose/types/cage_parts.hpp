@@ -14,8 +14,8 @@ struct CagePart {
     int number = 1;                      ///< 1: trunk; mirrored parts are n and -n
     int parent = 0;                      ///< number of the part that it is attached to; 0: none
     std::vector<std::uint32_t> vertices; ///< ascending; without the vertices of attached parts
-    /// Vertices of the loop that separates it from its parent, ascending; they belong to the parent or an
-    /// ancestor. Use their mean as the pivot.
+    /// Vertices of the loop that separates this part from its parent, ascending. They belong to the parent or
+    /// to another ancestor. Use their mean as the pivot.
     std::vector<std::uint32_t> joint;
 };
 
@@ -33,8 +33,8 @@ struct CageParts {
         }
         return nullptr;
     }
-    /// Returns the vertices that move with a part, ascending: those of the part and of its descendants. A
-    /// root moves only its own vertices.
+    /// Returns the vertices that move with a part, ascending: those of the part and of its descendants. For a
+    /// root, these are only its own vertices.
     std::vector<std::uint32_t> moved_with(int number) const {
         const auto hangs = [&](int other) {
             for (const CagePart* part = find(other); part != nullptr; part = find(part->parent)) {

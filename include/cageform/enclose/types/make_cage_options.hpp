@@ -61,10 +61,10 @@ struct MakeCageOptions {
     /// Number of vertices of the whole cage, over all loops or shells. 0: 24 in 2D, 112 in 3D. The cage has
     /// exactly this number, except:
     ///   - a box has 4 vertices, 8 in 3D;
-    ///   - a mirrored cage may be off by one;
+    ///   - a mirrored cage may have one vertex more or less;
     ///   - each loop or shell has at least 4 vertices, so several may need more;
-    ///   - collapses stop if each would touch the figure or the cage;
-    ///   - 3D vertices are never inserted: a coarse lattice may start with fewer.
+    ///   - collapses stop if every further collapse would touch the figure or the cage;
+    ///   - vertices are never inserted in 3D, and a coarse lattice may start with fewer.
     std::size_t vertices = 0;
     /// Distance between cage and figure, relative to the diagonal of the figure's bounds. 0: 0.025 in 2D,
     /// 0.02 in 3D.
@@ -75,17 +75,17 @@ struct MakeCageOptions {
     bool holes = false;        ///< 2D: keeps large enclosed empty regions as holes
     bool fill_tunnels = false; ///< 3D: makes a cage of genus 0; otherwise the figure's tunnels are kept
     /// 3D: makes a planar closed edge loop around each limb, for selecting and turning the limb. A loop takes
-    /// at least four vertices; large limbs get one first, while all loops take at most a quarter of the
-    /// vertices. With `looseness`, the number of vertices is first chosen without loops. It is then raised by
-    /// 5 % up to five times while the loops make the cage too loose.
+    /// at least four vertices. Loops are made for the largest limbs first, as long as all loops together take
+    /// at most a quarter of the vertices. With `looseness`, the number of vertices is first chosen without
+    /// loops. It is then raised up to five times, by 5 % each, while the cage with loops is too loose.
     bool rings = false;
     /// Trade-off: higher values give more regular angles and lengths, and looser cages.
     double regular = 1;
     /// If > 0: uses the fewest vertices whose area (3D: volume) exceeds the tightest by at most this ratio,
     /// e.g. 0.25. `vertices` is then the upper bound; 0: 200 in 2D, 1,000 in 3D. The next smaller number
-    /// tried is at most 5 % smaller and too loose. If no smaller number was tried, collapses stopped; a
-    /// smaller `vertices` may still work. If even the upper bound is too loose, the tightest cage tried is
-    /// returned. Boxes ignore this option.
+    /// tried is at most 5 % smaller and too loose. If no smaller number was tried, the collapses stopped at
+    /// this number; a smaller value of `vertices` may still work. If even the upper bound is too loose, the
+    /// tightest cage tried is returned. Boxes ignore this option.
     double looseness = 0;
 };
 
@@ -100,8 +100,8 @@ struct MakeCageReport {
     /// Area of the figure grown by the margin (3D: 1.12 margins) with narrow gaps closed. This is the limit
     /// of `area` for many vertices.
     double tightest_area = 0;
-    /// With options.looseness: all numbers of vertices tried, ascending. Includes one that is too loose, if
-    /// any is, and twice the answer or more.
+    /// With options.looseness: all numbers of vertices tried, ascending. The list includes a number that is
+    /// too loose, if there is one, and twice the chosen number or more.
     struct Attempt {
         std::size_t vertices;
         double excess; ///< area / tightest_area - 1
@@ -116,7 +116,7 @@ struct MakeCageReport {
     std::size_t tunnels = 0;    ///< genus of a 3D cage
     std::size_t triangles = 0;  ///< triangular faces of a 3D cage
     std::size_t quads = 0;      ///< quads, from pair_faces
-    double worst_warp = 0;      ///< of a quad: distance between its diagonals over its mean edge length
+    double worst_warp = 0;      ///< largest of the quads: distance between diagonals / mean edge length
     /// With options.rings: the parts between the loops; each joint is such a loop. Numbered as by find_parts.
     /// `of_face` refers to the triangles that make_cage returns.
     CageParts parts;

@@ -112,7 +112,8 @@ private:
     /// Runs rounds with vertices weighted by importance. Later rounds extrapolate the weights (Ang and
     /// Gillis, Accelerating nonnegative matrix factorization algorithms using extrapolation, Neural
     /// Computation 31(2), 2019). The momentum grows while the error falls, and then restarts (as in
-    /// O'Donoghue and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
+    /// O'Donoghue and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3),
+    /// 2015).
     bool last_rounds() {
         VertexWeights last;
         double error = 0;
