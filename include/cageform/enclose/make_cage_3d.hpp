@@ -10,7 +10,7 @@
 //   3  space/surface_nets.hpp      meshes the border of the outside (shell.hpp): tight, with many vertices
 //      space/limb_rings.hpp        with options.rings: cuts the mesh along a plane across each limb
 //   4  space/reduce_shell.hpp      collapses edges without touching the figure or the mesh itself
-//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy of volume and poor shapes
+//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy (volume, poor shapes)
 //   6  space/cage_maker.hpp        runs the steps and measures the exact clearance; repeats them with a
 //                                  larger distance if it is too small
 // pair_faces then merges triangles to quads (space/pair_faces.hpp, space/matching.hpp).
@@ -33,9 +33,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                    the shells share options.vertices. Gaps below 3.6 margins are closed
 ///   tunnels          kept, unless options.fill_tunnels; counted in report.tunnels
 ///   mirror           vertices are symmetric; their number may differ from the request by one
-///   vertices         see options.vertices for when the number differs. With options.looseness, the search
-///                    for the fewest vertices takes two to three times as long, and longer above 1,000
-///                    vertices
+///   vertices         options.vertices lists when the number differs. With options.looseness, the search for
+///                    the fewest vertices takes two to three times as long, and longer above 1,000 vertices
 ///   rings            with options.rings, report.parts has the parts of the cage. Each joint is a closed,
 ///                    planar (up to rounding) path of at least four edges. Limbs are found as by find_parts,
 ///                    on meshes of four times, twice and once the requested vertices. Takes 1.3 to 2 times as

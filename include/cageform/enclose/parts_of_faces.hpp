@@ -11,10 +11,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   faces    lists of vertices below `vertices`, of any length
 ///   numbers  #faces, never 0; order: 1, 2, -2, 3, -3, …
 ///   returns  the root is the first part in this order. A part qualifies for the tree if it shares enough
-///            edges with a part in the tree: two thirds of the most that it shares with any part. It is
-///            attached to the part in the tree with which it shares most edges. If it shares as many with n
-///            as with -n, it is attached to the parent of n. If no part qualifies, the parts that share most
-///            edges with a part in the tree are attached
+///            edges with a part in the tree. Enough is two thirds of the most edges that it shares with any
+///            part. The part is attached to that part in the tree with which it shares most edges. If these
+///            are as many with n as with -n, it is attached to the parent of n. If no part qualifies, the
+///            parts that share most edges with a part in the tree are attached
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;

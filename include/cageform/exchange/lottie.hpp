@@ -9,9 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A handle as fractions: x of the interval's duration, y of the difference between the keys' values. In
-/// the file both are numbers, or arrays with one number per component; an array of one number applies to
-/// all.
+/// A handle as fractions: x of the interval's duration, y of the difference between the keys' values. In the
+/// file both are numbers, or arrays with one number per component; an array of one number applies to all
+/// components.
 struct LottieHandle {
     double x = 0, y = 0;
 

@@ -197,8 +197,8 @@ private:
     }
 
     /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if the loop crosses the
-    /// axis. Such a loop crosses the axis at two vertices, because nodes lie on the axis, and a symmetric
-    /// region without holes covers one interval of it.
+    /// axis. Such a loop crosses the axis at two vertices. Nodes lie on the axis, and a symmetric region
+    /// without holes covers one interval of the axis.
     static CageLoop right_half(const Loop& loop) {
         const std::size_t n = loop.size();
         for (std::size_t i = 0; i < n; ++i) {
@@ -365,7 +365,7 @@ struct FramedFigure {
     CageFrame<2> frame;
     Bounds<double, 2> box; ///< in the figure's own coordinates
     std::vector<DrawnSegment<double>> segments;
-    double diagonal = 0; ///< of the bounds, in local units
+    double diagonal = 0; ///< diagonal of the bounds, in local units
 };
 
 template <Scalar T>

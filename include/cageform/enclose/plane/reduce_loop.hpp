@@ -71,7 +71,7 @@ private:
     struct Collapse {
         double cost;
         std::size_t b;
-        std::uint32_t version; ///< of the edge from b; the collapse is outdated if it has changed
+        std::uint32_t version; ///< version of the edge from b; if it has changed, the collapse is outdated
         Point x;
 
         bool operator<(const Collapse& other) const noexcept { // the queue pops the largest

@@ -83,7 +83,7 @@ private:
     /// A contour to reduce.
     struct ReductionInput {
         const ShellObstacles& obstacles;
-        double six_volumes, area; ///< of the contour; the area includes the mirror image
+        double six_volumes, area; ///< measures of the contour; the area includes the mirror image
     };
 
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }

@@ -77,9 +77,9 @@ private:
         Node parent = none; ///< enclosing blossom
         Node base = none;   ///< the only vertex in it that is unmatched or matched to the outside
         std::int64_t dual = 0;
-        std::int64_t since = 0; ///< of an outermost node in the tree: time of the last update of its duals
+        std::int64_t since = 0; ///< for an outermost node in the tree: when its duals were last updated
         Label label = Label::free;
-        Link entry = none; ///< of an odd node: link from the tree into it
+        Link entry = none; ///< for an odd node: link from the tree into it
         /// Odd cycle of a blossom, starting with the child of the base, and the links from each child to the
         /// next.
         std::vector<Node> children{};
@@ -88,7 +88,7 @@ private:
     struct Event {
         std::int64_t time;
         EventKind what;
-        std::uint32_t index; ///< of the vertex, blossom or link
+        std::uint32_t index; ///< index of the vertex, blossom or link
         friend auto operator<=>(const Event&, const Event&) = default;
     };
 
@@ -356,9 +356,9 @@ private:
     std::uint32_t size_;
     std::vector<NodeData> nodes_;
     std::vector<Node> unused_;
-    std::vector<Link> mate_link_; ///< of each vertex: link to its mate
+    std::vector<Link> mate_link_; ///< link from each vertex to its mate
     std::vector<std::uint32_t> first_;
-    std::vector<Link> links_; ///< those of vertex v: first_[v] to first_[v + 1]
+    std::vector<Link> links_; ///< links of vertex v: first_[v] to first_[v + 1]
     std::vector<Node> tree_;  ///< all nodes labelled in this search
     std::int64_t now_ = 0;
     std::priority_queue<Event, std::vector<Event>, std::greater<>> queue_;

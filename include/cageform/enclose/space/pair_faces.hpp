@@ -20,7 +20,7 @@ struct FacePair {
     std::array<Point, 4> corner{};
     double warp = 0;         ///< distance between the diagonals over the mean edge length
     double quality = 0;      ///< 1: a square; 0: the worst
-    double clearance = 0;    ///< of the tetrahedron, at most that of the cage
+    double clearance = 0;    ///< clearance of the tetrahedron, at most that of the cage
     std::uint32_t image = 0; ///< index of the mirrored pair
     bool allowed = true;
 
@@ -200,7 +200,7 @@ private:
         if (pair.measure()) pairs_.push_back(pair);
     }
 
-    /// Corners whose bounds are those of a pair, for the hash.
+    /// Returns corners that have the same bounds as a pair, for the hash.
     static Corners<3> box_corners(const FacePair& pair) noexcept {
         const auto box = pair.bounds();
         return {box.lower, box.upper, box.upper};
@@ -281,8 +281,8 @@ private:
 
     std::vector<Point> points_;
     std::vector<Face> faces_;
-    std::vector<int> parts_;                     ///< of each face; may be empty
-    std::vector<std::uint32_t> image_;           ///< of each face: its mirror image, or itself
+    std::vector<int> parts_;                     ///< part number of each face; may be empty
+    std::vector<std::uint32_t> image_;           ///< mirror image of each face, or the face itself
     std::map<Edge, std::uint32_t> face_of_edge_; ///< face to the left of an edge
     std::vector<FacePair> pairs_;
 };

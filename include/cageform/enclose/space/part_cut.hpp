@@ -14,7 +14,7 @@ public:
         std::int64_t cost; ///< integer, so that a smallest minimum cut exists
     };
 
-    ///   images  of vertices by a mirror, or empty: an edge and its image cost the same
+    ///   images  mirror images of the vertices, or empty; an edge and its image cost the same
     EdgeCosts(std::span<const Vec<double, 3>> points, std::span<const std::array<std::uint32_t, 3>> faces,
               const MirrorImages& images) {
         std::vector<Vec<double, 3>> normals;
@@ -30,7 +30,7 @@ public:
             const auto &one = normals[edges_[e].one], &other = normals[edges_[e].other];
             const double bend = std::atan2(length(cross(one, other)), dot(one, other));
             const bool is_hollow = dot(one, points[sides[2 * e + 1].third] - points[sides[2 * e].a]) > 0;
-            constexpr double units = 1 << 24; // per longest edge
+            constexpr double units = 1 << 24; // units per longest edge
             edges_[e].cost =
                 1 + std::int64_t(units * edges_[e].length / longest / (is_hollow ? 1 + 3 * bend : 1));
             if (images.empty()) continue;

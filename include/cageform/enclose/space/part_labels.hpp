@@ -159,7 +159,7 @@ private:
     std::vector<std::size_t> max_edges_;      ///< maximum of common edges with another part
     std::vector<std::size_t> parent_, depth_;
     std::vector<bool> in_tree_;       ///< parts in the tree
-    std::priority_queue<Link> links_; ///< from parts in the tree
+    std::priority_queue<Link> links_; ///< links from parts in the tree
 };
 
 /// Returns the pairs of adjacent parts, in both orders, one entry per common edge; sorted.
@@ -193,10 +193,10 @@ std::vector<std::array<std::size_t, 2>> adjacent_parts(const Faces& faces,
 ///   faces    lists of vertices below `vertices`, of any length
 ///   numbers  #faces, never 0
 ///   returns  the root is the first part in the order of part_precedes. A part qualifies for the tree if it
-///            shares enough edges with a part in the tree: two thirds of the most that it shares with any
-///            part. It is attached to the part in the tree with which it shares most edges. If it shares as
-///            many with n as with -n, it is attached to the parent of n. If no part qualifies, the parts that
-///            share most edges with a part in the tree are attached
+///            shares enough edges with a part in the tree. Enough is two thirds of the most edges that it
+///            shares with any part. The part is attached to that part in the tree with which it shares most
+///            edges. If these are as many with n as with -n, it is attached to the parent of n. If no part
+///            qualifies, the parts that share most edges with a part in the tree are attached
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;

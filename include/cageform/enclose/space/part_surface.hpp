@@ -23,7 +23,7 @@ inline Vec<double, 3> area_normal(std::span<const Vec<double, 3>> points,
     return area_normal({points[face[0]], points[face[1]], points[face[2]]});
 }
 
-/// A side of an edge: its vertices in ascending order, a face, and the third vertex of the face.
+/// A side of an edge: the vertices of the edge in ascending order, a face, and the third vertex of the face.
 struct EdgeSide {
     std::uint32_t a, b, face, third;
     friend bool operator<(const EdgeSide& p, const EdgeSide& q) noexcept {
@@ -60,8 +60,8 @@ public:
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
 
-    ///   faces   use all points
-    ///   images  of points, or empty; the faces must be symmetric too
+    ///   faces   must use all points
+    ///   images  mirror images of the points, or empty; the faces must be symmetric too
     PartSurface(std::vector<Point> points, std::vector<Face> faces, MirrorImages images)
         : points_(std::move(points))
         , faces_(std::move(faces))

@@ -63,7 +63,7 @@ private:
         double cost; ///< lower bound
         std::uint32_t u, v;
         std::uint32_t versions; ///< sum over both ends; the collapse is outdated if it has changed
-        std::uint32_t changes;  ///< of the faces at both ends, counted when the candidate was chosen
+        std::uint32_t changes;  ///< number of face changes at both ends when the candidate was chosen
         EdgeCollapse::CandidateSet rejected;
         std::uint32_t candidate_index; ///< cheapest candidate left, if `cost` is its cost
 

@@ -49,8 +49,8 @@ public:
     }
 
 private:
-    /// Terms of one edge of face f: half if the face across is listed too, because the edge is then visited
-    /// twice.
+    /// Terms of one edge of face f. They count half if the face across the edge is listed too, because the
+    /// edge is then visited twice.
     double edge(const Shell& shell, std::span<const std::uint32_t> faces, std::uint32_t f, std::uint32_t v,
                 std::uint32_t w) const noexcept {
         const auto g = shell.face_across(f, v, w);
@@ -136,7 +136,7 @@ public:
     }
 
 private:
-    /// A face at the vertex, by the edge opposite to the vertex.
+    /// A face at the vertex, described by the edge opposite to the vertex.
     struct Side {
         std::uint32_t from, to;
         Point a, b; ///< positions of `from` and `to`
@@ -147,7 +147,7 @@ private:
 
     const ShellEnergy& energy_;
     std::vector<Side> sides_;
-    Point volume_{};                 ///< six times the volume is its dot product with the position
+    Point volume_{};                 ///< its dot product with the position is six times the volume
     std::vector<Point> ends_at_rim_; ///< ends of edges not covered by `Side::b`
     std::vector<Point> normals_;     ///< scratch of `at`
 };

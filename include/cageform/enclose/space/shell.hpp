@@ -14,14 +14,14 @@ struct Shell {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     std::vector<Point> points;
-    std::vector<bool> on_rim; ///< per point of a half: lies on the mirror plane
+    std::vector<bool> on_rim; ///< per point of a half: whether it lies on the mirror plane
     std::vector<Face> faces;  ///< removed faces have equal vertices
     bool half = false;
     std::vector<std::vector<std::uint32_t>> star; ///< faces of each point; empty if it is removed
-    /// A closed planar path of edges around a limb. No other edges join two of its vertices.
+    /// A closed planar path of edges around a limb. No other edges join two vertices of the path.
     struct Ring {
         Point normal;  ///< unit normal of the plane, towards the limb
-        double offset; ///< of the plane along its normal
+        double offset; ///< offset of the plane along its normal
         std::size_t vertices;
         bool is_open; ///< in a half: the path ends on the rim, and the normal has x = 0
     };

@@ -48,7 +48,8 @@ public:
         per_right2_ = right2 > 0 ? 1 / right2 : 0;
     }
 
-    /// Returns the squared distance of a point, or any number above `limit2` if it is larger than `limit2`.
+    /// Returns the squared distance of a point. If it is larger than `limit2`, returns any number above
+    /// `limit2`.
     float distance2(const Vec<float, 3>& p, float limit2) const noexcept {
         const auto off = p - origin_;
         const float z = dot(off, z_);

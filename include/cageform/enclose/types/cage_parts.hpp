@@ -21,7 +21,7 @@ struct CagePart {
 
 /// Parts of a cage: one tree per shell.
 struct CageParts {
-    std::vector<CagePart> parts; ///< by number: 1, 2, -2, 3, …
+    std::vector<CagePart> parts; ///< sorted by number: 1, 2, -2, 3, …
     std::vector<int> of_face;    ///< #faces
     /// #vertices. A vertex shared by several parts belongs to their common ancestor.
     std::vector<int> of_vertex;

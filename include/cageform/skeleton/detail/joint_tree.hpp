@@ -13,8 +13,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The joint p of bones a and b minimises Σ_t |M_a^t p − M_b^t p|² + λ |p − c|². c is the mean of the
 /// vertices, weighted by the products of their weights for a and b. λ is 1e-2 of the scale of the first term,
-/// increased until p is within the standard deviation of those vertices. The tree maximises Σ_i w_ia w_ib
-/// exp(−r), where r is the RMS of the remaining distances.
+/// increased until the distance of p from c is within the standard deviation of those vertices. The tree
+/// maximises Σ_i w_ia w_ib exp(−r), where r is the RMS of the remaining distances.
 class JointTree {
 public:
     static constexpr std::uint32_t none = 0xffffffff;
