@@ -90,7 +90,7 @@ inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
     Result<std::string> result;
     const auto [unit, status] = detail::unit_handles(curve);
     if (status != Status::ok) return {{}, status};
-    std::array<char, 160> buffer{}; // at most 4 numbers of 24 characters and 21 more are used
+    std::array<char, 160> buffer{}; // at most 4 numbers of 24 characters, and 21 others
     char* end = buffer.data();
     const auto append = [&](std::string_view s) { end = std::copy(s.begin(), s.end(), end); };
     std::string_view before = "cubic-bezier(";

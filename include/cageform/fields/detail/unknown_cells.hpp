@@ -17,7 +17,7 @@ public:
     explicit NodeComponents(const grid::NodeRuns<D>& nodes)
         : runs_(nodes.runs())
         , components_(runs_.size()) {
-        std::size_t step = 1; // in rows, to the neighbour along the axis
+        std::size_t step = 1; // number of rows to the neighbour along the axis
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (std::size_t row = 0; row + step < nodes.rows(); ++row) {
                 if (nodes.row_index(row)[axis] + 1 < nodes.size()[axis]) join(nodes, row, row + step);

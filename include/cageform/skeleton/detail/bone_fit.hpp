@@ -413,7 +413,7 @@ private:
     std::vector<double> maps_;      ///< #bones · 4 columns · 3 axes · lanes
     std::vector<double> rotations_; ///< #bones · 9 · lanes: rotations minus the identity
     std::vector<double> errors_, removals_;
-    std::vector<double> importance_; ///< of each vertex in the step of bones
+    std::vector<double> importance_; ///< importance of each vertex in the step of bones
     double error_ = 0;
 };
 

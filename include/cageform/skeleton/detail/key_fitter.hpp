@@ -265,7 +265,7 @@ private:
             const Segment next = cubic ? segment(from, to, range) : Segment{from, to};
             const std::size_t between = to - from - 1;
             if (!cubic && between > 0 && exceeds_angle(exact_[from], exact_[to], range)) return false;
-            for (std::size_t n = 0; n < between; ++n) { // from the middle, where errors are largest
+            for (std::size_t n = 0; n < between; ++n) { // starts in the middle, where errors are largest
                 const std::size_t t = from + 1 + (between / 2 + n) % between;
                 for (const Play how : ways) {
                     NodeTransform local = played_[t];

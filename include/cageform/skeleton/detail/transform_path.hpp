@@ -41,7 +41,7 @@ public:
         NodeTransform result;
         for (std::size_t k = 0; k < 3; ++k) result.values[k] = map.shift[k];
         const double determinant = a.determinant(), scale = std::cbrt(determinant);
-        constexpr double rounding = 1e-6; // of single-precision maps
+        constexpr double rounding = 1e-6; // rounding of single-precision maps
         const Eigen::Matrix3d square = a.transpose() * a / (scale * scale);
         const bool is_similar = determinant > 0 && (square - Eigen::Matrix3d::Identity()).norm() < rounding;
         if (is_similar) {

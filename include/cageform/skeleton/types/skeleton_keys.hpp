@@ -124,7 +124,7 @@ struct SkeletonKeyOptions {
 
 struct SkeletonKeysReport {
     Status status = Status::ok;
-    std::size_t keys = 0;    ///< in all channels
+    std::size_t keys = 0;    ///< number of keys in all channels
     std::size_t numbers = 0; ///< stored: times, values and tangents
     /// Largest distance that occurs, measured as SkeletonKeyOptions::max_distance.
     double max_distance = 0;
