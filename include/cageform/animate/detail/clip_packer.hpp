@@ -1,4 +1,4 @@
-// Packs a clip: measures the error of 16-bit coefficients, and chooses the curves that they serve.
+// Packs a clip: measures the errors of 16-bit coefficients and chooses the curves to quantise.
 #pragma once
 
 #include <cageform/animate/detail/quantised_cubic.hpp>
@@ -23,7 +23,7 @@ inline double largest_of_cubic(const std::array<double, 4>& c, double h) noexcep
     const auto add = [&](double u) {
         if (u > 0 && u < h) most = std::fmax(most, at(u));
     };
-    const double root = std::sqrt(std::fmax(c[2] * c[2] - 3 * c[3] * c[1], 0.0)); // of the derivative
+    const double root = std::sqrt(std::fmax(c[2] * c[2] - 3 * c[3] * c[1], 0.0)); // sqrt of discriminant
     const double sum = -(c[2] + std::copysign(root, c[2]));                       // avoids cancellation
     if (c[3] != 0) add(sum / (3 * c[3]));
     if (sum != 0) add(c[1] / sum);
@@ -102,8 +102,8 @@ double size_of_cage(const CurveBankView<T>& bank) noexcept {
     return std::sqrt(square);
 }
 
-/// Chooses the curves of a vertex that can be quantised within the tolerance, those of least error
-/// first. Returns the distance of the vertex.
+/// Quantises the curves of a vertex in order of ascending error while the distance stays within the
+/// tolerance. Returns the distance of the vertex.
 template <std::size_t D>
 double choose_curves(std::span<const double> errors, double tolerance, std::span<char> chosen) noexcept {
     std::array<std::size_t, D> order{};
@@ -157,7 +157,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     CageClipView<T, D> made = clip;
     made.bank = mixed.view();
     PackedClip<T, D> smaller(made);
-    if (smaller.bytes().size() < packed.bytes().size()) { // false if there are only a few constants
+    if (smaller.bytes().size() < packed.bytes().size()) { // not the case if there are only a few constants
         packed = std::move(smaller);
         report.quantised = std::size_t(std::count(chosen.begin(), chosen.end(), char(1)));
     } else {

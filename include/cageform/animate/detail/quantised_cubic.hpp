@@ -1,4 +1,4 @@
-// A piecewise cubic with 16-bit coefficients; for run time, like piecewise_cubic.hpp.
+// A piecewise cubic with 16-bit coefficients. For run time.
 #pragma once
 
 #include <cageform/clip/curves/piecewise_cubic.hpp>
@@ -9,10 +9,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A curve with 16-bit coefficients: the Bernstein coefficients of every piece, as steps between
-/// the least and the largest of all. At most half the size of float pieces.
+/// A curve with 16-bit Bernstein coefficients: integers between 0 at the minimum and 65535 at the
+/// maximum of all coefficients. At most half the size of float pieces.
 ///
-///   error   adds at most half a step, `error_bound()`: the range of the coefficients over 131070
+///   error   at most half a step, `error_bound()`: the coefficients' range / 131070
 template <Scalar T>
 class QuantisedCubic {
 public:
@@ -48,9 +48,9 @@ public:
     }
 
     std::size_t size() const noexcept { return pieces_.size(); }
-    T error_bound() const noexcept { return step_ / 2; } ///< without rounding in T
+    T error_bound() const noexcept { return step_ / 2; } ///< excluding rounding in T
     std::size_t bytes() const noexcept { return pieces_.size() * sizeof(Piece) + 4 * sizeof(T); }
-    /// The coefficients of a piece; n stands for low + n · step.
+    /// Returns the coefficients of a piece; integer n means low + n · step.
     const std::array<std::uint16_t, 4>& coefficients(std::size_t piece) const noexcept {
         return pieces_[piece].b;
     }
