@@ -68,8 +68,8 @@ private:
                     add_derivative(row, order, false, -1);
                 }
                 if (!problem_.has(before && after ? at_knots[order] : at_keys[order])) continue;
-                if (before) bounded = take_from_curve(knot, order, true) && bounded;
-                if (after) bounded = take_from_curve(knot, order, false) && bounded;
+                if (before) bounded = match_curve(knot, order, true) && bounded;
+                if (after) bounded = match_curve(knot, order, false) && bounded;
             }
         }
         first_.push_back(conditions_.size());
@@ -78,7 +78,7 @@ private:
     }
 
     /// Adds the condition that a derivative of the piece before or after a knot equals the curve's.
-    bool take_from_curve(std::size_t knot, std::size_t order, bool before) {
+    bool match_curve(std::size_t knot, std::size_t order, bool before) {
         const double t = before ? pieces_[knot - 1].end : pieces_[knot].begin;
         std::array<double, 3> c{};
         const bool bounded = problem_.derivatives(t, order + 1, c);

@@ -20,7 +20,7 @@ public:
     Fit find(const Running& running) const {
         if (fitter_.status() != Status::ok) return refused(fitter_.status());
         if (!(tolerance_ > 0)) return refused(Status::tolerance_not_positive);
-        return fitter_.decoupled() ? reach_far(running) : add_pieces(running);
+        return fitter_.decoupled() ? longest_pieces(running) : add_pieces(running);
     }
     /// Whether conditions couple the pieces; the search is then slower.
     bool coupled() const noexcept { return fitter_.status() == Status::ok && !fitter_.decoupled(); }
@@ -63,7 +63,7 @@ private:
     }
 
     /// For independent pieces: makes each piece as long as possible.
-    Fit reach_far(const Running& running) const {
+    Fit longest_pieces(const Running& running) const {
         std::vector<FitPiece> pieces;
         double begin = 0, step = 1;
         while (begin < 1) {
@@ -90,7 +90,7 @@ private:
         const auto narrow = [&] { return high - low <= 1e-3 * (end - begin); };
         for (int round = 0; round < 40; ++round) {
             const FitPiece piece = fitter_.fit_piece(begin, end);
-            if (!piece.solved && end - begin < 1e-12) return {why_none(), {}};
+            if (!piece.solved && end - begin < 1e-12) return {failure_reason(), {}};
             double error =
                 piece.solved ? fitter_.sampled_error(piece) : std::numeric_limits<double>::infinity();
             // Measures the error exactly only if the search may end here.
@@ -120,7 +120,7 @@ private:
     }
 
     /// Returns the reason why even the shortest piece fails.
-    Status why_none() const {
+    Status failure_reason() const {
         const Status status = fitter_.fit(std::array<double, 2>{0, 1}).status();
         return status == Status::ok ? Status::too_many_conditions : status;
     }

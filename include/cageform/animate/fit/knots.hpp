@@ -142,7 +142,7 @@ inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> c
 /// Returns options with independent pieces and almost the same optimal knots: f = C at knots instead of
 /// continuity. Returns the given options if there are none, or if slopes have little weight, since the
 /// optimal knots then differ.
-inline FitOptions apart(FitOptions options) noexcept {
+inline FitOptions with_independent_pieces(FitOptions options) noexcept {
     using enum FitCondition;
     if (options.conditions == (end_value | knot_c0) && options.slope_weight >= 1e-3 * options.value_weight)
         options.conditions = end_value | knot_value;
@@ -150,7 +150,7 @@ inline FitOptions apart(FitOptions options) noexcept {
 }
 
 /// Resamples knots with the same density to another number of pieces.
-inline std::vector<double> divided_anew(std::span<const double> knots, std::size_t pieces) {
+inline std::vector<double> resampled_knots(std::span<const double> knots, std::size_t pieces) {
     if (knots.empty()) return {};
     std::vector<double> result;
     const double ratio = double(knots.size() - 1) / double(pieces);
@@ -164,7 +164,7 @@ inline std::vector<double> divided_anew(std::span<const double> knots, std::size
 }
 
 /// Moves every inner knot once to its position of minimum cost; returns the largest move.
-inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
+inline double optimise_each_knot(const SobolevFitter& fitter, KnotSearch& search) {
     auto& t = search.value.parameters;
     double moved = 0;
     for (std::size_t i = 1; i + 1 < t.size(); ++i) {
@@ -195,7 +195,7 @@ inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
                                                   std::span<const double> candidates, std::size_t pieces,
                                                   const KnotOptions& options = {},
                                                   const Running& running = {}) {
-    const SobolevFitter fitter(curve, detail::apart(options.fit));
+    const SobolevFitter fitter(curve, detail::with_independent_pieces(options.fit));
     detail::KnotSearch search;
     search.report.status = fitter.status();
     if (!search) return search;
@@ -222,32 +222,32 @@ inline Result<BestKnots, KnotReport> optimal_knots(const BezierCurve& curve, std
                                                    const Running& running = {}) {
     constexpr std::size_t most_on_grid = 64, most_coupled = 24;
     const bool many = pieces > most_on_grid;
-    FitOptions polished = detail::apart(options.fit);
+    FitOptions local = detail::with_independent_pieces(options.fit);
     // On the grid, conditions are replaced by independent ones, as dynamic programming needs.
     KnotOptions on_grid = options;
     using enum FitCondition;
-    if (!detail::decoupled(polished.conditions)) {
+    if (!detail::decoupled(local.conditions)) {
         on_grid.fit.conditions = end_value | knot_value;
-        if (pieces > most_coupled) polished.conditions = end_value | knot_value;
+        if (pieces > most_coupled) local.conditions = end_value | knot_value;
     }
     detail::KnotSearch search;
     if (many) {
         search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.subtask(0, 0.5));
-        search.value.parameters = detail::divided_anew(search.value.parameters, pieces);
+        search.value.parameters = detail::resampled_knots(search.value.parameters, pieces);
     } else {
         const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
         search = search_knots(curve, candidates, pieces, on_grid, running.subtask(0, 0.5));
     }
     if (!search) return search;
     search.value.indices.clear();
-    const SobolevFitter fitter(curve, polished);
+    const SobolevFitter fitter(curve, local);
     const int rounds = many ? (std::min)(options.rounds, 20) : options.rounds;
     for (int round = 0; round < rounds; ++round) {
         if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
             search.report.status = Status::cancelled;
             return search;
         }
-        if (detail::polish(fitter, search) < 1e-8) break;
+        if (detail::optimise_each_knot(fitter, search) < 1e-8) break;
     }
     search.report.objective = SobolevFitter(curve, options.fit).objective(search.value.parameters);
     search.report.status = running.end(Status::ok);

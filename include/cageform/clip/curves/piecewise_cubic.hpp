@@ -72,7 +72,7 @@ struct PiecewiseCubicView {
 
     T operator()(T x) const noexcept {
         if (x >= end) return end_value;
-        const T inside = held(x);
+        const T inside = clamped(x);
         return pieces[locate(inside)](inside);
     }
     /// `cursor` is the piece of the last call, initially 0.
@@ -81,7 +81,7 @@ struct PiecewiseCubicView {
             cursor = pieces.size() - 1;
             return end_value;
         }
-        const T inside = held(x);
+        const T inside = clamped(x);
         cursor = locate(inside, cursor);
         return pieces[cursor](inside);
     }
@@ -91,7 +91,7 @@ struct PiecewiseCubicView {
     }
 
 private:
-    T held(T x) const noexcept { return x < begins[0] ? begins[0] : x; }
+    T clamped(T x) const noexcept { return x < begins[0] ? begins[0] : x; }
 };
 
 /// Consecutive cubic pieces in the units of their keys; six scalars per piece. Outside its range, a

@@ -80,7 +80,7 @@ bool is_finite_piece(const CubicPiece<T>& p) noexcept {
 /// Whether the curves partition the knots of a bank in order (unquantised curves first), knots ascend,
 /// and all numbers are finite, also when decoded.
 template <Scalar T>
-bool is_sound(const CurveBankView<T>& bank) noexcept {
+bool is_valid(const CurveBankView<T>& bank) noexcept {
     std::array<std::size_t, 2> next{0, bank.pieces.size()}, end{bank.pieces.size(), bank.knots.size()};
     for (std::size_t k = 0; k < bank.size(); ++k) {
         const BankCurve<T>& curve = bank.curves[k];
@@ -137,7 +137,7 @@ bool tracks_follow(const PackedMotion<T, D>& motion, std::uint64_t pieces) noexc
 
 /// Whether the pieces of a track ascend and are finite.
 template <Scalar T>
-bool is_sound(const TrackView<T>& track) noexcept {
+bool is_valid(const TrackView<T>& track) noexcept {
     const auto pieces = track.curve.pieces;
     const T *const begins = track.curve.begins, end = track.curve.end;
     bool sound = pieces.empty() || is_finite(end - begins[0]);
@@ -148,9 +148,9 @@ bool is_sound(const TrackView<T>& track) noexcept {
     return sound;
 }
 template <Scalar T, std::size_t D>
-bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
-    bool sound = is_finite(motion.pivot) && is_sound(motion.angle_or_phase);
-    for (const TrackView<T>& track : motion.translation) sound = sound && is_sound(track);
+bool is_valid(const RigidMotionView<T, D>& motion) noexcept {
+    bool sound = is_finite(motion.pivot) && is_valid(motion.angle_or_phase);
+    for (const TrackView<T>& track : motion.translation) sound = sound && is_valid(track);
     for (const Quaternion<T>& turn : motion.rotations) {
         T square = 0;
         for (const T x : turn) square += x * x;
@@ -183,7 +183,7 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
         return Status::blob_malformed;
     const auto view = view_clip<T, D>(data, header);
     for (const T x : view.ends) sound = sound && is_finite(x);
-    sound = sound && is_sound(view.bank) && is_in_order(view) && is_sound(view.motion);
+    sound = sound && is_valid(view.bank) && is_in_order(view) && is_valid(view.motion);
     return sound ? Status::ok : Status::blob_malformed;
 }
 

@@ -51,9 +51,9 @@ struct Bernstein {
         return {low, high};
     }
     double largest_coefficient() const noexcept {
-        double most_of = 0;
-        for (std::size_t i = 0; i <= degree; ++i) most_of = std::fmax(most_of, std::fabs(c[i]));
-        return most_of;
+        double largest = 0;
+        for (std::size_t i = 0; i <= degree; ++i) largest = std::fmax(largest, std::fabs(c[i]));
+        return largest;
     }
 
     friend Bernstein operator*(const Bernstein& a, const Bernstein& b) noexcept {
@@ -96,10 +96,10 @@ inline LargestValue largest_absolute(const Bernstein& p) {
         if (!is_finite(p.c[i])) return {std::numeric_limits<double>::infinity(), 0};
     }
     LargestValue best{std::fabs(p.c[0]), 0};
-    const auto meet = [&](double value, double at) {
+    const auto consider = [&](double value, double at) {
         if (std::fabs(value) > best.value) best = {std::fabs(value), at};
     };
-    meet(p.c[p.degree], 1);
+    consider(p.c[p.degree], 1);
     struct Piece {
         Bernstein p;
         double begin, length;
@@ -137,15 +137,15 @@ inline LargestValue largest_absolute(const Bernstein& p) {
                 }
                 u = next;
             }
-            meet(piece.p(u), piece.begin + u * piece.length);
+            consider(piece.p(u), piece.begin + u * piece.length);
             continue;
         }
         if (piece.length < 1e-12 || count + 2 > stack.size()) { // a multiple extremum: nearly constant
-            meet(piece.p(0.5), piece.begin + 0.5 * piece.length);
+            consider(piece.p(0.5), piece.begin + 0.5 * piece.length);
             continue;
         }
         const auto [low, high] = piece.p.split(0.5);
-        meet(high.c[0], piece.begin + 0.5 * piece.length);
+        consider(high.c[0], piece.begin + 0.5 * piece.length);
         stack[count++] = {low, piece.begin, 0.5 * piece.length};
         stack[count++] = {high, piece.begin + 0.5 * piece.length, 0.5 * piece.length};
     }

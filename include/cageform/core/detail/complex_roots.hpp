@@ -66,8 +66,8 @@ inline void add_quadratic_roots(const ComplexNumber& a, const ComplexNumber& b, 
 }
 
 /// Returns the root of x³ + a x² + b x + c whose nearest other root is farthest, by Cardano's formula.
-inline ComplexNumber loneliest_root(const ComplexNumber& a, const ComplexNumber& b,
-                                    const ComplexNumber& c) noexcept {
+inline ComplexNumber most_isolated_root(const ComplexNumber& a, const ComplexNumber& b,
+                                        const ComplexNumber& c) noexcept {
     const ComplexNumber third = (1 / 3.0) * a, p = b - a * third, q = third * (2.0 * (third * third) - b) + c;
     const ComplexNumber half = 0.5 * q, cube = (1 / 3.0) * p;
     ComplexNumber w = root(half * half + cube * cube * cube);
@@ -77,15 +77,15 @@ inline ComplexNumber loneliest_root(const ComplexNumber& a, const ComplexNumber&
     constexpr ComplexNumber turn{-0.5, 0.86602540378443865};
     const std::array<ComplexNumber, 3> x{u + v, u * turn + v * conjugate(turn),
                                          u * conjugate(turn) + v * turn};
-    std::size_t loneliest = 0;
+    std::size_t isolated = 0;
     double most = -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double nearest = std::fmin(norm(x[k] - x[(k + 1) % 3]), norm(x[k] - x[(k + 2) % 3]));
         if (!(nearest > most)) continue;
         most = nearest;
-        loneliest = k;
+        isolated = k;
     }
-    return x[loneliest] - third;
+    return x[isolated] - third;
 }
 
 /// Returns the roots of a polynomial; neither the leading nor the constant coefficient may be 0. For a
@@ -101,7 +101,7 @@ inline PolynomialRoots roots_of(const Polynomial& of) noexcept {
     const bool inverted = norm(c[0]) > norm(c[3]);
     const Polynomial p = inverted ? of.reversed() : of;
     const ComplexNumber share = inverse(p.c[3]);
-    ComplexNumber x = loneliest_root(share * p.c[2], share * p.c[1], share * p.c[0]);
+    ComplexNumber x = most_isolated_root(share * p.c[2], share * p.c[1], share * p.c[0]);
     for (int step = 0; step < 2; ++step) {
         const ComplexNumber slope = p.slope(x);
         if (norm(slope) > 0) x = x - p.at(x) / slope;

@@ -73,7 +73,7 @@ CAGEFORM_DETAIL_INLINE inline void fetch_ahead([[maybe_unused]] const void* byte
 /// Hides a number or register from the optimiser, at no cost in instructions. Prevents compilers from
 /// merging operations before and after this call.
 template <class R>
-CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
+CAGEFORM_DETAIL_INLINE inline void optimizer_barrier([[maybe_unused]] R& r) noexcept {
 #if defined(__GNUC__) && defined(__SSE2__)
     __asm__("" : "+v"(r));
 #elif defined(__GNUC__) && defined(__aarch64__)
@@ -82,7 +82,7 @@ CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
     if constexpr (!std::is_arithmetic_v<R>) { // a register emulated with scalars
         for (std::size_t lane = 0; lane < sizeof(r) / sizeof(r[0]); ++lane) {
             auto x = r[lane];
-            conceal(x);
+            optimizer_barrier(x);
             r[lane] = x;
         }
     } else if constexpr (sizeof(r) == 4) {
@@ -101,7 +101,7 @@ template <class R>
 CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     R ab = a * b;
-    conceal(ab); // or compilers would fuse it with an addition, each by its own rules
+    optimizer_barrier(ab); // or compilers would fuse it with an addition, each by its own rules
     return ab;
 #else
     return a * b;

@@ -14,7 +14,7 @@ namespace detail {
 
 /// Checks that the parts lie within the figure, do not overlap, are in order and have different tags.
 /// The table itself must lie within the figure.
-inline bool is_sound(std::span<const FigurePart> table, std::uint64_t bytes) noexcept {
+inline bool is_valid(std::span<const FigurePart> table, std::uint64_t bytes) noexcept {
     std::uint64_t end = sizeof(FigureHeader) + table.size_bytes();
     for (std::size_t n = 0; n < table.size(); ++n) {
         const FigurePart& part = table[n];
@@ -177,7 +177,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
         return refused(Status::blob_malformed);
     opened.value.data = data.data();
     opened.value.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
-    if (!is_sound(opened.value.table, header.bytes)) return refused(Status::blob_malformed);
+    if (!is_valid(opened.value.table, header.bytes)) return refused(Status::blob_malformed);
     status = open_bindings(opened, expected);
     if (status == Status::ok) status = open_tables(opened);
     if (status == Status::ok && header.version > 1) status = open_clips(opened);
