@@ -11,7 +11,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Packs a clip for `open_clip` and for `pack` (FigurePackOptions::clips). With a tolerance, it
-/// quantises a curve to 16-bit coefficients (QuantisedCubic) if its vertex stays within the tolerance,
+/// quantises a curve to 16-bit coefficients if its vertex stays within the tolerance,
 /// measured with the coefficients as stored. Slopes and rises for extrapolation, jumps and the rigid
 /// motion stay exact.
 ///

@@ -3,8 +3,7 @@
 
 #include <cageform/binding/detail/greedy_row_selection.hpp>
 #include <cageform/binding/detail/packed_block.hpp>
-
-#include <numeric>
+#include <cageform/cage/detail/indices.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -133,8 +132,7 @@ public:
     /// Returns the first `count` selected rows.
     PackedRows rows(std::size_t count) const {
         const auto solution = selection_.solution(count);
-        std::vector<std::size_t> sorted(count);
-        std::iota(sorted.begin(), sorted.end(), std::size_t{0});
+        auto sorted = first_indices<std::size_t>(count);
         std::sort(sorted.begin(), sorted.end(),
                   [&](std::size_t a, std::size_t b) { return order()[a] < order()[b]; });
         PackedRows rows;
@@ -148,9 +146,7 @@ public:
 private:
     static PackedRows all_rows(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss,
                                const BlockPoints<T>& points) {
-        std::vector<std::uint32_t> handles(loss.handles());
-        std::iota(handles.begin(), handles.end(), 0u);
-        return packer.rows_of(points, std::move(handles));
+        return packer.rows_of(points, first_indices<std::uint32_t>(loss.handles()));
     }
 
     /// Returns whether the first `count` rows meet the limit in the format of a trial.

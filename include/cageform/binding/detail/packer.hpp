@@ -4,6 +4,7 @@
 #include <cageform/binding/detail/choose_rows.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
 #include <cageform/binding/types/pack_options.hpp>
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/figure/types/blob.hpp>
@@ -294,8 +295,7 @@ private:
     /// Sorts blocks by their number of rows. Otherwise the processor would mispredict the end of the
     /// row loop in each block. An incomplete last block stays last.
     void sort_blocks() {
-        std::vector<std::uint32_t> sequence(points_ / lanes);
-        std::iota(sequence.begin(), sequence.end(), 0u);
+        auto sequence = first_indices<std::uint32_t>(points_ / lanes);
         std::sort(sequence.begin(), sequence.end(), [this](std::uint32_t a, std::uint32_t b) {
             const std::size_t rows_a = pieces_[a].handles.size(), rows_b = pieces_[b].handles.size();
             return rows_a != rows_b ? rows_a < rows_b : a < b;
@@ -342,11 +342,7 @@ private:
     /// Returns the rows of a block, with restored row sums.
     PackedRows rows_of(std::size_t block, const BlockPoints<T>& points) {
         Piece& piece = pieces_[block];
-        if (!has_order()) {
-            std::vector<std::uint32_t> all(handles_);
-            std::iota(all.begin(), all.end(), 0u);
-            return packer_.rows_of(points, std::move(all));
-        }
+        if (!has_order()) return packer_.rows_of(points, first_indices<std::uint32_t>(handles_));
         PackedRows rows;
         if (keeps_distance()) { // as they were tested
             rows = RowChooser<T, D>(packer_, *square_loss_, points, piece.handles).rows(piece.handles.size());

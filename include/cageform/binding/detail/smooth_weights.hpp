@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 #include <cageform/parallel/running.hpp>
 
@@ -168,8 +169,7 @@ private:
     /// Builds the neighbours of every node. The weight of an edge is the inverse square of its length,
     /// which penalises changes of angles.
     void connect() {
-        std::sort(edges_.begin(), edges_.end());
-        edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+        sort_unique(edges_);
         const auto length = [&](const std::array<std::size_t, 2>& edge) {
             const auto d = positions_[edge[0]] - positions_[edge[1]];
             return std::sqrt(dot(d, d));

@@ -1,11 +1,11 @@
 // Sorts points spatially, so that the points of a block are near each other.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/types/blocks.hpp>
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -16,8 +16,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// size. O(n log n).
 template <Scalar T, std::size_t D>
 std::vector<std::uint32_t> spatial_order(const BlockView<const T>& points) {
-    std::vector<std::uint32_t> order(points.points);
-    std::iota(order.begin(), order.end(), 0u);
+    auto order = first_indices<std::uint32_t>(points.points);
     const auto coordinate = [&points](std::uint32_t i, std::size_t axis) {
         const T x = points(i, axis);
         return is_finite(x) ? x : T(0); // the position of such a point is arbitrary

@@ -5,6 +5,7 @@
 #include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/packers.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/figure/types/blob.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -96,8 +97,7 @@ private:
                 bind(coordinates, batch, options_.bind, std::move(recycled), in_batch.subtask(0, 0.5));
             add(bound.report, first, result.report.bound);
             if (bound.report.status != Status::ok) return result.report.bound.status = bound.report.status;
-            std::vector<std::uint32_t> identity(sparse_ ? count : 0);
-            std::iota(identity.begin(), identity.end(), 0u);
+            auto identity = first_indices<std::uint32_t>(sparse_ ? count : 0);
             pack.order = identity;
             std::vector<char> of_batch;
             for (std::size_t k = 0; k < count && !on_seam.empty(); ++k)

@@ -11,7 +11,7 @@
 //     gradients        B × #handles × D × L × T
 //     moments          B × D × D × L × T
 //     stiffness        #handles (#handles + 1) / 2 × double
-//     weak_handles           #weak_handles × uint32, ascending; only if there are some
+//     weak_handles     #weak_handles × uint32, ascending; only if there are some
 //     points           #samples × D × T          these three only if they were asked for:
 //     sample_clusters  #samples × uint32         no frame reads them
 //     centres          #clusters × uint32
