@@ -50,4 +50,4 @@ int main() {
 //> weight   1: the line's end (1.00, 0.40) is drawn to (1.00, 0.40)
 //> weight   3: the line's end (1.00, 0.40) is drawn to (0.50, 0.20)
 //> weight 100: the line's end (1.00, 0.40) is drawn to (0.02, 0.01)
-//> degree 3: the binding has negative weights, and a rational clone none
+//> degree 3: the binding has negative weights: rational clones need non-negative ones

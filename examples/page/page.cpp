@@ -214,9 +214,9 @@ PAGE_EXPORT(page_lattice) int page_lattice() {
     cageform::LatticeCoordinates<double, 2> coordinates(axes, box, reader.number());
     const Status status = coordinates.cage_report().status;
     if (status == Status::ok) {
-        const std::size_t still = coordinates.still_handles();
+        const std::size_t still = coordinates.frame_handles();
         tell_points(coordinates.handles(), coordinates.handles().size() - still);
-        planes[lattice] = {.coordinates = std::move(coordinates), .still_handles = still};
+        planes[lattice] = {.coordinates = std::move(coordinates), .frame_handles = still};
     }
     return refuse(status);
 }
@@ -447,7 +447,7 @@ PAGE_EXPORT(page_pins_sample) std::size_t page_pins_sample(std::size_t type, std
 }
 /// Takes samples, which another instance may have made; there are no pins then. In: the samples.
 PAGE_EXPORT(page_pins_take) int page_pins_take(std::size_t type) {
-    return refuse(plane_pins.take(planes[type].coordinates, planes[type].still_handles,
+    return refuse(plane_pins.take(planes[type].coordinates, planes[type].frame_handles,
                                   cageform_page::read_samples<double, 2>(input.data())));
 }
 PAGE_EXPORT(page_pins_set)

@@ -21,7 +21,7 @@ constexpr std::size_t batches = 2;
 struct Plane {
     cageform::AnyCoordinates<double, 2> coordinates;
     bool is_sites = false;                                        // points that belong to no cage
-    std::size_t still_handles = 0;                                // the last ones, which poses leave at rest
+    std::size_t frame_handles = 0;                                // the last ones, which poses leave at rest
     std::array<cageform::Binding<double, 2>, batches> bindings{}; // of `coordinates`
     std::vector<Point2> pose{}, handles{}, places{};              // of the batch that was moved last
 
@@ -39,7 +39,7 @@ struct Plane {
         const auto& binding = bindings[batch];
         const auto all = binding.handle_view();
         pose.assign(vertices.begin(), vertices.end());
-        for (std::size_t i = all.count - still_handles; i < all.count; ++i) pose.push_back(all.rest[i]);
+        for (std::size_t i = all.count - frame_handles; i < all.count; ++i) pose.push_back(all.rest[i]);
         handles.resize(binding.handle_count());
         places.resize(binding.point_count());
         const auto posed = pose_handles(binding, pose, handles);

@@ -3,7 +3,6 @@
 #include "support/cages.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/clip/curves/curve_bank.hpp>
 #include <cageform/clip/curves/track.hpp>
 
@@ -21,7 +20,6 @@ using cageform::Extrapolation;
 using cageform::fold_time;
 using cageform::PiecewiseCubic;
 using cageform::Track;
-using cageform::detail::QuantisedCubic;
 
 namespace {
 
@@ -263,44 +261,6 @@ TEST_CASE("a bank without curves", "[animate][bank]") {
     auto cursor = bank.make_cursor();
     bank.sample(1, cursor, {});
     CHECK(bank.size() == 0);
-}
-
-TEMPLATE_TEST_CASE("a quantised curve is within its bound", "[animate][quantised][property]",
-                   CAGEFORM_SCALARS) {
-    using T = TestType;
-    const auto seed = GENERATE(seeds(100));
-    CAPTURE(seed);
-    Random random(std::uint64_t(seed) + 501);
-    const auto curve = random_curve<T>(random);
-    const QuantisedCubic<T> small(curve);
-    CHECK(small.size() == curve.pieces().size());
-    CHECK(small.bytes() < sizeof(CubicPiece<T>) * small.size() + 3 * sizeof(T));
-    // The range of the Bernstein coefficients is at least that of the values, and here not much more.
-    long double low = 1e9L, high = -1e9L, size = 0;
-    for (int n = 0; n <= 2000; ++n) {
-        const T x = T(double(curve.begin()) + double(curve.end() - curve.begin()) * n / 2000);
-        const auto value = exact(curve, x);
-        low = std::min(low, value.value);
-        high = cageform_tests::larger(high, value.value);
-        size = cageform_tests::larger(size, value.size);
-    }
-    CHECK(double(small.error_bound()) >= double((high - low) / 131070) * (1 - 1e-5));
-    CHECK(double(small.error_bound()) <= 20 * double(size) / 131070);
-    for (int n = 0; n < 500; ++n) {
-        const T x = random_time(random, curve);
-        const double error = std::fabs(double(small(x)) - double(exact(curve, x).value));
-        CAPTURE(x, error, small.error_bound());
-        REQUIRE(error <= double(small.error_bound()) + 64 * double(epsilon<T>) * double(size));
-    }
-}
-
-TEST_CASE("a constant is quantised without a loss, none is no curve", "[animate][quantised]") {
-    const QuantisedCubic<double> constant(PiecewiseCubic<double>({{1, 0.3, 0, 0, 0}}, 4));
-    CHECK(constant(-1) == 0.3);
-    CHECK(constant(2) == 0.3);
-    CHECK(constant(9) == 0.3);
-    CHECK(constant.error_bound() == 0);
-    CHECK(QuantisedCubic<float>(PiecewiseCubic<float>{}).size() == 0);
 }
 
 TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCALARS) {

@@ -315,7 +315,7 @@ TEMPLATE_TEST_CASE("a falloff of a bind moves points as the falloff of a lattice
     const double falloff = 0.3 * scene.size;
     const auto own = random_lattice<T, D>(seed, T(falloff));
     auto pose = scene.pose;
-    for (std::size_t n = own.handles().size() - own.still_handles(); n < own.handles().size(); ++n)
+    for (std::size_t n = own.handles().size() - own.frame_handles(); n < own.handles().size(); ++n)
         pose.push_back(own.handles()[n]);
     const auto vectors = random_points<T, D>(scene.points.size(), 1, seed);
     const cageform::BindOptions options{.falloff = double(T(falloff))};

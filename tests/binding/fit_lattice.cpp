@@ -73,7 +73,7 @@ struct RandomFigure {
     }
     std::vector<Vec<T, D>> random_pose() {
         std::vector<Vec<T, D>> pose(lattice.handles().begin(), lattice.handles().end());
-        for (std::size_t i = 0; i + lattice.still_handles() < pose.size(); ++i) {
+        for (std::size_t i = 0; i + lattice.frame_handles() < pose.size(); ++i) {
             for (T& x : pose[i].v) x += T(uniform(-0.3, 0.3));
         }
         return pose;

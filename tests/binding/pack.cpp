@@ -5,7 +5,7 @@
 #include "../support/packed.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/detail/row_pursuit.hpp>
+#include <cageform/binding/detail/greedy_row_selection.hpp>
 #include <cageform/binding/detail/stored_weights.hpp>
 #include <cageform/binding/detail/weight_loss.hpp>
 #include <cageform/binding/pack.hpp>
@@ -688,7 +688,7 @@ TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
 
 TEST_CASE("rows that are kept restore the sums of all, and lose the least square", "[pack][property]") {
     constexpr std::size_t D = 2, L = 4;
-    using cageform::detail::RowPursuit;
+    using cageform::detail::GreedyRowSelection;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 800);
@@ -707,7 +707,7 @@ TEST_CASE("rows that are kept restore the sums of all, and lose the least square
     const cageform::detail::SquareLoss<D> loss(moments, poses);
     std::vector<double> weights(handles * L);
     for (double& w : weights) w = random.uniform(0, 1);
-    RowPursuit<D, L> pursuit(loss, weights);
+    GreedyRowSelection<D, L> pursuit(loss, weights);
     while (pursuit.order().size() < handles) pursuit.add(pursuit.best());
 
     std::vector<double> column(handles);

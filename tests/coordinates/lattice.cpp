@@ -105,7 +105,7 @@ void compare_with_reference(const std::string& name) {
         for (const auto& handle : json[list]) handles.push_back(vec_of<D>(handle));
     }
     REQUIRE(handles.size() == lattice.handles().size());
-    CHECK(lattice.still_handles() == json["still_handles"].size());
+    CHECK(lattice.frame_handles() == json["still_handles"].size());
     const double rounding = std::is_same_v<T, float> ? 1e-6 : 1e-15;
     for (std::size_t i = 0; i < handles.size(); ++i) {
         for (std::size_t k = 0; k < D; ++k)
@@ -294,7 +294,7 @@ TEST_CASE("displacements go on smoothly at the box, and fade smoothly", "[coordi
     for (auto& axis : any.axes) axis = {axis.points + 3, 3, {}};
     const auto lattice = any.lattice();
     std::vector<Vec<double, 3>> pose(lattice.handles().begin(), lattice.handles().end());
-    for (std::size_t i = 0; i + lattice.still_handles() < pose.size(); ++i) {
+    for (std::size_t i = 0; i + lattice.frame_handles() < pose.size(); ++i) {
         for (double& x : pose[i].v) x += any.uniform(-0.3, 0.3);
     }
     const auto moved = [&](const Vec<double, 3>& p) {
@@ -414,7 +414,7 @@ TEST_CASE("a refined lattice deforms as before", "[coordinates][lattice][propert
     RandomLattice<double, 3> any(seed);
     const auto coarse = any.lattice();
     std::vector<Vec<double, 3>> pose(coarse.handles().begin(), coarse.handles().end());
-    for (std::size_t i = 0; i + coarse.still_handles() < pose.size(); ++i) {
+    for (std::size_t i = 0; i + coarse.frame_handles() < pose.size(); ++i) {
         for (double& x : pose[i].v) x += any.uniform(-0.5, 0.5);
     }
     const std::size_t axis = any.random() % 3;

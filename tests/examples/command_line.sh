@@ -671,7 +671,7 @@ report $ok "a distance takes less than eight weights a point"
 works "a distance without a motion" "$bind" character.obj --cage character_cage.obj --max-distance 0.05 -o still.figure --report
 grep -q '^  off by at most .* a tenth of the cage' log && ok=yes || ok=no
 report $ok "what the distance is over is told"
-refuses 'weights of this format cannot keep the tolerance' "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --max-distance 0.00001 --format int8 -o out.figure
+refuses 'weights in this format cannot meet the tolerance' "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --max-distance 0.00001 --format int8 -o out.figure
 refuses '--max-distance' "$bind" character.obj --cage character_cage.obj --max-distance 1.5 -o out.figure
 refuses '--max-distance' "$bind" character.obj --cage character_cage.obj --max-distance nan -o out.figure
 refuses 'nowhere.obj' "$bind" nowhere.obj --cage character_cage.obj -o out.figure

@@ -6,7 +6,7 @@
 namespace pose_gradient_tests {
 
 using namespace cageform_tests;
-using cageform::CloneOnto;
+using cageform::CloneMode;
 using cageform::GreenCoordinates;
 using cageform::HarmonicCoordinates;
 using cageform::MeanValueCoordinates;
@@ -68,13 +68,13 @@ public:
             pulled[spoke.handle] = pulled[spoke.handle] + gradient;
             if (spoke.is_point) of_ends[spoke.cluster] = of_ends[spoke.cluster] - gradient;
         }
-        REQUIRE(clone_transposed(centres_, of_ends, pulled, {.onto = CloneOnto::output}) == Status::ok);
+        REQUIRE(clone_transposed(centres_, of_ends, pulled, {.onto = CloneMode::output}) == Status::ok);
         // Pins.
         std::vector<Point> places(targets.size());
         REQUIRE(clone(figure_.binding, pose, places) == Status::ok);
         const double factor = figure_.options.pin_weight / (figure_.size() * figure_.size());
         for (std::size_t n = 0; n < targets.size(); ++n) places[n] = 2 * factor * (places[n] - targets[n]);
-        REQUIRE(clone_transposed(figure_.binding, places, pulled, {.onto = CloneOnto::output}) == Status::ok);
+        REQUIRE(clone_transposed(figure_.binding, places, pulled, {.onto = CloneMode::output}) == Status::ok);
         for (auto& g : pulled) g = figure_.size() * g;
         return pulled;
     }

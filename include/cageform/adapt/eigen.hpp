@@ -1,5 +1,4 @@
-// Adapts Eigen: vectors as points, and matrices as ranges of points in rows or columns, without a
-// copy.
+// Adapts Eigen: vectors as points, and rows or columns of matrices as ranges of points, without a copy.
 #pragma once
 
 #include <cageform/core/types/scalar_range.hpp>
@@ -22,9 +21,8 @@ static_assert(cageform::MutablePoint<Eigen::Vector2d> && cageform::MutablePoint<
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Views the rows of an #P × D matrix as points. The matrix may have either storage order and may
-/// be mapped or a block of a larger matrix. The view refers to the matrix's memory and writes to it
-/// if the matrix is not const.
+/// Views the rows of a #P × D matrix as points. The matrix may have either storage order and may be a
+/// map or a block of a larger matrix. The view is writable if the matrix is not const.
 template <std::size_t D, class M>
 auto points_in_rows(M&& matrix) noexcept {
     using T = detail::element_t<std::remove_reference_t<M>>;

@@ -1,9 +1,9 @@
-// Compiles key frames to motion at bind time: the keys of one value to a track, those of all coordinates of
-// a cage to a clip.
+// Compiles key frames at bind time: the keys of one value to a track, those of all coordinates of a
+// cage to a clip.
 //
-// The order of reading: curves/key.hpp (keys) → fit.hpp (few cubics for each Bézier curve)
-// → detail/track_compiler.hpp (all intervals of a curve) → here → clip.hpp (played)
-// → pack_clip.hpp (shipped), clip_blob.hpp (its format).
+// Order of reading: curves/key.hpp (keys) → fit.hpp (few cubics for each Bézier curve) →
+// detail/track_compiler.hpp (all intervals of a curve) → this header → clip.hpp (playback) →
+// pack_clip.hpp and clip_blob.hpp (packed clips).
 #pragma once
 
 #include <cageform/animate/curves/key.hpp>
@@ -25,13 +25,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Compiles keys, ascending by time, to a track. A single key is a constant. Reports progress every
+/// Compiles keys, ascending by time, to a track. A single key gives a constant. Reports progress every
 /// thousand keys; if pieces are coupled, for every fit.
 ///
-///   cost   one piece for each interval that is a cubic of time (all kinds except bezier with
-///          handles not at thirds); for others as `fit`
-///   fails  keys_missing; value_not_finite, also if a key is too large for T; keys_not_ascending;
-///          cancelled; out_of_memory; as `fit`
+///  cost   one piece for each interval that is a cubic of time: all kinds except bezier with
+///         handles not at thirds; other intervals as `fit`
+///  fails  keys_missing; value_not_finite, also if a key is too large for T; keys_not_ascending;
+///         cancelled; out_of_memory; as `fit`
 template <Scalar T, detail::Keys R>
 Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& options = {},
                                         const Running& running = {}) {
@@ -44,12 +44,12 @@ Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& optio
     return result;
 }
 
-/// Compiles key frames to a clip, curve by curve, in parallel if `running` says so.
+/// Compiles key frames to a clip, curve by curve, in parallel with `running.parallel`.
 ///
 ///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent. If the first
 ///            time is larger than the clip's length, times are stored relative to it
-///   options  the extrapolation applies to the clip as a whole. Without a tolerance, the result
-///            does not depend on the unit of length; set one for a figure that moves far
+///   options  the extrapolation applies to the clip as a whole. The default tolerance is relative to
+///            the extent of the motion; set one for a figure that moves far
 ///   fails    input_malformed if the number of curves is no multiple of D; as `compile`
 ///            of a track, for the first refused curve
 template <Scalar T, std::size_t D, detail::KeysOfCurves R>

@@ -1,7 +1,7 @@
-// Fits as few polynomial pieces to a Bézier curve as meet a tolerance.
+// Fits the fewest polynomial pieces to a Bézier curve that meet a tolerance.
 //
-// The order of reading: fit/fit_options.hpp (what is minimised), fit/sobolev_fit.hpp (the best pieces for
-// given knots), fit/knots.hpp (the best knots for a number of pieces), fit/fewest_pieces.hpp (the number of
+// Order of reading: fit/fit_options.hpp (the objective), fit/sobolev_fit.hpp (the best pieces for given
+// knots), fit/knots.hpp (the best knots for a number of pieces), fit/fewest_pieces.hpp (the number of
 // pieces).
 #pragma once
 
@@ -10,15 +10,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fits the fewest pieces whose largest error, measured exactly, is not above a tolerance.
+/// Fits the fewest pieces whose maximum error, measured exactly, is at most a tolerance.
 ///
-/// With conditions that leave pieces independent (the default), each piece is as long as possible.
-/// Otherwise pieces are added one by one until they suffice, at the best knots for their number.
+/// If the conditions leave pieces independent (the default), each piece is as long as possible.
+/// Otherwise the number of pieces grows by one, with optimal knots, until the tolerance is met.
 ///
 ///   tolerance   the bound for |C − f|, in the units of the curve's values
-///   returns     the pieces. If options.max_pieces do not suffice, the status is tolerance_not_met and
-///               the value is the best fit of that many pieces
-///   cost        some microseconds per independent piece; otherwise milliseconds, and seconds for many pieces
+///   returns     the pieces. If options.max_pieces is too small, the status is tolerance_not_met and the
+///               value is the best fit with that number of pieces
+///   cost        microseconds per independent piece; for coupled pieces milliseconds to seconds
 inline Result<BezierFit, FitReport> fit(const BezierCurve& curve, double tolerance,
                                         const FitOptions& options = {}, const Running& running = {}) {
     const detail::FewestPieces search(curve, tolerance, options);

@@ -1,5 +1,4 @@
-// Packs a clip into a block of bytes to ship, with 16-bit coefficients for curves where a tolerance
-// allows it. Bind time.
+// Packs a clip into a block of bytes, with 16-bit coefficients where a tolerance allows. Bind time.
 #pragma once
 
 #include <cageform/animate/detail/clip_packer.hpp>
@@ -11,14 +10,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Packs a clip for `open_clip`, and for `pack` (FigurePackOptions::clips). With a
-/// tolerance, quantises each curve to 16-bit coefficients (QuantisedCubic) if its vertex stays
-/// within the distance, measured on the coefficients as stored; other curves stay as they are.
-/// Slopes and rises for extrapolation, jumps and the rigid motion stay exact.
+/// Packs a clip for `open_clip` and for `pack` (FigurePackOptions::clips). With a tolerance, it
+/// quantises a curve to 16-bit coefficients if its vertex stays within the tolerance,
+/// measured with the coefficients as stored. Slopes and rises for extrapolation, jumps and the rigid
+/// motion stay exact.
 ///
 ///   returns  the packed clip and its report; fails with value_not_finite, also if a number of the
 ///            clip is not finite or a rotation is not of length 1; out_of_memory
-///   cost     O(#pieces): some 10 ms for 10,000
+///   cost     O(#pieces): about 10 ms for 10,000
 template <Scalar T, std::size_t D>
 Result<PackedClip<T, D>, ClipPackReport> pack_clip(const CageClipView<T, D>& clip,
                                                    const ClipPackOptions& options = {}) {

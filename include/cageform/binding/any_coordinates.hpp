@@ -16,8 +16,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Coordinates of any type behind one type. Use it where the type is only known at run time, or to
-/// compile a coordinate type in one file of a program:
+/// Type-erased coordinates, for types that are chosen at run time, or to compile a coordinate type in
+/// only one file of a program:
 ///
 ///     AnyCoordinates<float, 3> coordinates_of(const TriangleMesh<float>& cage, bool harmonic) {
 ///         if (harmonic) return HarmonicCoordinates(cage);
@@ -25,9 +25,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///     }
 ///     const auto [binding, report] = bind(coordinates_of(cage, true), points);
 ///
-/// The results equal those of the type it holds, to the bit. Copies share what they hold, so a copy
-/// costs as much as a pointer, and `solve` serves all of them. Default-constructed coordinates return
-/// coordinates_empty from every call.
+/// Results equal those of the contained type bit for bit. Copies share the contained coordinates: a
+/// copy costs as much as a pointer, and `solve` serves all copies. Every call of default-constructed
+/// coordinates returns coordinates_empty.
 template <Scalar T, std::size_t D>
 class AnyCoordinates {
 public:
@@ -44,13 +44,13 @@ public:
 
     /// Whether weights are defined outside the cage.
     bool has_extension() const noexcept { return model_ && model_->has_extension; }
-    /// Whether no solver is behind the weights: `solve` has nothing to do.
+    /// Whether the weights need no solver; `solve` then does nothing.
     bool closed_form() const noexcept { return model_ && model_->closed_form; }
-    /// Whether the coordinates have gradients: `bind` takes normals and tangents.
+    /// Whether the coordinates have gradients, which `bind` needs for normals and tangents.
     bool has_gradients() const noexcept { return model_ && model_->has_gradients; }
 
-    /// Returns the distance of a finite point outside from the boundary, in the units of the cage. The
-    /// distance of points inside is not defined. Costs O(#faces). May throw std::bad_alloc.
+    /// Returns the distance of a finite point outside from the boundary, in the units of the cage;
+    /// undefined for points inside. O(#faces). May throw std::bad_alloc.
     double distance_from_boundary(const Vec<T, D>& p) const {
         return model_ ? model_->distance_from_boundary(p) : 0;
     }
@@ -61,13 +61,13 @@ public:
         return model_ ? model_->cage_report() : empty;
     }
 
-    /// Solves for the functions and keeps them, so that several binds solve only once.
+    /// Computes and stores the functions, so that several binds solve only once.
     Evaluation solve(const Running& running = {}) const {
         if (!model_) return {Status::coordinates_empty, {}};
         return model_->solve(running);
     }
 
-    /// Solves, and packs the functions for a file; takes packed functions in place of a solve
+    /// Pack the solved functions for a file, and load packed functions instead of solving
     /// (HarmonicCoordinates). Return solver_not_supported if there are none.
     Result<std::vector<std::byte>, Evaluation> save_solution(const Running& running = {}) const {
         if (model_) return model_->save_solution(running);
@@ -84,14 +84,14 @@ public:
         return model_->for_each_cell(f);
     }
 
-    /// Evaluates a batch of points, as `CageCoordinates` says.
+    /// Evaluates a batch of points; see `CageCoordinates`.
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const Running& running) const {
         if (!model_) return {Status::coordinates_empty, {}};
         return model_->evaluate(points, weights, states, running);
     }
 
-    /// Binds points; `bind(coordinates, points, …)` calls it.
+    /// Binds points; called by `bind(coordinates, points, …)`.
     template <PointRangeIn<D> R>
     Result<Binding<T, D>, BindReport> bind(const R& points, const BindOptions& options = {},
                                            const Running& running = {}) const {
@@ -109,8 +109,8 @@ public:
                                    std::move(recycled), running);
     }
 
-    /// Binds a figure; `bind(coordinates, figure, …)` calls it. Normals need gradients: without, the
-    /// status is gradients_not_supported.
+    /// Binds a figure; called by `bind(coordinates, figure, …)`. Normals without gradients give
+    /// gradients_not_supported.
     template <PointRangeIn<D> P, class N, class G>
         requires(detail::NormalsIn<N, D>&& detail::TangentsIn<G, N, D>)
     Result<FigureBinding<T, D>, FigureBindReport>
@@ -127,8 +127,8 @@ public:
         return result;
     }
 
-    /// Binds families of vectors, one for every point; `bind_vectors(coordinates, points, …)` calls it. The
-    /// status is gradients_not_supported if the coordinates have none.
+    /// Binds families of vectors, one vector per point; called by `bind_vectors(coordinates, points,
+    /// …)`. Without gradients the status is gradients_not_supported.
     template <PointRangeIn<D> R, PointRangeIn<D> V, std::size_t K>
     Result<std::array<Binding<T, D>, K>, BindReport>
     bind_vectors(const R& points, const std::array<V, K>& vectors, const BindOptions& options = {},
@@ -145,8 +145,8 @@ public:
                                         running);
     }
 
-    /// Binds the D axes at every point; `bind_jacobians(coordinates, points, …)` calls it. The status is
-    /// gradients_not_supported if the coordinates have none.
+    /// Binds the D axes at every point; called by `bind_jacobians(coordinates, points, …)`. Without
+    /// gradients the status is gradients_not_supported.
     template <PointRangeIn<D> R>
     Result<std::array<Binding<T, D>, D>, BindReport>
     bind_jacobians(const R& points, const BindOptions& options = {}, const Running& running = {}) const {
@@ -226,7 +226,7 @@ private:
     std::shared_ptr<Interface> model_;
 };
 
-/// Binds families of vectors. Contract and cost are those of the type that the coordinates hold.
+/// Binds families of vectors. Contract and cost are those of the contained type.
 template <Scalar T, std::size_t D, PointRangeIn<D> R, PointRangeIn<D> V, std::size_t K>
 Result<std::array<Binding<T, D>, K>, BindReport>
 bind_vectors(const AnyCoordinates<T, D>& coordinates, const R& points, const std::array<V, K>& vectors,
@@ -234,7 +234,7 @@ bind_vectors(const AnyCoordinates<T, D>& coordinates, const R& points, const std
     return coordinates.bind_vectors(points, vectors, options, running);
 }
 
-/// Binds the D axes at every point. Contract and cost are those of the type that the coordinates hold.
+/// Binds the D axes at every point. Contract and cost are those of the contained type.
 template <Scalar T, std::size_t D, PointRangeIn<D> R>
 Result<std::array<Binding<T, D>, D>, BindReport>
 bind_jacobians(const AnyCoordinates<T, D>& coordinates, const R& points, const BindOptions& options = {},

@@ -1,4 +1,4 @@
-// Binds points, figures and vectors to a cage by any type of coordinates, and reports how it went.
+// Binds points, figures and vectors to a cage by any type of coordinates.
 #pragma once
 
 #include <cageform/binding/detail/figure_binder.hpp>
@@ -9,19 +9,19 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The type of `bind`. A function object, so that argument-dependent lookup never finds std::bind instead.
+/// The type of `bind`: a function object, because argument-dependent lookup would find std::bind.
 struct Bind {
     /// Binds points to the cage of `coordinates`: evaluates all weights, handles points outside,
     /// restores linear precision, and reports.
     ///
-    ///   points   any PointRange of the same dimension, converted to the scalar of the coordinates. A float
-    ///            rounds places by up to 6e-8 of their distance from the origin: count the cage, its poses
-    ///            and the points from near the cage, or take double
-    ///   returns  the binding and its report. Unless the report's status is ok the binding is empty. A
-    ///            bad *point* is listed and kept in place; the others are bound nevertheless
-    ///   cost     that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
-    ///            a point
-    ///   fails    as the cage's check and the coordinates say; coordinates_empty;
+    ///   points   any PointRange of the same dimension, converted to the scalar of the coordinates. float
+    ///            rounds positions by up to 6e-8 of their distance from the origin: choose an origin near
+    ///            the cage, or use double
+    ///   returns  the binding, empty unless the status is ok, and its report. Points without weights are
+    ///            listed and do not move
+    ///   cost     that of the coordinates, plus O(#handles) per point; (#handles + D) scalars of memory
+    ///            per point
+    ///   fails    as the cage's check and the coordinates; coordinates_empty;
     ///            falloff_not_supported; cancelled; out_of_memory
     template <CageCoordinates C, PointRangeIn<C::dimension> R>
     Result<Binding<typename C::scalar, C::dimension>, BindReport>
@@ -30,8 +30,8 @@ struct Bind {
         return (*this)(coordinates, points, options, Binding<typename C::scalar, C::dimension>{}, running);
     }
 
-    /// Binds points as above, into the memory of a binding that is no longer needed. A megabyte of new memory
-    /// costs the system as much time as the weights to fill it.
+    /// Binds points as above and reuses the memory of a binding. New memory costs the system as much
+    /// time as the weights that fill it.
     template <CageCoordinates C, PointRangeIn<C::dimension> R,
               std::same_as<Binding<typename C::scalar, C::dimension>> Recycled>
     Result<Binding<typename C::scalar, C::dimension>, BindReport>
@@ -42,16 +42,14 @@ struct Bind {
             std::forward<Recycled>(recycled), running);
     }
 
-    /// Binds a figure with normals: `bind(coordinates, FigurePoints{points, normals, tangents})`. Points are
-    /// bound as above. Normals and tangents are converted by `tangents_of` and bound as by `bind_vectors`,
-    /// with the same bits.
+    /// Binds a figure with normals: `bind(coordinates, FigurePoints{points, normals, tangents})`.
+    /// Points are bound as above. Normals and tangents are converted by `tangents_of` and bound as by
+    /// `bind_vectors`, bit for bit.
     ///
     ///   options  as above, for points and vectors
-    ///   returns  the figure and its report. Bad points and vectors are listed; the others are bound
-    ///            nevertheless
-    ///   cost     that of `bind` and `bind_vectors`. But coordinates with a solver solve only once, if they
-    ///            have not before, and keep their functions meanwhile (half of SolverMemory::block for
-    ///            each group)
+    ///   returns  the figure and its report. Points and vectors without weights are listed and do not move
+    ///   cost     that of `bind` and `bind_vectors`. Coordinates with a solver solve at most once and keep
+    ///            their functions during the call (half of SolverMemory::block per group)
     ///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
     template <CageCoordinates C, class P, class N, class G>
         requires(detail::PointsFor<P, C>&& detail::NormalsFor<N, C>&& detail::TangentsIn<G, N, C::dimension>)
@@ -70,13 +68,13 @@ struct Bind {
         return result;
     }
 
-    /// Binds by the member `bind` of coordinates that have one, such as AnyCoordinates.
+    /// Calls the member `bind` of coordinates that have one, such as AnyCoordinates.
     template <class Figure, detail::BindsByMember<Figure> C, class... More>
     auto operator()(const C& coordinates, const Figure& figure, More&&... more) const {
         return coordinates.bind(figure, std::forward<More>(more)...);
     }
 
-    // Accepts any further arguments, so that the first line that compilers print names the reason.
+    // Accepts any further arguments, so that the first line of a compiler error states the reason.
     template <CageCoordinates C, UnknownPointRange R, class... More>
     detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints,
                      Result<Binding<typename C::scalar, C::dimension>, BindReport>>
@@ -89,27 +87,27 @@ struct Bind {
 };
 inline constexpr Bind bind{};
 
-/// Binds vectors attached to points. A pose moves them as it moves the material around the points:
+/// Binds vectors attached to points. A pose transforms them as it transforms the neighbourhood of the
+/// points:
 ///
 ///     t' = t + Σ (t·∇w_i(p)) (C'_i − C_i) = J t,   J the Jacobian of the deformation at p
 ///
-/// The result is a Binding with vectors instead of points and directional derivatives instead of
-/// weights. `clone` moves it, and at rest returns the vectors bit for bit. Affine poses x ↦ A x + b
-/// give A t to rounding.
+/// The result is a Binding of vectors instead of points, with directional derivatives instead of
+/// weights. `clone` returns the posed vectors, at rest bit for bit. Affine poses x ↦ A x + b give A t
+/// up to rounding.
 ///
 ///   points    as for `bind`
-///   vectors   K families in an array, as `tangents_of` returns them, each as many as points, of
-///             any length, read as the scalar of the coordinates
-///   options   as for `bind`. With nearest_boundary, vectors of points outside move with the material
-///             at the nearest boundary point. Without extension, or with keep_in_place, they
-///             keep their direction and length. With a falloff f, t' = t + Σ (f t·∇w_i + (t·∇f) w_i)
-///             (C'_i − C_i)
-///   returns   a binding for each family and the report, as `bind` does: lists of points (not
-///             finite: the point or one of its vectors); the largest |Σw| and |Σwc − t|; the
-///             changes and the least of these weights
-///   cost      that of evaluate_gradients once for all families, plus O(K #handles) a point; closed
-///             forms a few points at a time. A solver's gradients are computed all at once, D #handles
-///             scalars a point, and again with nearest_boundary if points lie outside
+///   vectors   an array of K families, for instance from `tangents_of`; one vector of any length per
+///             point, read in the scalar of the coordinates
+///   options   as for `bind`. With nearest_boundary, vectors of points outside transform as at the
+///             nearest boundary point. Without extension, or with keep_in_place, they do not change. With
+///             a falloff f, t' = t + Σ (f t·∇w_i + (t·∇f) w_i) (C'_i − C_i)
+///   returns   a binding per family and a report as of `bind`: lists of points (not_finite: the point or
+///             one of its vectors); the largest |Σw| and |Σwc − t|; the changes and the least of the
+///             directional derivatives
+///   cost      evaluate_gradients once for all families, plus O(K #handles) per point. Closed forms
+///             process a few points at a time. A solver computes all gradients at once, in D #handles
+///             scalars per point, and again with nearest_boundary if points lie outside
 ///   fails     as `bind`, and as evaluate_gradients
 template <GradientCoordinates C, PointRangeIn<C::dimension> R, PointRangeIn<C::dimension> V, std::size_t K>
 Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>

@@ -10,30 +10,30 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct BindBonesReport : BindReport {
-    std::vector<std::uint32_t> unused; ///< bones whose weights are all zero, in ascending order
+    std::vector<std::uint32_t> unused; ///< bones without a non-zero weight, ascending
 };
 
 /// Binds points to bones by given weights, so that `clone` is linear blend skinning:
 ///
 ///     p' = Σ_b ω_b (A_b p + t_b)
 ///
-/// A bone has D + 1 handles, side by side: its origin o, a point, and its axes, vectors. Their
-/// weights are ω_b and ω_b times the coordinates of p − o along the axes. Poses common to all bones
-/// are therefore exact, also in packed bindings, and blobs, shaders and normals work as for any
-/// binding. (`skin_weights` makes a skin for engines and glTF of the same weights.)
+/// A bone has D + 1 consecutive handles: its origin o, a point, and its axes, vectors. Their weights
+/// are ω_b, and ω_b times the coordinates of p − o along the axes. Poses common to all bones are
+/// therefore exact, also in packed bindings. Blobs, shaders and normals work as for any binding.
+/// (`skin_weights` makes a skin for engines and glTF from the same weights.)
 ///
 ///   points   any PointRange of the bones' dimension
-///   bones    frames at rest: columns are axes, of any length but not all in a plane. Their pose is
-///            that of the handles: the posed frames, or the result of `pose_bones` for the bones'
-///            transforms. If the binding is to be packed, axes as long as the figure lose the
-///            least, since formats round all weights alike
-///   weights  #points · #bones: the weights of a point lie side by side
-///   options  `restore` divides the weights of a point by their sum, and corrects rounding;
+///   bones    frames at rest: columns are axes, of any length, linearly independent. Their pose is a
+///            pose of the handles: the posed frames, or the result of `pose_bones` for the bones'
+///            transforms. For packing, use axes as long as the figure: formats round all weights by
+///            the same scale
+///   weights  #points · #bones: the weights of a point are consecutive
+///   options  `restore` divides the weights of a point by their sum and corrects rounding errors;
 ///            BindReport::weight_change has the largest change
-///   returns  the binding, its report, and the bones that move nothing. Points whose weights are not
-///            numbers, or sum to zero or less, are unreached. In the report, least_weight and
-///            amplification count the axes' weights as weights
-///   cost     O(#bones) a point; (#handles + D) scalars of memory a point
+///   returns  the binding, its report, and the unused bones. Points whose weights are not finite, or
+///            have a sum of at most 0, are unreached. least_weight and amplification include the
+///            weights of the axes
+///   cost     O(#bones) per point; (#handles + D) scalars of memory per point
 ///   fails    bone_weights_do_not_match, vertex_not_finite (by handle), bone_axes_dependent (by bone),
 ///            cancelled, out_of_memory
 template <PointRange R, class Bones, ScalarRange Weights,
@@ -72,7 +72,7 @@ Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& 
             for (const Extreme& each : found) missed.raise(each);
             return {done, {}};
         };
-        // All points count as inside. Zero weights stay zero: a bone keeps to its points.
+        // All points count as inside. `local`: zero weights stay zero.
         const auto stay = [](const Vec<T, D>& p, std::span<T>) { return p; };
         const detail::BindInput<T, D> input{.cage = faults,
                                             .handles = [&] { return handles.view(); },

@@ -1,4 +1,4 @@
-// Composes two levels of handles: a figure bound to sites, and the sites bound to fewer handles.
+// Composes two bindings: a figure bound to sites, and the sites bound to fewer handles.
 #pragma once
 
 #include <cageform/binding/detail/sparse_rows.hpp>
@@ -13,22 +13,22 @@ namespace cageform::inline CAGEFORM_ABI {
 
 struct ComposeReport {
     Status status = Status::ok;
-    std::vector<std::uint32_t> still; ///< sites without weights on coarse handles, which never move
+    std::vector<std::uint32_t> still; ///< sites without weights for coarse handles; they never move
 };
 
-/// Replaces two consecutive clones by one binding. U are the weights of a figure bound to sites, V
-/// the weights of the sites bound to coarser handles; the result has the weights U V.
+/// Replaces two consecutive clones by one binding with the weights U V. U are the weights of a figure
+/// bound to sites, V the weights of the sites bound to coarser handles.
 ///
 ///     clone(compose(fine, coarse)) = clone(fine) by the pose clone(coarse), to rounding
 ///
-///   fine     the figure, bound to n sites, all of them points
-///   coarse   the n sites as points, bound where the fine one has its handles, to the bit
-///   running  threads, progress, cancel; the result does not depend on it
-///   returns  the binding. Weights sum to one and reproduce the point, to rounding, if the fine ones
-///            do and every site's do. A site kept in place is listed: it stands still, and so does
-///            its share of the figure
+///   fine     the figure, bound to n sites, which must be points
+///   coarse   the n sites as points, equal to the handles of `fine` bit for bit
+///   running  threads, progress, cancellation; the result does not depend on it
+///   returns  the binding. Up to rounding, weights have the sum 1 and reproduce the point if those of
+///            `fine` and `coarse` do. Sites that are kept in place do not move the figure; the report
+///            lists them
 ///   cost     one product for each pair of a non-zero fine weight and a non-zero weight of its site;
-///            (#coarse handles + D) scalars of memory a point. Sums are in double
+///            (#coarse handles + D) scalars of memory per point. Sums are in double
 ///   fails    handles_not_points, bindings_differ, cancelled, out_of_memory
 template <Scalar T, std::size_t D>
 Result<Binding<T, D>, ComposeReport> compose(const Binding<T, D>& fine, const Binding<T, D>& coarse,

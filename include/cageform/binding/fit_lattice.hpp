@@ -1,4 +1,4 @@
-// The pose of a lattice by which a figure follows given displacements best.
+// Fits a pose of a lattice to given displacements of a figure.
 #pragma once
 
 #include <cageform/binding/detail/lattice_fitter.hpp>
@@ -7,18 +7,17 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Finds the pose of a lattice that moves the points of a figure by given displacements, as well as it can.
-/// The displacements x of its handles minimise
+/// Finds the pose of a lattice whose displacements x of the handles minimise
 ///
 ///     (1/Σμ) Σ_j μ_j |Σ_i w_ji x_i − d_j|²  +  λ E(x)
 ///
-/// where E is the mean square of the second differences of x along the axes of the lattice, divided by the
-/// Greville abscissae. E is zero exactly for affine displacements, so λ does not change these.
+/// where E is the mean square of the second differences of x along the axes of the lattice, divided by
+/// the Greville abscissae. E is zero exactly for affine displacements; so λ does not affect these.
 ///
-///   binding        the figure, bound to the lattice. Points that are not finite are skipped; so are points
-///                  that it keeps in place, which the report counts
-///   displacements  d, one for each point
-///   returns        the pose of all handles, for `clone`, with frozen and still handles at rest, and a report
+///   binding        the figure, bound to the lattice. Points that are not finite, and points without
+///                  weights, are ignored; the report counts the latter
+///   displacements  d, one per point
+///   returns        the pose of all handles, for `clone`, with frozen and frame handles at rest, and a report
 ///   cost           O(#points · #handles) to read weights, O(Σ non-zeros²) to add them, then a Cholesky
 ///                  decomposition: dense to 1,000 free handles, sparse beyond. All in double
 ///   fails          as the lattice; coordinates_empty (it has no handles); targets_do_not_match (the

@@ -1,4 +1,4 @@
-// Makes coordinates whose type is chosen at run time, from the list in coordinates/types.hpp.
+// Makes coordinates of a type that is chosen at run time (list: coordinates/types.hpp).
 #pragma once
 
 #include <cageform/binding/any_coordinates.hpp>
@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Options of all coordinate types. A type reads its own.
+/// Options of all coordinate types; a type uses only its own.
 template <Scalar T>
 struct CoordinateOptions {
     HarmonicOptions harmonic{};
@@ -25,8 +25,8 @@ struct CoordinateOptions {
 ///   cage      Polygon, TriangleMesh, PolyhedralMesh, CellComplex, CurvedPolygon, PointSet or
 ///             LatticeCoordinates
 ///
-/// Returns empty coordinates if the type does not take this kind of cage (CoordinateFacts::cages); their
-/// status is coordinates_empty.
+/// Returns empty coordinates (status coordinates_empty) if the type does not support the kind of the
+/// cage (CoordinateFacts::cages).
 template <class Cage>
 auto make_coordinates(CoordinateType type, const Cage& cage,
                       [[maybe_unused]] const CoordinateOptions<typename Cage::scalar>& options = {})

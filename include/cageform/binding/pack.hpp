@@ -1,6 +1,6 @@
-// Packs a binding or a figure for shipping: drops small weights, rounds the others, and stores
-// points so that neighbours share rows of weights. The loss is limited by number, by size,
-// or by the distance that points may move.
+// Packs a binding or a figure for run time: drops small weights, rounds the others, and stores points
+// so that neighbours share rows of weights. The loss is limited by number or size of weights, or by the
+// distance of points.
 #pragma once
 
 #include <cageform/binding/detail/packers.hpp>
@@ -9,53 +9,51 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Packs a binding. It drops weights and rounds the others, but keeps Σ w and Σ w c of every point
-/// (c are the handles at rest), so rest and affine poses stay as exact as they were:
+/// Packs a binding. Weights are dropped and rounded, but Σ w and Σ w c of every point (c are the
+/// handles at rest) are preserved. Rest and affine poses are therefore as exact as before:
 ///
-///   - Without a tolerance, the kept weights change by the least amount, in the least-squares sense,
-///     that restores both sums. With one, all kept weights are solved anew, see below.
-///   - After rounding, D + 1 numbers per point hold what is missing of the sums
-///     (figure/packed_binding.hpp). Scalar weights have no such numbers.
+///   - Without a tolerance, the kept weights change by the smallest amount, in the least-squares sense,
+///     that restores both sums. With a tolerance, all kept weights are refitted, see below.
+///   - D + 1 numbers per point store the errors of the sums by rounding (figure/packed_binding.hpp). Scalar
+///     weights need none.
 ///
-/// Points are stored in blocks of one cache line (16 points of float, 8 of double). A block has a
-/// row of weights for every handle that is kept for at least one of its points, so a point keeps
-/// its own largest weights, and also those of the other rows of its block, which cost nothing.
+/// Points are stored in blocks of one cache line (16 points of float, 8 of double). A block has a row
+/// of weights for every handle that is kept for at least one of its points. A point therefore keeps its
+/// own largest weights and those of the other rows of its block.
 ///
-/// Points at one place with equal weights may lie in different blocks. They do not keep the extra weights
-/// that other rows of their blocks offer, so a seam stays closed. Formats other than scalar round by the
-/// scale of each block, and open a seam by that rounding. A tolerance opens a seam by at most twice the
-/// tolerance.
+/// Points with equal positions and weights may lie in different blocks. Such points do not keep the
+/// weights of other rows of their blocks, so a seam stays closed. Quantised formats open a seam by the
+/// rounding with the scale of each block. A tolerance opens a seam by at most twice the tolerance.
 ///
-/// PackOptions::tolerance packs by distance. Two measures have two jobs. The square loss δᵀKδ of a change
-/// δ of a point's weights ranks handles and fits weights: it is the mean squared displacement over
-/// the poses, with a small share for other motion (row_pursuit.hpp). The distance decides when to
-/// stop: it is the largest over the poses. Without poses, K treats all handles alike, and the distance is
-/// a bound over all poses within PackOptions::reach.
+/// With PackOptions::tolerance, two measures apply. The square loss δᵀKδ of a change δ of a point's
+/// weights ranks handles and fits weights: it is the mean squared displacement over the poses, with a
+/// small share of other movements (greedy_row_selection.hpp). The distance is the stopping criterion:
+/// it is the largest over the poses. Without poses, K treats all handles equally, and the distance is
+/// an upper bound over all poses within PackOptions::reach.
 ///
-///   1. Rank: in each block, rows are added one after the other, always the one that lowers the square
-///      losses most; points with large losses count most.
-///   2. Refit: for a number of rows, all kept weights are solved anew. They have the least δᵀKδ of
-///      all weights with exactly the sums Σ w and Σ w c of the full ones.
-///   3. Test: the weights are stored in each possible format and read back. The block
-///      gets the fewest rows found with which no point of it is farther off than the tolerance.
-///   4. Format: the whole binding gets one format, that of the fewest bytes among those that keep the
-///      tolerance in every block. No block has a format of its own.
+///   1. Rank: in each block, the next row is always the one that lowers the square losses most; points
+///      with large losses have more weight.
+///   2. Refit: for a number of rows, the kept weights are those with the least δᵀKδ among all weights
+///      with the exact sums Σ w and Σ w c.
+///   3. Test: the weights are stored in each possible format and read back. The block gets the fewest
+///      rows found with which all its points meet the tolerance.
+///   4. Format: the whole binding gets the smallest format that meets the tolerance in every block.
 ///
-/// Not promised: the tolerance in poses between the given ones or in other motion, and the rounding
-/// of the sums that `clone` computes, which adds to the reported distance.
+/// The tolerance is not guaranteed in poses between the given ones and in other motion. Rounding errors
+/// of `clone` add to the reported distance.
 ///
-/// Code: binding/detail/packer.hpp packs block by block, choose_rows.hpp finds the number of rows
-/// of a block, row_pursuit.hpp the order in which rows are added.
+/// Code: binding/detail/packer.hpp packs block by block, choose_rows.hpp finds the number of rows of a
+/// block, greedy_row_selection.hpp their order.
 ///
 ///   binding  any binding, of points or vectors
 ///   returns  the packed binding and its report; fails with too_few_weights, too_many_handles (more
 ///            than 65,535 in sparse bindings), order_not_a_permutation, weight_not_finite
-///            (PackReport::culprit), value_not_finite (a tolerance or reach that is no number or
-///            negative), pose_size_differs, pose_not_finite (culprit), format_too_coarse
-///            (PackReport::distance is then one that it can keep), cancelled, out_of_memory
+///            (PackReport::culprit), value_not_finite (a tolerance or reach that is negative or not
+///            finite), pose_size_differs, pose_not_finite (culprit), format_too_coarse
+///            (PackReport::distance is then a tolerance that it can meet), cancelled, out_of_memory
 ///   cost     O(#points · #handles · (D² + #poses)); with a tolerance also O(#poses · #handles²), and
-///            O(#points · #handles · rows) a block: 0.5 s for 8,000 points, 112 handles and 24 poses
-///   memory   with a tolerance over poses #handles² numbers, besides what is packed
+///            O(#points · #handles · rows) per block: 0.5 s for 8,000 points, 112 handles and 24 poses
+///   memory   the result; with a tolerance over poses also #handles² numbers
 template <Scalar T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack(const BindingView<T, D>& binding,
                                              const PackOptions& options = {}, const Running& running = {}) {
@@ -73,8 +71,8 @@ Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const
 ///   returns  the packed figure and its report; fails as `pack`, with the part in
 ///            FigurePackReport::culprit; duplicate_tag, duplicate_name, too_many_parts; for a clip or level
 ///            as `open_clip` and `open`, and blob_of_another_cage; bindings_differ,
-///            vectors_do_not_match, labels_do_not_match, if the parts of the figure were replaced
-///            by others of different points or handles
+///            vectors_do_not_match, labels_do_not_match, if parts of the figure were replaced by parts
+///            with other points or handles
 ///   cost     that of `pack` for each binding, and a copy of all parts
 template <Scalar T, std::size_t D>
 Result<PackedFigure<T, D>, FigurePackReport>
@@ -85,10 +83,10 @@ pack(const FigureBinding<T, D>& figure, const FigurePackOptions& options = {}, c
     return result;
 }
 
-/// Binds points and packs the result in batches, so that the full weights are never in memory at
-/// once. The bytes are those of `pack` after `bind`, and so are the reports, except for times and
-/// the PackReport::culprit of a refusal. Coordinates with a solver solve once and keep their
-/// functions meanwhile. If the points fit into one batch, they are bound as `bind` does.
+/// Binds points and packs the result in batches, without holding all weights in memory. The bytes are
+/// those of `pack` after `bind`, and so are the reports, except for times and PackReport::culprit after
+/// an error. A solver solves once and keeps its functions during the call. Points that fit one batch
+/// are bound by `bind`.
 ///
 ///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
 ///   fails   as `bind` and `pack`; too_many_handles also if all blocks have more than 2³² rows
@@ -120,7 +118,7 @@ pack(const C& coordinates, const R& points, const StreamedPackOptions& options =
     return result;
 }
 
-/// Returns the memory of a streamed `pack` in advance. For coordinates with a solver it costs as
+/// Returns the memory of a streamed `pack` in advance. For coordinates with a solver, this costs as
 /// much as making the grid.
 template <CageCoordinates C>
 StreamedPackMemory pack_memory(const C& coordinates, std::size_t points,
@@ -128,17 +126,17 @@ StreamedPackMemory pack_memory(const C& coordinates, std::size_t points,
     using T = typename C::scalar;
     constexpr std::size_t D = C::dimension;
     const std::size_t handles = coordinates.handles().size();
-    const std::size_t together = detail::PackedBinder<T, D>::points_of_batch(options, handles);
+    const std::size_t batch_size = detail::PackedBinder<T, D>::points_of_batch(options, handles);
     const std::size_t format = weight_bytes<T>(options.pack.format.value_or(WeightFormat::scalar));
     const std::size_t blocks = block_count<T>(points);
     StreamedPackMemory memory;
-    memory.batch = block_count<T>((std::min)(together, points)) * (handles + D) * sizeof(Lanes<T>);
+    memory.batch = block_count<T>((std::min)(batch_size, points)) * (handles + D) * sizeof(Lanes<T>);
     memory.packed =
         blocks * lane_count<T> * (handles * format + 3 * D * sizeof(T)) + handles * 16 * sizeof(T);
     if constexpr (requires { coordinates.solver_memory(); }) {
         const auto solver = coordinates.solver_memory();
         memory.solver = solver.hierarchy + solver.block;
-        if (points > together) memory.functions = (handles + 15) / 16 * (solver.block / 2);
+        if (points > batch_size) memory.functions = (handles + 15) / 16 * (solver.block / 2);
     }
     return memory;
 }

@@ -1,4 +1,4 @@
-// Samples the inside of a cage for a PoseSolver: bind time.
+// Samples the interior of a cage for a PoseSolver. Bind time.
 #pragma once
 
 #include <cageform/binding/pose_samples/pose_sampler.hpp>
@@ -6,15 +6,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Samples the inside of a cage on a lattice, divides the samples into clusters, and sums up what a
+/// Samples the interior of a cage on a lattice, clusters the samples, and computes the sums that a
 /// PoseSolver needs.
 ///
-///   coordinates  any with gradients; AnyCoordinates with a solver keep its functions after the call
+///   coordinates  any with gradients; AnyCoordinates keep solved functions after the call
 ///   returns      the samples, empty unless the status is ok, and a report
 ///   cost         that of `bind_jacobians` at the samples, and #samples D #handles² operations; for
 ///                coordinates with a solver one solve, whose functions are kept meanwhile. O(#handles²)
 ///                memory, and the samples
-///   fails        as the cage's check and the coordinates say; samples_missing (none is inside, or none has
+///   fails        as the cage's check and the coordinates; samples_missing (no sample is inside or has
 ///                gradients); too_many_handles (more than 4,096); value_not_finite (an option);
 ///                gradients_not_supported (AnyCoordinates); cancelled; out_of_memory
 template <detail::SampledCoordinates C>
@@ -23,8 +23,8 @@ pose_samples(const C& coordinates, const PoseSampleOptions& options = {}, const 
     return detail::make_pose_samples(coordinates, nullptr, options, running);
 }
 
-/// Takes given points as the samples, for example those of a figure. Points that are not finite or have no
-/// gradients are left out, and counted in the report.
+/// Uses given points as samples, for example those of a figure. Points that are not finite or have no
+/// gradients are ignored and counted in the report.
 template <detail::SampledCoordinates C, PointRangeIn<C::dimension> R>
 Result<PoseSamples<typename C::scalar, C::dimension>, PoseSamplesReport>
 pose_samples(const C& coordinates, const R& points, const PoseSampleOptions& options = {},

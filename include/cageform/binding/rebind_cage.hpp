@@ -1,4 +1,4 @@
-// Binds a figure again after an edit of its cage: vertices moved, added or removed.
+// Rebinds a figure after an edit of its cage: vertices moved, added or removed.
 #pragma once
 
 #include <cageform/binding/detail/figure_binder.hpp>
@@ -10,12 +10,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Matches handles across an edit of the cage: returns for every handle the number that it had
-/// before, or `new_handle`.
+/// Matches handles across an edit of the cage: returns the old index of every handle, or `new_handle`.
 ///
-///   as many       handles as before: each keeps its number, wherever it has moved
-///   more or less  the handle of the same kind at the same position, or `new_handle` if there is none.
-///                 If there are several, the first; vectors are compared by value
+///   same count    every handle keeps its index, even if it has moved
+///   other count   the first handle of the same kind at the same position, or `new_handle`; vectors
+///                 are compared by value
 ///   cost          O(#handles log #handles); may throw std::bad_alloc
 template <Scalar T, std::size_t D>
 std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const HandleView<T, D>& after) {
@@ -40,19 +39,19 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
     return numbers;
 }
 
-/// Binds a figure again to an edited cage. The result is that of `bind` for the same points, normals
-/// and tangents, to the bit, without the caller providing them again. Labels stay with their handles.
+/// Rebinds a figure to an edited cage. The result is that of `bind` for the same points, normals and
+/// tangents, bit for bit; the caller need not provide them. Handles keep their labels.
 ///
-///   figure       the figure bound to the cage before the edit: a FigureBinding, or the view that `open`
-///                returned, however it was packed: points at rest are stored in full precision
+///   figure       the figure bound to the cage before the edit: a FigureBinding, or an opened packed figure,
+///                which stores points at rest in full precision
 ///   coordinates  of the edited cage
-///   old_handles  #handles of the edited cage: the number that each had before, or `new_handle`.
-///                Empty: the result of `match_handles`, which takes the removal of a vertex and the
-///                addition of another one for a move. Used for labels alone
+///   old_handles  #handles of the edited cage: the old index of each, or `new_handle`. Empty: the result
+///                of `match_handles`, which interprets a removed and an added vertex as a moved one. Only
+///                labels depend on it
 ///   options      as for `bind`
-///   returns      the figure and its report; fails as `bind`; labels_do_not_match, if old_handles are
-///                not as many as the handles, or name one that did not exist; vectors_do_not_match, if
-///                there is not one handedness for every point
+///   returns      the figure and its report; fails as `bind`; labels_do_not_match, if old_handles has
+///                another length or an index out of range; vectors_do_not_match, if there is not one
+///                handedness per point
 template <CageCoordinates C>
     requires GradientCoordinates<C> Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
     rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,
@@ -82,7 +81,7 @@ template <CageCoordinates C>
             const Status status = detail::bind_read_figure(detail::figure_input(coordinates, input.points),
                                                            input, options, running, bound);
             return status == Status::ok
-                       ? detail::take_labels_over(figure.labels, result.report.old_handles, bound.value)
+                       ? detail::transfer_labels(figure.labels, result.report.old_handles, bound.value)
                        : status;
         });
         static_cast<FigureBindReport&>(result.report) = std::move(bound.report);

@@ -15,24 +15,22 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Returns the skin closest to a binding: per point at most K non-negative weights, with Σw = 1 and
-/// Σwc = p, so that the rest pose and affine poses stay as they are.
+/// Returns the skin closest to a binding: at most K non-negative weights per point, with Σw = 1 and Σwc
+/// = p. Rest and affine poses are therefore exact.
 ///
-///   influences  K. A point in the hull of the handles needs at most D + 1 of them (Carathéodory), so
-///               with K > D no point within a cage fails. Outside the hull, and for a smaller K, Σwc
-///               is close to the point nearest to p that is possible, and the report lists the point
-///   weights     closest to the binding's by least squares for the handles that are kept; these are
-///               chosen greedily, from the smallest weight on. A pose that moves no handle by more
-///               than d moves a point to within d · Σ|w − w0| of where the binding puts it
+///   influences  K. A point in the hull of the handles needs at most D + 1 of them (Carathéodory). So no
+///               point within a cage fails if K > D. Otherwise Σwc is close to the nearest possible
+///               point, and the report lists the point
+///   weights     closest to the binding's by least squares for the kept handles; handles are dropped
+///               greedily, by ascending weight. If no handle moves by more than d, the distance to the
+///               point of the binding is at most d · Σ|w − w0|
 ///   exact       except for rounding to single precision: 1e-7 of the cage's size
-///   returns     the skin and its report; points that the binding keeps in place have no weights, and
-///               the skin does not fade by BindOptions::falloff: the report lists the points
-///   cost        a few Newton steps of O(#handles) each time that handles are dropped,
-///               log(#handles / K) times and more if the hull is narrow: 0.1 ms a point for 112
-///               handles
-///   fails       handles_not_points: a joint is a point; too_few_influences; too_many_handles: more
-///               than 65535, or as many influences, as 16 bits count; value_not_finite: a threshold
-///               that is no number; cancelled; out_of_memory
+///   returns     the skin and its report. Points that the binding keeps in place have no weights. The skin
+///               ignores BindOptions::falloff; the report lists the affected points
+///   cost        a few Newton steps of O(#handles) for each of log(#handles / K) rounds, more if the
+///               hull is narrow: 0.1 ms per point for 112 handles
+///   fails       handles_not_points; too_few_influences; too_many_handles: more than 65535 handles or
+///               influences; value_not_finite: the threshold; cancelled; out_of_memory
 template <Scalar T, std::size_t D>
 Result<SkinWeights, SkinWeightsReport> skin_weights(const BindingView<T, D>& binding,
                                                     const SkinWeightsOptions& options = {},
@@ -48,13 +46,13 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(const Binding<T, D>& binding
     return skin_weights(binding.view(), options, running);
 }
 
-/// Returns the skin of bones with given weights, as in `bind_bones`: for each point the K largest
-/// shares that are positive and at least the threshold, divided by their sum. Joints are bones,
-/// which also rotate in a skin.
+/// Returns the skin for given weights of bones, as in `bind_bones`: for each point the K largest
+/// weights that are positive and at least the threshold, divided by their sum. Joints are bones, which
+/// may rotate.
 ///
-///   shares   #points · #bones: those of a point lie side by side
-///   returns  the skin and its report, with the shares as w0. Points with shares that are not finite, or
-///            without positive ones, have no weights. Reproduced points are not checked
+///   shares   #points · #bones: the weights of a point are consecutive
+///   returns  the skin and its report, with w0 = shares. Points with weights that are not finite, or
+///            without positive ones, have no weights. Reproduction of points is not checked
 ///   fails    bone_weights_do_not_match, too_few_influences, too_many_handles, value_not_finite (the
 ///            threshold), cancelled, out_of_memory
 template <ScalarRange Shares>
@@ -91,10 +89,9 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(const Shares& bone_shares, s
     return result;
 }
 
-/// Returns a binding with the weights of a skin instead of its own. `clone` then shows what an
-/// engine will show.
+/// Returns a binding with the weights of a skin. Its clones show what an engine will show.
 ///
-///   skin     of this binding
+///   skin     a skin of this binding
 ///   fails    out_of_memory
 template <Scalar T, std::size_t D>
 Result<Binding<T, D>> skin_to_binding(const BindingView<T, D>& binding, const SkinWeights& skin) {
@@ -118,9 +115,10 @@ Result<Binding<T, D>> skin_to_binding(const Binding<T, D>& binding, const SkinWe
     return skin_to_binding(binding.view(), skin);
 }
 
-/// Converts a skin's weights to normalised integers, `std::uint8_t` or `std::uint16_t`. The weights
-/// of a point sum to exactly 255 or 65535, or to 0 if it has none. Each is within one of the exact
-/// value, and they still fall. After rounding down, the missing units go to the largest remainders.
+/// Converts a skin's weights to normalised integers, `std::uint8_t` or `std::uint16_t`. The weights of
+/// a point have a sum of exactly 255 or 65535, or 0 if it has none. Each is within 1 of the exact
+/// value, and they still descend. Weights are rounded down; the missing units go to the largest
+/// remainders.
 ///
 ///   returns  #points · K, as in the skin; may throw std::bad_alloc
 /// See glTF 2.0, sec. 3.7.3.3.

@@ -1,5 +1,4 @@
-// Chooses the weights of a skin for all points of a mesh together, so that its surface stays smooth
-// where neighbours drop different handles.
+// Skin weights that are computed for all points of a mesh at once, so that the posed surface is smooth.
 #pragma once
 
 #include <cageform/binding/detail/smooth_skin.hpp>
@@ -7,24 +6,23 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Returns a skin as `skin_weights` does, for points that are the vertices of a mesh. The handles
-/// and weights of all points are chosen together, so that the loss changes little along edges. If
-/// they are chosen point by point, neighbours drop different handles and the surface creases.
+/// Returns a skin as `skin_weights` does, for points that are the vertices of a mesh. The weights of
+/// all points are chosen together, so that the loss changes little along edges. Weights chosen point by
+/// point would crease the surface where neighbours drop different handles.
 ///
 ///   triangles  #triangles · 3 indices of points. Points at the same position with the same weights get
 ///              the same skin
-///   objective  the loss in poses that move close handles alike: the sum over edges of the squared
-///              difference of the loss, with smaller weights for longer edges, plus a small share of the
-///              loss itself and of the error of the reproduced point. The covariance of the handles'
-///              displacements is a Gaussian of a fifth of the cage's diagonal. Handles are dropped in ten
-///              rounds: those of the smallest weights, smoothed over the mesh
-///   weights    non-negative, Σw = 1 and, with K > D, Σwc = p as with skin_weights(). This is restored by
-///              the least relative change, so weights that fade out still do. If the kept handles do not
-///              surround the point, others replace them and the surface may crease there: with 4 handles
-///              in 3D everywhere, with 8 hardly
+///   objective  the loss in poses that move close handles similarly: the sum over edges of the squared
+///              difference of the loss, weighted by the inverse square of the length, plus a small
+///              multiple of the loss itself and of the error of the reproduced point. The covariance of
+///              the handles' displacements is a Gaussian with σ = 1/5 of the cage's diagonal. Handles
+///              with the smallest weights, smoothed over the mesh, are dropped in ten rounds
+///   weights    non-negative, Σw = 1 and, with K > D, Σwc = p as in skin_weights(), restored by the least
+///              relative change. If the kept handles do not surround the point, others replace them
+///              and the surface may crease: in 3D everywhere with 4 handles, rarely with 8
 ///   returns    the skin and its report, as skin_weights()
-///   cost       480 passes over the kept weights, each of some thirty numbers a weight: 0.7 ms a point for
-///              60 handles and K of 8. Memory: #points · (#handles floats twice, and 120 doubles)
+///   cost       480 passes over the kept weights, about thirty numbers per weight: 0.7 ms per point for
+///              60 handles and K = 8. Memory: #points · (#handles floats twice, and 120 doubles)
 ///   fails      as skin_weights(); index_out_of_range
 template <Scalar T, std::size_t D, FaceRange F>
 Result<SkinWeights, SkinWeightsReport>

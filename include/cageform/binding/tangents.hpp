@@ -1,4 +1,4 @@
-// Computes tangents for normals, so that normals can be bound.
+// Computes tangents of normals; binding represents normals by tangents.
 #pragma once
 
 #include <cageform/binding/detail/tangent_frame.hpp>
@@ -9,12 +9,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Returns unit tangents for normals of any length. `bind_vectors` binds them, `clone_normals`
-/// converts them back to normals. In 3D there are two per normal, orthogonal, with cross(tangent,
-/// bitangent) along the normal; in 2D one, the normal rotated clockwise.
+/// Returns unit tangents for normals of any length. `bind_vectors` binds them, `clone_normals` converts
+/// them back to normals. In 3D there are two per normal, orthogonal, with cross(tangent, bitangent)
+/// along the normal. In 2D there is one, the normal rotated clockwise.
 ///
-///   returns  an array of tangents and bitangents, in 2D of tangents alone; zeros for a zero normal; for
-///            a normal that is not finite a tangent that is not, so that `bind_vectors` reports it
+///   returns  an array of tangents and, in 3D, bitangents; zeros for a zero normal; not finite for a
+///            normal that is not finite, so that `bind_vectors` reports it
 template <PointRange R>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
 auto tangents_of(const R& normals) {
@@ -41,11 +41,11 @@ auto tangents_of(const R& normals) {
     return result;
 }
 
-/// Returns the given tangents, made orthogonal to the normals and of unit length. The bitangents
-/// are cross(normal, tangent), whichever way the texture runs. The sign of the texture's handedness
-/// (the w of a glTF tangent) stays with the caller; no pose changes it.
+/// Returns the given tangents, orthogonalised to the normals and normalised. The bitangents are always
+/// cross(normal, tangent). The caller keeps the handedness of the texture (the w of a glTF tangent),
+/// which no pose changes.
 ///
-///   tangents  as many as normals; a tangent that is zero or along the normal is replaced by any other
+///   tangents  one per normal; a tangent that is zero or along the normal is replaced by an arbitrary one
 template <PointRange R, PointRange S>
     requires(range_dimension<R> == 3 && range_dimension<S> == 3)
 auto tangents_of(const R& normals, const S& tangents) {
@@ -60,7 +60,7 @@ auto tangents_of(const R& normals, const S& tangents) {
         const auto across = unit - dot(unit, n) * n;
         if (!(dot(across, across) > 1e-12)) continue; // along the normal
         auto t = detail::unit_or_zero(across);
-        t = detail::unit_or_zero(t - dot(t, n) * n); // the rounding error of the first subtraction
+        t = detail::unit_or_zero(t - dot(t, n) * n); // again, because of rounding
         result[0][i] = vec_cast<T>(t);
         result[1][i] = vec_cast<T>(cross(n, t));
     }

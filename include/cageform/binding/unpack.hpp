@@ -1,5 +1,4 @@
-// Restores the figure that was packed in full precision, for editing; and composes two levels of
-// handles.
+// Restores a figure that was packed without loss, for editing, and composes two levels of handles.
 #pragma once
 
 #include <cageform/binding/compose.hpp>
@@ -8,15 +7,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Restores the figure that was packed, to the bit: bindings, handedness and labels. Clips, levels
-/// and parts of the user are read from the packed figure itself; so are the faces of the cage if
-/// they were stored as a part, because a binding knows only the handles. `pack` without further
-/// options makes a dense figure, which this function can restore. An editor saves such a file
-/// beside the one for the game, opens it later and packs it again.
+/// Restores a packed figure bit for bit: bindings, handedness and labels. Read clips, levels, parts of
+/// the user, and the faces of the cage if they are a part, from the packed figure itself. `pack` with
+/// default options makes a dense figure, which this function can restore: an editor saves such a file
+/// beside the run-time file, opens it later and packs it again.
 ///
-///   figure   as `open` returns it, or any other view
-///   fails    binding_not_dense, if weights were dropped, rounded or reordered; out_of_memory
-///   cost     a copy of all
+///   figure   the result of `open`, or any other view
+///   fails    binding_not_dense if weights were dropped, rounded or reordered; out_of_memory
+///   cost     one copy
 template <Scalar T, std::size_t D>
 Result<FigureBinding<T, D>> unpack(const PackedFigureView<T, D>& figure) {
     Result<FigureBinding<T, D>> result;
@@ -43,9 +41,8 @@ Result<FigureBinding<T, D>> unpack(const PackedFigureView<T, D>& figure) {
     return result;
 }
 
-/// Composes a whole figure: its points, and its normals and tangents with them. It replaces a cage
-/// that is itself bound to a coarser cage by the coarser cage. The result has no labels, as the
-/// coarse binding has none.
+/// Composes a figure: its points, normals and tangents. Replaces a cage that is bound to a coarser cage
+/// by the coarser one. The result has no labels, since the coarse binding has none.
 ///
 ///   fine, coarse, running, fails  as for `compose` of bindings
 template <Scalar T, std::size_t D>

@@ -1,18 +1,17 @@
-/* The C interface of cageform: everything by plain C99, for engines and other languages.
+/* The C interface of cageform (C99), for engines and other languages.
  *
- * One file of a C++20 program defines CAGEFORM_C_IMPLEMENTATION before it includes this header; it has the
- * code. With CAGEFORM_C_RUNTIME_ONLY too it has what a game runs every frame (the first half of this
- * header), without dependencies, exceptions and RTTI. Or link the library of the CMake target
- * cageform::compiled.
+ * One file of a C++20 program defines CAGEFORM_C_IMPLEMENTATION before it includes this header; this compiles
+ * the implementation. With CAGEFORM_C_RUNTIME_ONLY it contains only the functions of every frame (the first
+ * half of this header), without dependencies, exceptions and RTTI. Alternatively, link the library of the
+ * CMake target cageform::compiled.
  *
- * Every function that can fail returns a status: 0, or a code below, of which cageform_status_text() is
- * the sentence. No argument crashes a function that is what its type says; one that is null, too short,
- * not finite, or an object of another kind is refused by a status, and outputs are then untouched. An
- * object is used by one thread at a time, but for figures, coordinates, bindings, samples and bytes, which
- * may be read by several.
+ * Functions that can fail return a status: 0, or a code below; cageform_status_text() gives its message.
+ * Arguments are validated: null pointers, short memory, numbers that are not finite and objects of another
+ * kind give a status and leave outputs unchanged. Figures, coordinates, bindings, samples and bytes may be
+ * read by several threads at once; any other object may be used by one thread at a time.
  *
- * Structs that begin with `size` grow in later versions: set it to sizeof(the struct), and the rest to
- * zero, which stands for the default everywhere. cageform_abi_version() changes when anything else does. */
+ * Structs that begin with `size` may grow in later versions: set it to sizeof(the struct) and all other bytes
+ * to zero, which selects the defaults. cageform_abi_version() changes with any other change of the ABI. */
 #ifndef CAGEFORM_C_H
 #define CAGEFORM_C_H
 
@@ -39,7 +38,7 @@ extern "C" {
 /* ---- Status -------------------------------------------------------------------------------------------- */
 
 typedef int32_t cageform_status;
-/* Codes never change. X(code, NAME, name) gives CAGEFORM_NAME = code. Those of the C++ library: */
+/* Codes never change. X(code, NAME, name) defines CAGEFORM_NAME = code. The codes of the C++ library: */
 #define CAGEFORM_STATUSES(X)                                                                                 \
     X(0, OK, ok)                                                                                             \
     X(1, CANCELLED, cancelled)                                                                               \
@@ -165,22 +164,22 @@ typedef int32_t cageform_status;
     X(952, FRAME_NOT_FINITE, frame_not_finite)                                                               \
     X(953, BONES_NOT_SUPPORTED, bones_not_supported)                                                         \
     X(954, INFLUENCES_NOT_SUPPORTED, influences_not_supported)
-/* Those of this interface: */
+/* The codes of this interface: */
 #define CAGEFORM_C_STATUSES(X)                                                                               \
-    X(1000, ARGUMENT_NULL, argument_null, "an argument is null that may not be")                             \
+    X(1000, ARGUMENT_NULL, argument_null, "an argument must not be null")                                    \
     X(1001, OBJECT_OF_ANOTHER_KIND, object_of_another_kind, "an object is of another kind, or freed")        \
     X(1002, SIZE_NOT_SET, size_not_set, "the size of a struct is not set")                                   \
-    X(1003, POINTS_LEAVE_MEMORY, points_leave_memory, "points are more than their memory holds, or overlap") \
-    X(1004, POINTS_MISALIGNED, points_misaligned, "points or their stride are not aligned to their numbers") \
-    X(1005, SCALAR_DIFFERS, scalar_differs, "numbers are float where double is needed, or double for float") \
+    X(1003, POINTS_LEAVE_MEMORY, points_leave_memory, "points exceed their memory, or overlap")              \
+    X(1004, POINTS_MISALIGNED, points_misaligned, "points or their stride are not aligned to their scalar")  \
+    X(1005, SCALAR_DIFFERS, scalar_differs, "float is given where double is needed, or double for float")    \
     X(1006, DIMENSION_DIFFERS, dimension_differs, "points are of another dimension")                         \
-    X(1007, CHOICE_UNKNOWN, choice_unknown, "a choice is none of its constants")                             \
+    X(1007, CHOICE_UNKNOWN, choice_unknown, "an enumerator does not exist")                                  \
     X(1008, COUNTS_DO_NOT_MATCH, counts_do_not_match,                                                        \
-      "counts do not add up to the number of what they count")                                               \
-    X(1009, INDEX_OUT_OF_BOUNDS, index_out_of_bounds, "an index is not below the number of what it counts")  \
-    X(1010, MEMORY_TOO_SMALL, memory_too_small, "memory that was given is too small or not aligned")         \
+      "the sum of the counts differs from the number of elements")                                           \
+    X(1009, INDEX_OUT_OF_BOUNDS, index_out_of_bounds, "an index is not below the number of elements")        \
+    X(1010, MEMORY_TOO_SMALL, memory_too_small, "the given memory is too small or not aligned")              \
     X(1011, CAGE_KIND_NOT_SUPPORTED, cage_kind_not_supported,                                                \
-      "these coordinates do not take this kind of cage")                                                     \
+      "these coordinates do not support this kind of cage")                                                  \
     X(1012, FAILED, failed, "the standard library failed")
 
 enum {
@@ -192,10 +191,10 @@ enum {
         CAGEFORM_STATUS_END
 };
 
-/* Returns CAGEFORM_C_ABI of the library that is linked, and its version, as "0.2.0". */
+/* Return CAGEFORM_C_ABI and the version ("0.2.0") of the linked library. */
 CAGEFORM_API uint32_t cageform_abi_version(void);
 CAGEFORM_API const char* cageform_version(void);
-/* Returns an English sentence without a full stop, and the name of a code in small letters; never null. */
+/* Return a message without a full stop, and the name of a code in lower case; never null. */
 CAGEFORM_API const char* cageform_status_text(cageform_status status);
 CAGEFORM_API const char* cageform_status_name(cageform_status status);
 
@@ -203,17 +202,17 @@ CAGEFORM_API const char* cageform_status_name(cageform_status status);
 
 enum { CAGEFORM_FLOAT = 0, CAGEFORM_DOUBLE = 1 }; /* scalars */
 
-/* `count` points or vectors of `dimension` numbers (2 or 3; tangents may have 4). Numbers are aligned. */
+/* `count` points or vectors of `dimension` numbers (2 or 3; 4 for tangents), each number aligned. */
 typedef struct cageform_points {
     const void* data;
     size_t count;
-    size_t stride; /* bytes from a point to the next; 0: they follow each other */
-    size_t bytes;  /* the memory from `data` on, which no function leaves */
+    size_t stride; /* bytes from one point to the next; 0: contiguous */
+    size_t bytes;  /* size of the memory at `data`; accesses stay within it */
     uint32_t scalar;
     uint32_t dimension;
 } cageform_points;
 
-/* As cageform_points, to be written. */
+/* As cageform_points, but writable. */
 typedef struct cageform_output {
     void* data;
     size_t count;
@@ -231,26 +230,26 @@ typedef struct cageform_running {
     size_t size;
     void* context; /* passed to the functions below */
     /* Calls body(argument, begin, end) for ranges that together cover [0, count) once, on any threads;
-     * `grain` is the shortest worthwhile range. Null: the calling thread, or `threads`. */
+     * `grain` is the smallest range worth a task. Null: `threads` applies. */
     void (*parallel_for)(void* context, size_t count, size_t grain, cageform_range_body body, void* argument);
-    /* Is told the fraction done, on the calling thread; 0 cancels. Not called by functions of every frame. */
+    /* Receives the completed fraction, on the calling thread; return 0 to cancel. Not called every frame. */
     int (*progress)(void* context, double done);
-    uint32_t threads; /* without parallel_for: started for each loop; 0: the calling thread alone */
+    uint32_t threads; /* without parallel_for: threads started per loop; 0: only the calling thread */
 } cageform_running;
 
 /* ---- Objects ------------------------------------------------------------------------------------------- */
 
-typedef struct cageform_figure cageform_figure;           /* bound points, normals, tangents: to be cloned */
+typedef struct cageform_figure cageform_figure;           /* bound points, normals, tangents */
 typedef struct cageform_player cageform_player;           /* plays a clip */
-typedef struct cageform_bytes cageform_bytes;             /* a file's bytes, aligned to 64 */
+typedef struct cageform_bytes cageform_bytes;             /* a file's contents, aligned to 64 bytes */
 typedef struct cageform_coordinates cageform_coordinates; /* of a cage */
-typedef struct cageform_binding cageform_binding;         /* a figure with all its weights */
-typedef struct cageform_made_cage cageform_made_cage;     /* by cageform_make_cage */
-typedef struct cageform_skeleton cageform_skeleton;       /* by cageform_fit_skeleton */
-typedef struct cageform_samples cageform_samples;         /* of a cage's inside, for pins */
+typedef struct cageform_binding cageform_binding;         /* all weights of a figure */
+typedef struct cageform_made_cage cageform_made_cage;     /* result of cageform_make_cage */
+typedef struct cageform_skeleton cageform_skeleton;       /* result of cageform_fit_skeleton */
+typedef struct cageform_samples cageform_samples;         /* samples of a cage's interior, for pins */
 typedef struct cageform_pins cageform_pins;               /* poses a cage by pins */
 
-/* Frees an object of any kind; null is allowed. Those made of it go first. */
+/* Frees an object of any kind; null is allowed. Free objects that refer to it first. */
 CAGEFORM_API cageform_status cageform_free(void* object);
 
 /* ---- Reports ------------------------------------------------------------------------------------------- */
@@ -263,62 +262,64 @@ enum {
     CAGEFORM_LOOP = 4
 };
 
-/* A fault of a cage, or a warning. */
+/* An error or a warning about a cage. */
 typedef struct cageform_fault {
     cageform_status status; /* 0: a warning */
-    uint32_t a_is, b_is;    /* which elements the indices name; an edge is named by its first vertex */
+    uint32_t a_is, b_is;    /* CAGEFORM_VERTEX, …; the index of an edge is that of its first vertex */
     uint32_t reserved;
     size_t a, b;
-    const char* text; /* never freed */
+    const char* text; /* static */
 } cageform_fault;
 
-/* How a call went; a call fills what it knows and sets the rest to 0, indices to CAGEFORM_NONE. */
+/* The result of a call. Fields that do not apply are 0, indices CAGEFORM_NONE. */
 typedef struct cageform_report {
     size_t size;
     cageform_status status;
-    uint32_t faults, warnings; /* of the cage: cageform_check lists them */
+    uint32_t faults, warnings; /* numbers of errors and warnings of the cage; cageform_check lists them */
     uint32_t reserved;
-    size_t culprit;       /* the index that the status names: a point, handle, pin, face, clip, … */
-    cageform_fault fault; /* of the cage: the first, or the first warning */
+    size_t culprit;       /* index of the element with the error: a point, handle, pin, face, clip, … */
+    cageform_fault fault; /* the first error of the cage, or the first warning */
     double seconds;
-    char message[256]; /* the status and the culprit in a sentence; empty if all went well */
+    char message[256]; /* the status and the culprit as text; empty without an error */
 
-    /* cageform_bind; cageform_binding_list has the indices */
+    /* cageform_bind: numbers of points; cageform_binding_list returns their indices */
     size_t points, on_boundary, outside, faded, not_finite, unreached, not_restored;
-    double partition_error,
-        reproduction_error;             /* the largest |sum of weights - 1|, and distance from its place */
-    double least_weight, amplification; /* the largest sum of |weights| of a point */
+    double partition_error;    /* max |sum of weights - 1| */
+    double reproduction_error; /* max distance of a point from the weighted sum of handles */
+    double least_weight;
+    double amplification; /* max sum of |weights| of a point */
 
     /* harmonic coordinates */
-    size_t unknowns, memory;    /* of one function; bytes */
-    double grid_error;          /* an estimate of the largest error of a weight */
-    double sufficient_accuracy; /* with CAGEFORM_OUT_OF_MEMORY: an accuracy that works; 0: none is known */
+    size_t unknowns, memory;    /* unknowns of one function; memory in bytes */
+    double grid_error;          /* estimated maximum error of a weight */
+    double sufficient_accuracy; /* after CAGEFORM_OUT_OF_MEMORY: an accuracy that fits; 0: unknown */
 
     /* cageform_pack */
     size_t bytes, dense_bytes;
-    double distance, mean_distance; /* from where all weights put a point */
+    double distance, mean_distance; /* maximum and mean change of a point by packing */
 
-    /* cageform_make_cage; volumes are areas in the plane */
+    /* cageform_make_cage; volumes are areas in 2D */
     size_t vertices, components, tunnels;
     double margin, clearance, volume, tightest_volume, least_angle;
 
     /* cageform_pose_samples */
     size_t samples, rotations;
 
-    /* cageform_pins_solve: the largest miss, and the pin of it is the culprit; in the units of the cage */
+    /* cageform_pins_solve: `miss` is the largest distance of a pin from its target, `culprit` that pin;
+     * in the units of the cage */
     double miss, step, rigid_energy, least_stretch, largest_stretch;
     size_t iterations, folded;
     int settled;
 
     /* cageform_compile_clip */
-    double curve_error; /* the largest distance of a coordinate from its keys' curve */
+    double curve_error; /* maximum distance of a coordinate from the curve through its keys */
 
-    /* cageform_fit_skeleton; distances are shares of the figure's diagonal at rest. The culprit is the vertex
-     * of the largest, or the one that is refused; CAGEFORM_NONE for its frame is the rest */
+    /* cageform_fit_skeleton; distances are relative to the figure's diagonal at rest. `culprit` is the vertex
+     * with the largest distance, or the invalid one, in frame `frame`; CAGEFORM_NONE: at rest */
     size_t bones, frame;
-    size_t beyond; /* vertices farther away than max_distance */
+    size_t beyond; /* number of vertices over options.max_distance */
     double rms, max_distance;
-    double turn; /* degrees by which 99 % of the faces are turned wrongly at most */
+    double turn; /* 99th percentile of the angle between fitted and given face normals, in degrees */
     double mean_influences;
 } cageform_report;
 
@@ -326,59 +327,59 @@ typedef struct cageform_report {
 
 typedef struct cageform_open_options {
     size_t size;
-    uint64_t cage_hash, figure_hash; /* as bound; 0: any */
-    int skip_checksum;               /* trusts the bytes; reads tables and clips alone */
-    void* memory;                    /* for the object, cageform_figure_bytes() long; null: allocated */
+    uint64_t cage_hash, figure_hash; /* expected hashes; 0: any */
+    int skip_checksum;               /* reads only tables and clips */
+    void* memory;                    /* for the object, cageform_figure_bytes() long; null: allocates */
     size_t memory_bytes;
 } cageform_open_options;
 
 typedef struct cageform_figure_info {
     size_t size;
     size_t points, handles;
-    size_t vertices; /* handles that are points: what clips and cageform_pose_handles take */
+    size_t vertices; /* point handles: the size of clips and of the input of cageform_pose_handles */
     size_t clips, levels;
     uint32_t scalar, dimension;
     int has_normals, has_tangents, has_labels;
-    double origin[3]; /* the place from which points, handles and clips count: add it to clones */
+    double origin[3]; /* origin of the coordinates of points, handles and clips: add it to clones */
 } cageform_figure_info;
 
-/* Opens a packed figure or binding in place; `data` is aligned to 64 bytes and stays as it is while the
- * figure is in use. `options` may be null. `culprit` too: it becomes the tag of the part that is refused,
- * four letters, the first in the lowest byte; 0 is the whole. */
+/* Opens a packed figure or binding in place. `data` must be aligned to 64 bytes and must not change while the
+ * figure is in use. `options` and `culprit` may be null. After an error `culprit` is the tag of the invalid
+ * part, four letters, the first one in the lowest byte; 0 for the whole file. */
 CAGEFORM_API size_t cageform_figure_bytes(void);
 CAGEFORM_API cageform_status cageform_open(const void* data, size_t bytes,
                                            const cageform_open_options* options, cageform_figure** figure,
                                            size_t* culprit);
-/* Opens a level of less detail, which takes the same poses; level 0 is the figure again. */
+/* Opens a level of less detail, for the same poses; level 0 is the figure itself. */
 CAGEFORM_API cageform_status cageform_open_level(const cageform_figure* figure, size_t level,
                                                  const cageform_open_options* options,
                                                  cageform_figure** opened);
 CAGEFORM_API cageform_status cageform_figure_describe(const cageform_figure* figure,
                                                       cageform_figure_info* info);
-/* Writes the handles at rest, a pose to start from: info.handles points. */
+/* Writes the handles at rest, the initial pose: info.handles points. */
 CAGEFORM_API cageform_status cageform_figure_rest(const cageform_figure* figure, cageform_output handles);
-/* Finds a handle's label (not terminated by a zero), and the first handle with a label: CAGEFORM_NONE if
- * none has. */
+/* Return a handle's label (not zero-terminated), and the first handle with a label, else CAGEFORM_NONE. */
 CAGEFORM_API cageform_status cageform_figure_label(const cageform_figure* figure, size_t handle,
                                                    const char** text, size_t* length);
 CAGEFORM_API cageform_status cageform_figure_find_handle(const cageform_figure* figure, const char* text,
                                                          size_t length, size_t* handle);
 
-/* Moves a figure with a pose of its handles. Pose and outputs have the figure's scalar.
+/* Deforms a figure by a pose of its handles. Pose and outputs have the figure's scalar.
  *
  *   pose      info.handles points
  *   points    out, info.points
- *   normals, tangents  out, or null; tangents in space, of 3 or 4 numbers, the fourth for the handedness
- *   running   its parallel_for or threads; or null. The result does not depend on it
- *   cost      as clone/clone.hpp; no allocation. The pose at rest gives the bound points to the bit */
+ *   normals, tangents  out, or null; tangents only in 3D, of 3 or 4 numbers, the fourth is the handedness
+ *   running   only parallel_for and threads are used; or null. The result does not depend on it
+ *   cost      as clone/clone.hpp; no allocation. The pose at rest gives the bound points bit for bit */
 CAGEFORM_API cageform_status cageform_clone(const cageform_figure* figure, cageform_points pose,
                                             cageform_output points, const cageform_output* normals,
                                             const cageform_output* tangents, const cageform_running* running);
-/* Computes the gradients of the handles (out, info.handles) from those of the points that a clone writes. */
+/* Computes the gradients with respect to the handles (out, info.handles) from those with respect to the
+ * cloned points. */
 CAGEFORM_API cageform_status cageform_clone_transposed(const cageform_figure* figure,
                                                        cageform_points gradients, cageform_output handles,
                                                        const cageform_running* running);
-/* Computes a pose of all handles from one of the cage's vertices, where some handles are vectors (Green). */
+/* Computes a pose of all handles from a pose of the vertices, if some handles are vectors (Green). */
 CAGEFORM_API cageform_status cageform_pose_handles(const cageform_figure* figure, cageform_points vertices,
                                                    cageform_output handles);
 
@@ -387,28 +388,28 @@ typedef struct cageform_clip_info {
     size_t vertices;
     double begin, end; /* times */
     uint32_t scalar, dimension;
-    const char* name; /* not terminated by a zero; null for a clip that belongs to no figure */
+    const char* name; /* not zero-terminated; null for a clip without a figure */
     size_t name_length;
 } cageform_clip_info;
 
 typedef struct cageform_play_options {
     size_t size;
-    int skip_checksum; /* of bytes */
-    void* memory;      /* for the player, as long as cageform_player_bytes says; null: allocated */
+    int skip_checksum; /* for cageform_play_bytes */
+    void* memory;      /* memory for the player, see cageform_player_bytes; null: allocates */
     size_t memory_bytes;
 } cageform_play_options;
 
-/* Finds the first clip of a figure with a name: CAGEFORM_NONE if none has it. */
+/* Finds the first clip of a figure with a name, else CAGEFORM_NONE. */
 CAGEFORM_API cageform_status cageform_figure_find_clip(const cageform_figure* figure, const char* name,
                                                        size_t length, size_t* clip);
-/* Plays a clip of a figure, which has to outlive the player, or a packed clip, whose bytes have to.
- * Everyone who plays has a player. `options` may be null. */
+/* Create a player of a clip of a figure, or of a packed clip; the figure or the bytes must outlive it.
+ * Create one player per playing instance. `options` may be null. */
 CAGEFORM_API cageform_status cageform_play(const cageform_figure* figure, size_t clip,
                                            const cageform_play_options* options, cageform_player** player);
 CAGEFORM_API cageform_status cageform_play_bytes(const void* data, size_t bytes,
                                                  const cageform_play_options* options,
                                                  cageform_player** player);
-/* Says how much memory a player of a figure's clip takes. */
+/* Returns the size of a player of a figure's clip in bytes. */
 CAGEFORM_API cageform_status cageform_player_bytes(const cageform_figure* figure, size_t clip, size_t* bytes);
 CAGEFORM_API cageform_status cageform_player_describe(const cageform_player* player,
                                                       cageform_clip_info* info);
@@ -425,7 +426,7 @@ typedef struct cageform_samples_info {
 } cageform_samples_info;
 CAGEFORM_API cageform_status cageform_samples_describe(const cageform_samples* samples,
                                                        cageform_samples_info* info);
-/* Opens packed samples, which are copied; `data` is aligned to 64 bytes. */
+/* Opens packed samples and copies them; `data` must be aligned to 64 bytes. */
 CAGEFORM_API cageform_status cageform_samples_open(const void* data, size_t bytes, int skip_checksum,
                                                    cageform_samples** samples);
 
@@ -433,21 +434,21 @@ typedef struct cageform_pins_options {
     size_t size;
     double pin_weight; /* 0: 1e4 */
     int hard;
-    size_t iterations; /* of a frame; 0: 4 */
+    size_t iterations; /* per frame; 0: 4 */
 } cageform_pins_options;
 /* Copies the samples. */
 CAGEFORM_API cageform_status cageform_pins_create(const cageform_samples* samples,
                                                   const cageform_pins_options* options, cageform_pins** pins);
-/* Sets pins among the points of a figure, which is copied from; count 0 takes all away. `weights` may be
- * null. The report may be null too, and names the pin that is refused. */
+/* Sets pins at points of a figure, whose weights are copied; count 0 removes all pins. `weights` and `report`
+ * may be null. After an error report.culprit is the invalid pin. */
 CAGEFORM_API cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure,
                                                const uint32_t* points, size_t count, const double* weights,
                                                cageform_report* report);
-/* Holds handles where the pose has them. */
+/* Fixes handles at their positions in the pose. */
 CAGEFORM_API cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
                                                 cageform_report* report);
-/* Moves the pose (in and out, all handles) towards the targets, one for each pin; again until
- * report.settled. The scalar is that of the coordinates. No allocation. */
+/* Moves the pose (in and out, all handles) towards the targets, one per pin. Call it until report.settled.
+ * The scalar is that of the coordinates. No allocation. */
 CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets,
                                                  cageform_output pose, cageform_report* report);
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
@@ -456,76 +457,75 @@ CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_p
 /* ---- Cages --------------------------------------------------------------------------------------------- */
 
 enum {
-    CAGEFORM_POLYGON = 0, /* in the plane: loops of vertices */
-    CAGEFORM_MESH = 1,    /* in space: faces, counter-clockwise seen from outside */
-    CAGEFORM_CURVES = 2,  /* in the plane: loops of Bezier curves of degree 1 to 3, for CAGEFORM_CURVED_GREEN */
-    CAGEFORM_LATTICE = 3, /* a box of splines, in the plane or in space */
-    CAGEFORM_SITES = 4    /* points without a cage, in the plane or in space */
+    CAGEFORM_POLYGON = 0, /* 2D: loops of vertices */
+    CAGEFORM_MESH = 1,    /* 3D: faces, counter-clockwise seen from outside */
+    CAGEFORM_CURVES = 2,  /* 2D: loops of Bezier curves of degree 1 to 3, for CAGEFORM_CURVED_GREEN */
+    CAGEFORM_LATTICE = 3, /* 2D or 3D: a box of splines */
+    CAGEFORM_SITES = 4    /* 2D or 3D: points without a cage */
 };
 
-/* A point inside a cage (a = b) or, in space, an edge; everything within the radius follows it. */
+/* A point inside a cage (a = b) or, in 3D, an edge; everything within the radius moves rigidly with it. */
 typedef struct cageform_bone {
     uint32_t a, b; /* vertices of the cage */
     double radius;
 } cageform_bone;
 
-/* A cage in the caller's memory, of which coordinates take copies. Any scalar. */
+/* A cage in the caller's memory, of any scalar. Coordinates copy it. */
 typedef struct cageform_cage {
     size_t size;
     uint32_t kind;
-    uint32_t divisions; /* of a mesh: quads are divided k times each way, for mean value and harmonic; 0: 1 */
-    cageform_points vertices; /* of curves the control points of all edges, ends included */
-    /* POLYGON: vertices of each loop; null: one loop. MESH: corners of each face; null: triangles.
+    uint32_t divisions;       /* MESH: divisions per side of quads, for mean value and harmonic; 0: 1 */
+    cageform_points vertices; /* CURVES: the control points of all edges, including their ends */
+    /* POLYGON: vertices per loop; null: one loop. MESH: corners per face; null: triangles.
      * CURVES: the degree of each edge. */
     const uint32_t* counts;
     size_t count_count;
     const uint32_t* indices; /* MESH: the vertices at the corners of all faces */
     size_t index_count;
-    const uint32_t* loops; /* CURVES: edges of each loop; null: one loop */
+    const uint32_t* loops; /* CURVES: edges per loop; null: one loop */
     size_t loop_count;
-    double
-        off_plane; /* MESH: how far a corner may lie off its face; farther off, a face is a fan of its mean */
+    /* MESH: maximum distance of a corner from its face's plane; beyond it, a face is a fan around its mean */
+    double off_plane;
 
     /* LATTICE: no vertices */
     uint32_t dimension;
     uint32_t points[3], degree[3]; /* along each axis; 0: 4, and 3 */
     double origin[3], axes[3][3];  /* axes[k] is the edge of the box along axis k */
-    double falloff; /* outside, displacements fade to nothing at this distance; 0: they do not */
+    double falloff;                /* distance outside at which displacements reach 0; 0: no falloff */
 
     /* Cells inside a POLYGON or a MESH of triangles, for CAGEFORM_HARMONIC. The last `cell_vertices` of
-     * `vertices` are not on the boundary; they are handles too. */
+     * `vertices` are not on the boundary, but are handles. */
     size_t cell_vertices;
     const cageform_bone* bones;
     size_t bone_count;
-    const uint32_t* walls; /* in the plane the two ends of each edge, in space the corners of each triangle */
+    const uint32_t* walls; /* 2D: the two ends of each edge; 3D: the corners of each triangle */
     size_t wall_index_count;
 } cageform_cage;
 
-/* Checks whether a cage can serve, as coordinates do. Lists faults and warnings as far as there is room:
- * `count` is their number. */
+/* Checks a cage as coordinates do. Writes up to `room` errors and warnings; `count` is their total number. */
 CAGEFORM_API cageform_status cageform_check(const cageform_cage* cage, cageform_fault* faults, size_t room,
                                             size_t* count);
 
 typedef struct cageform_make_cage_options {
     size_t size;
-    size_t vertices;  /* 0: 24 in the plane, 112 in space */
-    double margin;    /* a share of the figure's diagonal; 0: 0.025 in the plane, 0.02 in space */
+    size_t vertices;  /* 0: 24 in 2D, 112 in 3D */
+    double margin;    /* relative to the figure's diagonal; 0: 0.025 in 2D, 0.02 in 3D */
     uint32_t shape;   /* CAGEFORM_SHAPE_FIGURE, … */
-    uint32_t mirror;  /* 0: none; 1, 2, 3: symmetric along x, y, z, about the middle of the figure */
-    int many_cages;   /* parts stay apart instead of being joined */
-    int holes;        /* in the plane: keeps large empty regions of areas */
-    int fill_tunnels; /* in space */
-    double regular;   /* weight of regular shapes against a tight fit; 0: 1 */
+    uint32_t mirror;  /* 0: none; 1, 2, 3: symmetric along x, y, z, about the centre of the figure */
+    int many_cages;   /* one cage per part, instead of joined parts */
+    int holes;        /* 2D: preserves large empty regions of areas */
+    int fill_tunnels; /* 3D */
+    double regular;   /* trade-off: higher values give more regular, looser cages; 0: 1 */
 } cageform_make_cage_options;
 enum cageform_shape { CAGEFORM_SHAPE_FIGURE = 0, CAGEFORM_SHAPE_HULL = 1, CAGEFORM_SHAPE_BOX = 2 };
 
 /* Makes a cage around a figure.
  *
- *   points   in the plane the ends of segments, in space vertices
- *   indices  in the plane two a segment, in space three a triangle; any faces, holes and crossings are fine
- *   radii    in the plane half the width of each segment, or null
- *   areas    in the plane: the numbers of segments that are closed outlines of painted areas, from the first
- *            segment on; or null. Only options.holes looks at them */
+ *   points   2D: the ends of segments; 3D: vertices
+ *   indices  2D: two per segment; 3D: three per triangle. Any faces, holes and crossings are valid
+ *   radii    2D: half the width of each segment, or null
+ *   areas    2D: the sizes, in segments, of the closed outlines of filled areas, which come first among the
+ *            segments; or null. Used only with options.holes */
 typedef struct cageform_drawing {
     size_t size;
     cageform_points points;
@@ -539,7 +539,7 @@ CAGEFORM_API cageform_status cageform_make_cage(const cageform_drawing* figure,
                                                 const cageform_make_cage_options* options,
                                                 const cageform_running* running, cageform_made_cage** made,
                                                 cageform_report* report);
-/* Describes a cage that was made; its arrays live as long as the object. */
+/* Describes the result; the arrays are valid until the object is freed. */
 CAGEFORM_API cageform_status cageform_made_cage_describe(const cageform_made_cage* made, cageform_cage* cage);
 
 /* ---- Coordinates --------------------------------------------------------------------------------------- */
@@ -547,13 +547,13 @@ CAGEFORM_API cageform_status cageform_made_cage_describe(const cageform_made_cag
 enum cageform_coordinate_type {
     CAGEFORM_MEAN_VALUE = 0,
     CAGEFORM_HARMONIC = 1,
-    CAGEFORM_GREEN = 2,  /* edges or faces are handles too: cageform_pose_handles */
-    CAGEFORM_SIBSON = 3, /* of sites, and the vertices of any cage */
+    CAGEFORM_GREEN = 2,  /* also has handles for edges or faces, see cageform_pose_handles */
+    CAGEFORM_SIBSON = 3, /* for sites, or the vertices of any cage */
     CAGEFORM_BARYCENTRIC = 4,
     CAGEFORM_WACHSPRESS = 5,
     CAGEFORM_DISCRETE_HARMONIC = 6,
-    CAGEFORM_SPLINES = 7,      /* of a lattice */
-    CAGEFORM_CURVED_GREEN = 8, /* of curves; CAGEFORM_GREEN of curves is the same */
+    CAGEFORM_SPLINES = 7,      /* for lattices */
+    CAGEFORM_CURVED_GREEN = 8, /* for curves; the same as CAGEFORM_GREEN for curves */
     CAGEFORM_SIBSON_C1 = 9     /* CAGEFORM_SIBSON of degree 3 */
 };
 
@@ -561,21 +561,21 @@ typedef struct cageform_coordinates_options {
     size_t size;
     uint32_t type;          /* cageform_coordinate_type */
     uint32_t scalar;        /* of weights and poses */
-    double accuracy;        /* harmonic: the largest error of a weight; 0: 1e-3 */
+    double accuracy;        /* harmonic: maximum error of a weight; 0: 1e-3 */
     size_t memory_limit;    /* harmonic, in bytes; 0: 8 GiB */
-    uint32_t sibson_degree; /* 1, or 3, smooth at the sites; 0: 1 */
+    uint32_t sibson_degree; /* 1, or 3 (C1 at the sites); 0: 1 */
     uint32_t reserved;
-    double disk[3]; /* of curves: centre and radius of a disk; radius 0: none */
+    double disk[3]; /* curves: centre and radius of a disk; radius 0: none */
 } cageform_coordinates_options;
 
-/* Makes coordinates of a cage. `options` may be null: mean value in float. */
+/* Makes coordinates of a cage. Without `options`: mean value in float. */
 CAGEFORM_API cageform_status cageform_coordinates_create(const cageform_cage* cage,
                                                          const cageform_coordinates_options* options,
                                                          cageform_coordinates** coordinates,
                                                          cageform_report* report);
-/* Makes coordinates of several cages over one figure, such as a body and a head; where cages overlap, they are
- * blended by depth. Handles are those of the first cage, then of the next. Takes polygons and meshes of
- * triangles, and CAGEFORM_MEAN_VALUE or CAGEFORM_HARMONIC. The culprit is the cage that is refused. */
+/* Makes coordinates of several cages for one figure, such as a body and a head. Where cages overlap, weights
+ * are blended by depth. The handles of the first cage come first, then those of the next. Supports polygons
+ * and triangle meshes with CAGEFORM_MEAN_VALUE or CAGEFORM_HARMONIC. report.culprit is the invalid cage. */
 CAGEFORM_API cageform_status cageform_coordinates_blend(const cageform_cage* const* cages, size_t count,
                                                         const cageform_coordinates_options* options,
                                                         cageform_coordinates** coordinates,
@@ -590,7 +590,8 @@ CAGEFORM_API cageform_status cageform_coordinates_describe(const cageform_coordi
                                                            cageform_coordinates_info* info);
 CAGEFORM_API cageform_status cageform_coordinates_rest(const cageform_coordinates* coordinates,
                                                        cageform_output handles);
-/* Solves for harmonic functions and keeps them, so that several binds solve only once. Others are ready. */
+/* Computes and stores the harmonic functions, so that several binds solve only once. Other types need no
+ * solve. */
 CAGEFORM_API cageform_status cageform_coordinates_solve(cageform_coordinates* coordinates,
                                                         const cageform_running* running,
                                                         cageform_report* report);
@@ -605,26 +606,25 @@ enum cageform_outside_points {
 
 typedef struct cageform_bind_options {
     size_t size;
-    uint32_t outside;           /* what becomes of points outside */
-    int leave_linear_precision; /* leaves weights as the coordinates gave them */
-    double falloff;             /* outside, displacements fade to nothing at this distance; 0: they do not */
+    uint32_t outside;           /* treatment of points outside */
+    int leave_linear_precision; /* does not correct the weights */
+    double falloff;             /* distance outside at which displacements reach 0; 0: no falloff */
 } cageform_bind_options;
 
-/* Binds points, and normals and tangents if they are not null (one for each point; tangents of 3 or 4
- * numbers). Bad points are listed and kept in place, the others are bound. */
+/* Binds points, and normals and tangents unless they are null (one per point; tangents of 3 or 4 numbers).
+ * Points without weights are listed and do not move. */
 CAGEFORM_API cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_points points,
                                            const cageform_points* normals, const cageform_points* tangents,
                                            const cageform_bind_options* options,
                                            const cageform_running* running, cageform_binding** binding,
                                            cageform_report* report);
-/* Makes the figure that is cloned, of a binding that outlives it. */
+/* Makes a figure for cageform_clone; the binding must outlive it. */
 CAGEFORM_API cageform_status cageform_binding_figure(const cageform_binding* binding,
                                                      cageform_figure** figure);
-/* Writes the weights of points: a row of info.handles numbers of the binding's scalar each. */
+/* Writes the weights of points: a row of info.handles numbers per point, in the binding's scalar. */
 CAGEFORM_API cageform_status cageform_binding_weights(const cageform_binding* binding, size_t first,
                                                       size_t count, void* weights, size_t bytes);
-/* Labels handles, one for each; texts end with a zero, null is none. A figure made before has the labels
- * before. */
+/* Sets one label per handle: zero-terminated, or null for none. Existing figures keep their labels. */
 CAGEFORM_API cageform_status cageform_binding_set_labels(cageform_binding* binding, const char* const* labels,
                                                          size_t count);
 enum {
@@ -635,7 +635,7 @@ enum {
     CAGEFORM_LIST_NOT_RESTORED = 4,
     CAGEFORM_LIST_FADED = 5
 };
-/* Lists points in ascending order, as far as there is room: `count` is their number. */
+/* Writes up to `room` point indices in ascending order; `count` is their total number. */
 CAGEFORM_API cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list,
                                                    size_t* indices, size_t room, size_t* count);
 
@@ -647,30 +647,30 @@ enum cageform_weight_format {
     CAGEFORM_FORMAT_INT8 = 4
 };
 
-/* A clip, or a level of less detail, to be packed with a figure. */
+/* A clip or a level of less detail to pack with a figure. */
 typedef struct cageform_part {
-    const char* name; /* of a clip; ends with a zero */
+    const char* name; /* of a clip; zero-terminated */
     const void* data;
     size_t bytes;
 } cageform_part;
 
 typedef struct cageform_pack_options {
     size_t size;
-    double tolerance; /* the largest distance of a point from where all weights put it; 0: no limit */
-    double threshold; /* weights below may be dropped; with tolerance and largest 0 as well, nothing is */
-    size_t largest;   /* weights that a point keeps; 0: all */
-    double reach; /* poses in which the tolerance holds: handles this far from an affine image; 0: a tenth */
-    cageform_points poses; /* or these: pose after pose, all handles each; no data: none */
+    double tolerance; /* maximum change of a point by packing; 0: no limit */
+    double threshold; /* weights below may be dropped; if tolerance and largest are 0 too, none is */
+    size_t largest;   /* maximum number of weights per point; 0: all */
+    double reach;     /* the tolerance holds for handles up to this far from an affine pose; 0: a tenth */
+    cageform_points poses; /* the tolerance holds for these poses, each of all handles; no data: `reach` */
     uint32_t format;
     uint32_t reserved;
     const cageform_part* clips;
     size_t clip_count;
     const cageform_part* levels;
     size_t level_count;
-    double origin[3]; /* the place from which points, handles and clips count; it is only stored */
+    double origin[3]; /* origin of the coordinates of points, handles and clips; only stored */
 } cageform_pack_options;
 
-/* Packs a figure for cageform_open: the bytes that a game ships. */
+/* Packs a figure for cageform_open. */
 CAGEFORM_API cageform_status cageform_pack(const cageform_binding* binding,
                                            const cageform_pack_options* options,
                                            const cageform_running* running, cageform_bytes** packed,
@@ -688,10 +688,10 @@ enum {
 };
 typedef struct cageform_clip_options {
     size_t size;
-    double tolerance;      /* the largest error of a coordinate; 0: a thousandth of the poses' size or less */
-    double pack_tolerance; /* the largest distance that 16-bit curves may cost; 0: curves stay exact */
-    uint32_t keys;         /* how poses are joined */
-    uint32_t before, after; /* what is played before the first time and after the last */
+    double tolerance;       /* maximum error of a coordinate; 0: at most a thousandth of the poses' size */
+    double pack_tolerance;  /* maximum distance caused by 16-bit curves; 0: curves stay exact */
+    uint32_t keys;          /* interpolation between poses */
+    uint32_t before, after; /* extrapolation before the first time and after the last */
     uint32_t scalar;        /* of the clip */
 } cageform_clip_options;
 /* Compiles poses of the cage's vertices at ascending times, pose after pose, to a packed clip. */
@@ -703,63 +703,63 @@ CAGEFORM_API cageform_status cageform_compile_clip(const double* times, size_t c
 /* ---- Skeletons ----------------------------------------------------------------------------------------- */
 
 enum cageform_bone_kind {
-    CAGEFORM_RIGID = 0,    /* bones turn and move: every engine plays these */
-    CAGEFORM_SIMILAR = 1,  /* one scale besides; the children of a bone scale with it */
-    CAGEFORM_STRETCHED = 2 /* any affine map: only players that multiply matrices show these */
+    CAGEFORM_RIGID = 0,    /* rotation and translation: supported by every engine */
+    CAGEFORM_SIMILAR = 1,  /* and uniform scale, which children inherit */
+    CAGEFORM_STRETCHED = 2 /* any affine map: only for players that multiply matrices */
 };
 
 typedef struct cageform_skeleton_options {
     size_t size;
-    size_t bones;      /* 0: as few as keep max_distance */
-    size_t influences; /* weights a vertex, 1 to 8; 0: 4 */
-    /* The distance, a share of the figure's diagonal at rest, within which every vertex is to stay in every
-     * frame; 0: none. With `bones` the report counts the vertices that are farther away. */
+    size_t bones;      /* 0: the fewest that meet max_distance */
+    size_t influences; /* weights per vertex, 1 to 8; 0: 4 */
+    /* Maximum distance of a vertex in any frame, relative to the figure's diagonal at rest; 0: none. With
+     * `bones` it is not a limit: the report counts the vertices over it. */
     double max_distance;
     uint32_t kind; /* CAGEFORM_RIGID, … */
     uint32_t reserved;
 } cageform_skeleton_options;
 
-/* Fits a skeleton to any sequence of meshes: bones that turn, joints, a hierarchy, and a few weights a vertex.
+/* Fits a skeleton to a sequence of meshes: rotating bones, joints, a hierarchy, and a few weights per vertex.
  *
- *   rest     the vertices at rest, in space, where no bone has moved
- *   frames   frame after frame, two or more, all vertices each; the rest need not be one
- *   indices  three a triangle, or null: weights are smooth along edges
- *   options  bones or max_distance has to be set
- *   running  threads, progress, cancel; or null. The result does not depend on threads */
+ *   rest     the vertices at rest (3D), where all bones have the identity map
+ *   frames   at least two frames of all vertices each; the rest pose need not be one of them
+ *   indices  three per triangle, or null: weights are smooth along edges
+ *   options  requires bones or max_distance
+ *   running  threads, progress, cancellation; or null. The result does not depend on threads */
 CAGEFORM_API cageform_status cageform_fit_skeleton(cageform_points rest, cageform_points frames,
                                                    const uint32_t* indices, size_t index_count,
                                                    const cageform_skeleton_options* options,
                                                    const cageform_running* running,
                                                    cageform_skeleton** skeleton, cageform_report* report);
 
-/* A skeleton. A vertex that is at v at rest is in frame t at
+/* A skeleton. The position in frame t of a vertex v at rest is
  *
  *     sum over k < influences of weights[k] * maps[t][vertex_bones[k]](v)
  *
- * The arrays live as long as the object. */
+ * The arrays are valid until the object is freed. */
 typedef struct cageform_skeleton_info {
     size_t size;
     size_t bones, frames, vertices, influences;
-    const uint32_t* parents;      /* bones: those before their children; UINT32_MAX of the root, bone 0 */
-    const double* joints;         /* bones * 3: where each meets its parent, at rest */
+    const uint32_t* parents;      /* bones: parents precede children; UINT32_MAX for the root, bone 0 */
+    const double* joints;         /* bones * 3: the joint with the parent, at rest */
     const uint16_t* vertex_bones; /* vertices * influences; 0 where a weight is 0 */
-    const float* weights;         /* vertices * influences: those of a vertex fall, and their sum is 1 */
-    const double* maps;           /* frames * bones * 12: where x, y, z go, as directions, and the origin */
+    const float* weights;         /* vertices * influences: descending per vertex, with sum 1 */
+    const double* maps;           /* frames * bones * 12: the images of the x, y, z axes and of the origin */
 } cageform_skeleton_info;
 CAGEFORM_API cageform_status cageform_skeleton_describe(const cageform_skeleton* skeleton,
                                                         cageform_skeleton_info* info);
-/* Writes the transforms of the bones' nodes, as engines play them: frame after frame, all bones each.
+/* Writes the local transforms of the bones' nodes: frame after frame, all bones each.
  *
  *     x -> rotation(scale * axes(x)) + translation
  *
- * goes from a node's own axes, whose origin is its joint, to those of its parent: at rest without a turn. The
- * product of these along the way from the root, after a shift by -joint, is the bone's map.
+ * maps a node's frame, whose origin is its joint, to its parent's frame; at rest, rotation is the identity.
+ * The product of the transforms from the root to a node, after a shift by -joint, is the bone's map.
  *
  *   translations  out, frames * bones of 3 numbers, any scalar
- *   rotations     out, of 4 numbers: quaternions x y z w, of one sign from frame to frame
- *   scales        out, of 3 numbers; null only if bones are RIGID, whose scales are 1
+ *   rotations     out, of 4 numbers: quaternions x y z w, with consistent signs between frames
+ *   scales        out, of 3 numbers; may be null only for RIGID bones, whose scales are 1
  *   axes          out, quaternions; null unless bones are STRETCHED
- *   fails         CAGEFORM_VALUE_NOT_FINITE: a parent is flat in some frame; use the maps */
+ *   fails         CAGEFORM_VALUE_NOT_FINITE: the map of a parent is singular in some frame; use the maps */
 CAGEFORM_API cageform_status cageform_skeleton_transforms(const cageform_skeleton* skeleton,
                                                           cageform_output translations,
                                                           cageform_output rotations,
@@ -770,15 +770,15 @@ CAGEFORM_API cageform_status cageform_skeleton_transforms(const cageform_skeleto
 
 typedef struct cageform_samples_options {
     size_t size;
-    size_t samples, rotations; /* 0: by the number of handles */
-    double smoothing;          /* spreads bends over this share of the cage's size */
+    size_t samples, rotations; /* 0: chosen from the number of handles */
+    double smoothing;          /* distance over which bends are spread, relative to the cage's size */
 } cageform_samples_options;
-/* Samples the inside of a cage; the coordinates need gradients. */
+/* Samples the interior of a cage; the coordinates must have gradients. */
 CAGEFORM_API cageform_status cageform_pose_samples(const cageform_coordinates* coordinates,
                                                    const cageform_samples_options* options,
                                                    const cageform_running* running,
                                                    cageform_samples** samples, cageform_report* report);
-/* Packs samples for cageform_samples_open: what a game ships beside a figure. */
+/* Packs samples for cageform_samples_open. */
 CAGEFORM_API cageform_status cageform_samples_pack(const cageform_samples* samples, cageform_bytes** packed,
                                                    cageform_report* report);
 

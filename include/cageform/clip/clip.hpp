@@ -1,4 +1,4 @@
-// The motion of a cage: gives the pose of all its vertices at a time; for run time, like piecewise_cubic.hpp.
+// The motion of a cage: returns the pose of all vertices at a time. For run time.
 #pragma once
 
 #include <cageform/clip/curves/curve_bank.hpp>
@@ -6,8 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view of a clip stored elsewhere: in a `CageClip`, or in packed memory (clip/clip_blob.hpp).
-/// Both are played by the same code. Owns nothing.
+/// A non-owning view of a clip, in a `CageClip` or in packed memory (clip/clip_blob.hpp).
 template <Scalar T, std::size_t D>
 struct CageClipView {
     static_assert(D == 2 || D == 3);
@@ -17,11 +16,11 @@ struct CageClipView {
 
     CurveBankView<T> bank; ///< #vertices · D curves, the coordinates of a vertex adjacent
     T first_time = 0, last_time = 0;
-    /// The time that the bank, first_time and last_time are relative to, as T is inexact far from zero.
+    /// Added to all times of the bank, first_time and last_time. T alone is inexact far from zero.
     double origin = 0;
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
-    /// 3 · #curves: all slopes at the first time, all slopes at the last, all rises between them;
-    /// empty if no extrapolation uses them.
+    /// 3 · #curves: the slopes at the first time, the slopes at the last time, the differences of the
+    /// end values; empty if no extrapolation uses them.
     std::span<const T> ends;
     RigidMotionView<T, D> motion;
     bool moves = false; ///< whether `motion` applies
@@ -32,13 +31,13 @@ struct CageClipView {
 
     /// The size of a cursor's memory, in Lanes<T> of 64 bytes each.
     std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
-    /// The state of a player of the clip; each player has its own. May throw std::bad_alloc.
+    /// Makes the state of one playing instance of the clip. May throw std::bad_alloc.
     Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
-    /// Makes a cursor in memory of the caller, at least `cursor_rows` long; allocates nothing.
+    /// Makes a cursor in the caller's memory, at least `cursor_rows` long; does not allocate.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
         return detail::started(*this, Cursor(memory));
     }
-    /// Resets a cursor, of this or another clip, to this clip; its memory must suffice.
+    /// Resets a cursor of any clip to this clip; its memory must suffice.
     void start(Cursor& cursor) const noexcept {
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
         bank.start(cursor);
@@ -65,9 +64,9 @@ struct CageClipView {
     }
 };
 
-/// The motion of a cage: a curve for every coordinate of every vertex, and perhaps a rigid motion
-/// on top. Made once, from key frames, by `compile` (animate/compile.hpp); `sample`
-/// allocates nothing. `pack_clip` (animate/pack_clip.hpp) turns it into a block of bytes to ship.
+/// The motion of a cage: a curve per coordinate of each vertex, and optionally a rigid motion applied
+/// afterwards. Made by `compile` (animate/compile.hpp); `sample` does not allocate. `pack_clip`
+/// (animate/pack_clip.hpp) converts it to a block of bytes.
 template <Scalar T, std::size_t D>
 class CageClip {
     static_assert(D == 2 || D == 3);
@@ -75,14 +74,14 @@ class CageClip {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = D;
-    /// The state of a player of the clip; each player has its own.
+    /// The state of one playing instance of the clip.
     using Cursor = CurveCursor<T>;
 
     CageClip() = default;
 
-    /// `curves`: #vertices · D, the coordinates of a vertex adjacent, each with pieces. The clip
-    /// lasts from the first begin of a curve to the last end. It is extrapolated as a whole. Times of the
-    /// curves count from `origin`, those of a rigid motion do not.
+    /// `curves`: #vertices · D, none empty, the coordinates of a vertex adjacent. The clip lasts from
+    /// the first begin of a curve to the last end, and is extrapolated as a whole. Times of the curves
+    /// are relative to `origin`, those of a rigid motion are absolute.
     CageClip(std::span<const PiecewiseCubic<T>> curves, Extrapolation before = Extrapolation::constant,
              Extrapolation after = Extrapolation::constant, double origin = 0)
         : bank_(curves)

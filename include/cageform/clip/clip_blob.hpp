@@ -1,9 +1,10 @@
-// The format of a packed clip: one block of memory that is written to a file, mapped, and played in place.
+// The format of a packed clip: one block of memory that is written to a file, mapped, and played in
+// place.
 //
-// Numbers have the byte order of the machine that made it, which a tag records. Every table begins at
-// a multiple of 64 bytes; there are offsets, no pointers. T is the clip's scalar, D its dimension. A
-// curve of n pieces has n + 1 knots: the begins of its pieces, and the end of the last one. Knots, begin
-// and end count from the header's origin; the motion's times do not.
+// Byte order is that of the machine that wrote the clip; a field records it. Every table begins at a
+// multiple of 64 bytes. Offsets are relative, without pointers. T is the clip's scalar, D its
+// dimension. A curve of n pieces has n + 1 knots: the begins of its pieces and the end of the last
+// piece. Knots, begin and end are relative to the header's origin; the motion's times are absolute.
 //
 //     ClipHeader
 //     curves        #curves × BankCurve: the coordinates of a vertex are adjacent
@@ -12,15 +13,15 @@
 //     pieces        #pieces × 4 × T: c0 … c3 for each knot of an unquantised curve; the value at the
 //                   time u after the knot is c0 + u (c1 + u (c2 + u c3)), constant after the last knot
 //     steps         #steps × 4 × uint16: Bernstein coefficients from each knot of a quantised curve to
-//                   the next; n stands for low + n · step of the curve. Unused at the last knot of a
-//                   curve, from which on the value is end_value
+//                   the next; integer n means low + n · step. Unused at the last knot of a curve, after
+//                   which the value is end_value
 //     entries       #knots × BankEntry: sorted by time, then by the number of the knot
-//     ends          3 × #curves × T: all slopes at the first time, all slopes at the last, all rises
-//                   between them; only if an extrapolation uses them (linear, cycle_with_offset)
+//     ends          3 × #curves × T: slopes at the first time, slopes at the last time, differences of
+//                   the end values; only if an extrapolation uses them (linear, cycle_with_offset)
 //     motion        PackedMotion; only if the cage is rotated and moved as a whole
 //     track_begins  #track_pieces × T: the begins of the motion's pieces, one track after the other
 //     track_pieces  #track_pieces × 5 × T: begin, c0 … c3
-//     rotations     #rotations × 4 × T: x, y, z, w; only in space
+//     rotations     #rotations × 4 × T: x, y, z, w; only in 3D
 //
 // An empty table is absent, and its offset is 0.
 #pragma once
@@ -38,16 +39,16 @@ struct OpenClipReport {
     std::size_t bytes = 0; ///< size of the packed clip; other data may follow it
 };
 
-/// Opens a packed clip in place, for example in a mapped file; `data` must stay unchanged while the
-/// clip is in use.
+/// Opens a packed clip in place, for instance in a mapped file. `data` must not change while the clip
+/// is used.
 ///
 ///   data     at least the clip, aligned to 64 bytes; bytes after it are ignored
 ///   check    BlobCheck::structure skips the checksum
 ///   returns  not_a_clip, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
 ///            blob_malformed, or ok: times ascend, all numbers are finite, and rotations have
-///            length 1. An opened clip never reads or writes out of bounds, whatever the bytes, and
-///            gives the same bits as the clip that was packed, if nothing was quantised
-///   cost     no allocation; O(#pieces), some 50 ns each; with BlobCheck::all reads everything twice
+///            length 1. An opened clip never reads or writes out of bounds, whatever its bytes. Without
+///            quantisation it gives the same bits as the clip that was packed
+///   cost     no allocation; O(#pieces), about 50 ns each; with BlobCheck::all reads every byte twice
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 Result<CageClipView<T, D>, OpenClipReport> open_clip(std::span<const std::byte> data,
@@ -64,7 +65,7 @@ noexcept {
     return opened;
 }
 
-/// Owns a packed clip; made by `pack_clip` (animate/pack_clip.hpp). A copy copies all bytes.
+/// Owns a packed clip; made by `pack_clip` (animate/pack_clip.hpp). Copying copies all bytes.
 template <Scalar T, std::size_t D>
 class PackedClip {
 public:
@@ -126,7 +127,7 @@ public:
         memory_.seal();
     }
 
-    /// The bytes to write to a file and to give to `open_clip`, aligned to 64 bytes.
+    /// Returns the bytes to write to a file and to pass to `open_clip`, aligned to 64.
     std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
     CageClipView<T, D> view() const noexcept {
         if (bytes().empty()) return {};

@@ -18,7 +18,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                     is not finite passes through to handles, some of weight 0 among them
 ///   handle_gradients  out, any MutablePointRange of at least #handles vectors, which may not overlap
 ///                     the other arguments
-///   options           the mask of the clone; with CloneOnto::output the gradients are added to those in
+///   options           the mask of the clone; with CloneMode::output the gradients are added to those in
 ///                     `handle_gradients`, else they replace them
 ///   parallel_for      see core/types/parallel_for.hpp; threads take handles, and the result does not depend
 ///                     on it
@@ -51,7 +51,7 @@ Status clone_transposed(const B& binding, const Gradients& point_gradients, Out&
 ///   columns             as for `clone_jacobians`
 ///   jacobian_gradients  at least #points matrices of ∂f/∂J: column k is the gradient of column k
 ///   handle_gradients    as for `clone_transposed`
-///   onto                CloneOnto::output adds to `handle_gradients`, for functions of points and Jacobians
+///   onto                CloneMode::output adds to `handle_gradients`, for functions of points and Jacobians
 ///   returns             bindings_differ, output_too_small, too_few_gradients (`handle_gradients` is then
 ///                       untouched), or ok
 ///   cost                that of D transposed clones; no allocation
@@ -59,7 +59,7 @@ template <AnyBinding B, std::size_t D, class S, MutablePointRangeIn<D> Out, clas
     requires(B::dimension == D)
 Status clone_jacobians_transposed(const std::array<B, D>& columns,
                                   const StridedMatrices<S, D>& jacobian_gradients, Out&& handle_gradients,
-                                  CloneOnto onto = CloneOnto::rest, const Parallel& parallel_for = {})
+                                  CloneMode onto = CloneMode::rest, const Parallel& parallel_for = {})
 noexcept {
     using T = typename B::scalar;
     const auto views = detail::views_of(columns);
@@ -86,7 +86,7 @@ noexcept {
 ///   tangents, pose    as for `clone_normals`
 ///   normal_gradients  at least #points vectors ∂f/∂n'
 ///   handle_gradients  as for `clone_transposed`
-///   onto              CloneOnto::output adds to `handle_gradients`, for functions of points and normals
+///   onto              CloneMode::output adds to `handle_gradients`, for functions of points and normals
 ///   degenerate        where the normal is that at rest, no handle moves it
 ///   returns           bindings_differ, output_too_small, too_few_gradients, pose_size_differs,
 ///                     pose_not_finite (`handle_gradients` is then untouched), or ok
@@ -98,7 +98,7 @@ template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, PointRan
 // NOLINTNEXTLINE(readability-function-size): as clone_normals, and what the gradients are added to
 Status clone_normals_transposed(const std::array<B, K>& tangents, const Pose& pose,
                                 const Gradients& normal_gradients, Out&& handle_gradients,
-                                CloneOnto onto = CloneOnto::rest, const Parallel& parallel_for = {})
+                                CloneMode onto = CloneMode::rest, const Parallel& parallel_for = {})
 noexcept {
     using T = typename B::scalar;
     constexpr std::size_t D = B::dimension;

@@ -20,7 +20,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Left undefined on purpose: a type without a specialisation is not a Point.
+/// Deliberately undefined: a type without a specialisation is not a Point.
 template <class P>
 struct PointTraits;
 

@@ -1,4 +1,4 @@
-// The return type of every function that makes something: a value and a report.
+// The return type of functions that make a value: the value and a report.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A value, and a report on how making it went:
+/// A value and a report:
 ///
 ///     const auto [binding, report] = bind(coordinates, points);
 ///     if (const auto packed = pack(binding)) write(packed.value.bytes());

@@ -1,4 +1,4 @@
-// The status codes of all functions: nothing in the library throws or prints.
+// The status codes of all functions. The library neither throws nor prints.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The outcome of a call. Bad *input* gives a Status; a broken *precondition* fails
-/// CAGEFORM_ASSERT. Grouped by folder, each with its text for `to_string`.
+/// The outcome of a call. Invalid input gives a Status; a violated precondition fails CAGEFORM_ASSERT.
+/// Grouped by folder, each with its text for `to_string`.
 // clang-format off
 #define CAGEFORM_DETAIL_STATUSES(X)                                                               \
     /* Every layer */                                                                             \
@@ -28,7 +28,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(face_without_area, "a face of the cage has no area")                                        \
     X(face_not_planar, "a corner of a face lies off the plane of the face")                       \
     X(face_crosses_itself, "a face of the cage crosses or touches itself")                        \
-    X(face_fan_folds, "the mean of a face's corners does not see all its edges: divide the face") \
+    X(face_fan_folds, "some edges of a face are not visible from its corners' mean: divide the face") \
     X(divisions_not_supported, "faces can be divided by 1 to 64, for Green coordinates by 1 only")\
     X(cage_not_closed, "the cage is not closed: an edge belongs to one face only")                \
     X(cage_not_manifold, "the cage is not a manifold at an edge or a vertex")                     \
@@ -44,10 +44,10 @@ namespace cageform::inline CAGEFORM_ABI {
     X(figure_has_no_size, "the figure is a single point")                                         \
     X(margin_not_positive, "the margin of a cage is not a positive number")                       \
     X(margin_too_small, "the margin is too small for the grid in memory")                         \
-    X(too_few_cage_vertices, "a cage of so few vertices cannot be made")                          \
+    X(too_few_cage_vertices, "the vertex limit is too small for a cage")                          \
     X(mirror_not_supported, "the mirror's axis does not exist, or its position is not finite")  \
     X(cage_not_found, "no cage around the figure was found")                                      \
-    /* coordinates/: what a type cannot do with a sound cage */                                   \
+    /* coordinates/: requirements of a type beyond a valid cage */                                \
     X(interior_cells_not_supported, "this coordinate type does not support interior cells")          \
     X(cage_not_convex, "these coordinates need one strictly convex loop")                         \
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
@@ -56,47 +56,47 @@ namespace cageform::inline CAGEFORM_ABI {
     X(lattice_degree_not_supported, "lattices have degree 1 to 3, Bernstein ones to 63")          \
     X(lattice_knots_not_supported, "the knots of a lattice are not clamped, or do not ascend")    \
     X(frame_flat, "the axes of a lattice's box do not span the space")                            \
-    X(falloff_negative, "the falloff of a lattice is not a number of at least 0")                 \
+    X(falloff_negative, "the falloff of a lattice is negative or not a number")                   \
     X(loop_not_closed, "a loop of curves is not closed: an edge ends where the next does not begin") \
-    X(curve_degree_not_supported, "curves have degree 1 to 3 at rest, and from that to 5 in poses") \
+    X(curve_degree_not_supported, "curves have degree 1 to 3 at rest, in poses at least that and at most 5") \
     X(disk_too_small, "the disk does not contain the cage")                                       \
     X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
     X(gradients_not_supported, "these coordinates have no gradients, which normals need")         \
     X(solver_not_supported, "this solver does not exist for these coordinates")                       \
-    /* grid/: solvers; SolverReport names the culprit */                                          \
+    /* grid/: solvers; SolverReport has the culprit */                                            \
     X(resolution_not_supported, "the grid resolution is out of range")                            \
     X(accuracy_not_supported, "the requested accuracy is out of range")                           \
     X(tolerance_not_positive, "the solver's tolerance is not a positive number")                  \
     X(grid_too_coarse, "the grid is too coarse for a part of the cage")                        \
-    X(rim_not_given, "an unknown cell lies on the rim of the grid")                               \
+    X(rim_not_given, "an unknown cell lies on the border of the grid")                            \
     X(cells_unreached, "some unknown cells touch no given value")                                 \
     X(value_not_finite, "a given value is not a finite number, or too large")                     \
     X(not_converged, "the solver did not reach its tolerance")                                    \
     /* animate/ */                                                                                \
     X(interval_empty, "the second key is not later than the first")                               \
-    X(time_not_monotone, "time turns back along the curve")                                       \
+    X(time_not_monotone, "time decreases somewhere along the curve")                              \
     X(degree_not_supported, "pieces are of degree 3, 4 or 5")                                     \
-    X(norm_not_supported, "the sup norm is for pieces that are not tied together")                \
+    X(norm_not_supported, "the sup norm does not support conditions that couple pieces")          \
     X(weights_not_positive, "some weights are not positive numbers")                              \
     X(keys_missing, "the track has no keys")                                                      \
     X(keys_not_ascending, "a key is not later than the one before it")                            \
     X(knots_not_ascending, "the knots do not ascend from key to key")                             \
-    X(slope_unbounded, "a condition asks for a slope where the curve's is unbounded")             \
+    X(slope_unbounded, "a condition prescribes a slope where the curve's slope is unbounded")     \
     X(too_many_conditions, "too many conditions for the number of pieces")                        \
     X(too_many_trials, "the search for knots would take too many trials")                         \
-    X(tolerance_not_met, "the tolerance cannot be met with so many pieces")                       \
+    X(tolerance_not_met, "the tolerance cannot be met with the allowed number of pieces")         \
     X(input_malformed, "the text or the arrays do not follow their format")                 \
-    X(handle_not_allowed, "a handle lies where the format allows none")                           \
+    X(handle_not_allowed, "the format does not allow a handle at this position")                  \
     /* binding/: bind, pack, skins */                                                     \
-    X(falloff_not_supported, "a falloff is a finite distance, and takes weights of points outside")\
-    X(too_many_handles, "more handles than can be counted or kept")                               \
-    X(handles_not_points, "some handles are vectors, and only points will do")                    \
+    X(falloff_not_supported, "a falloff must be finite, and needs weights of points outside")     \
+    X(too_many_handles, "more handles than can be counted or stored")                             \
+    X(handles_not_points, "some handles are vectors; only points are supported")                  \
     X(bone_axes_dependent, "the axes of a bone do not span the space")                            \
-    X(bone_weights_do_not_match, "no bones, or not one weight of each for every point")           \
-    X(too_few_weights, "linear precision takes more weights a point")                             \
-    X(too_few_influences, "a skin needs at least one influence a point")                          \
-    X(order_not_a_permutation, "the order leaves a point out or names one twice")                 \
-    X(format_too_coarse, "weights of this format cannot keep the tolerance")                      \
+    X(bone_weights_do_not_match, "there are no bones, or not one weight per bone and point")      \
+    X(too_few_weights, "linear precision needs more weights per point")                           \
+    X(too_few_influences, "a skin needs at least one influence per point")                        \
+    X(order_not_a_permutation, "the order is not a permutation of the points")                    \
+    X(format_too_coarse, "weights in this format cannot meet the tolerance")                      \
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
     X(binding_not_dense, "weights of the packed binding were dropped or rounded")                 \
     X(binding_empty, "the binding has no points")                                        \
@@ -104,8 +104,8 @@ namespace cageform::inline CAGEFORM_ABI {
     X(fit_not_determined, "the points do not determine the pose: give more, or more smoothness")  \
     X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
     X(labels_do_not_match, "there is not one label for every handle")                             \
-    X(duplicate_tag, "two parts of a figure have one tag, or one has a tag of the library's own") \
-    X(duplicate_name, "two clips of a figure have one name")                                      \
+    X(duplicate_tag, "two parts of a figure have the same tag, or one has a tag of the library")  \
+    X(duplicate_name, "two clips of a figure have the same name")                                 \
     X(too_many_parts, "a figure has more parts than its table can hold")                          \
     /* figure/types/blob.hpp */                                                                        \
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \
@@ -130,21 +130,21 @@ namespace cageform::inline CAGEFORM_ABI {
     X(too_few_gradients, "there are fewer gradients than points")                                   \
     X(mask_too_small, "the mask has fewer numbers than there are points")                         \
     X(weights_do_not_match, "there is not one weight for every handle")                           \
-    X(weights_too_far_apart, "one weight of a handle is too many times another")                  \
-    X(binding_weights_negative, "the binding has negative weights, and a rational clone none")    \
-    X(handles_not_faces, "some vectors among the handles belong to no face")                      \
+    X(weights_too_far_apart, "the ratio of two handles' weights is too large")                    \
+    X(binding_weights_negative, "the binding has negative weights: rational clones need non-negative ones") \
+    X(handles_not_faces, "some vector handles belong to no face")                                 \
     X(threshold_not_supported, "the threshold of folds is not a finite number below 1")           \
     X(handles_not_bones, "the handles are not the origins and axes of bones")                     \
     /* pose/ */                                                                                   \
     X(samples_missing, "there are no samples of the inside of the cage")                          \
     X(pins_do_not_match, "there is not one target, weight or turn for every pin")                 \
     X(pin_without_weights, "a pin lies where the coordinates have no weights")                    \
-    X(pose_not_determined, "the pins and samples do not determine a handle: give it spokes")  \
+    X(pose_not_determined, "the pins and samples do not determine a handle: add spokes")  \
     /* skeleton/ */                                                                               \
     X(motion_empty, "there are no vertices, or fewer than two frames")                            \
     X(frames_do_not_match, "a frame has another number of vertices than the rest")                \
     X(frame_not_finite, "a coordinate of a frame is not a finite number, or too large")           \
-    X(bones_not_supported, "a skeleton takes a number of bones, or a distance to keep")           \
+    X(bones_not_supported, "a skeleton needs a number of bones or a maximum distance")            \
     X(influences_not_supported, "a vertex of a skeleton has 1 to 8 weights")
 // clang-format on
 
@@ -154,7 +154,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
 #undef CAGEFORM_DETAIL_NAME
 };
 
-/// Returns a short English sentence without a full stop, for messages. Never null.
+/// Returns a short message without a full stop. Never null.
 constexpr const char* to_string(Status status) noexcept {
     switch (status) {
 #define CAGEFORM_DETAIL_CASE(name, text)                                                                     \
@@ -172,7 +172,7 @@ enum class PointState : std::uint8_t {
     on_boundary, ///< within rounding of a vertex, edge or face
     outside,
     not_finite, ///< NaN or infinite; never bound
-    unreached,  ///< no weights exist: the grid is too coarse there, or a distance too large to resolve
+    unreached,  ///< without weights: the grid is too coarse there, or the point too far away
 };
 
 constexpr const char* to_string(PointState state) noexcept {

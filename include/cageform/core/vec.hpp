@@ -1,4 +1,4 @@
-// The vector type the library computes in. Users' own point types are converted at the interface
+// The vector type of all computations. User point types are converted at the interface
 // (core/point.hpp).
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The scalars the library is instantiated with.
+/// The scalars that the library supports.
 template <class T>
 concept Scalar = std::same_as<T, float> || std::same_as<T, double>;
 
@@ -47,7 +47,7 @@ constexpr T dot(const Vec<T, D>& a, const Vec<T, D>& b) noexcept {
     return sum;
 }
 
-/// Returns the signed area of the parallelogram (a, b), positive if b is to the left of a.
+/// Returns the signed area of the parallelogram (a, b): positive if b is counter-clockwise from a.
 template <class T>
 constexpr T cross(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return a.v[0] * b.v[1] - a.v[1] * b.v[0];
@@ -57,7 +57,7 @@ constexpr Vec<T, 3> cross(const Vec<T, 3>& a, const Vec<T, 3>& b) noexcept {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Componentwise conversion, float to double and back.
+/// Converts each component, for instance from float to double.
 template <class To, class T, std::size_t D>
 constexpr Vec<To, D> vec_cast(const Vec<T, D>& a) noexcept {
     Vec<To, D> r{};
@@ -65,15 +65,15 @@ constexpr Vec<To, D> vec_cast(const Vec<T, D>& a) noexcept {
     return r;
 }
 
-/// Whether `x` is neither NaN nor infinite. Tests the exponent's bits, so it works under
-/// -ffast-math too.
+/// Whether `x` is neither NaN nor infinite. Tests the exponent bits, so it also works under
+/// -ffast-math.
 template <Scalar T>
 constexpr bool is_finite(T x) noexcept {
     using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
     constexpr Bits exponent = sizeof(T) == 4 ? Bits(0x7f800000) : Bits(0x7ff0000000000000);
     auto bits = std::bit_cast<Bits>(x);
 #if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
-    // clang 19 traces the bits back to a sum it may assume finite; this hides them.
+    // Hides the bits from clang 19, which would otherwise assume that their source is finite.
     if (!std::is_constant_evaluated()) __asm__("" : "+r"(bits));
 #endif
     return (bits & exponent) != exponent;
@@ -87,8 +87,7 @@ constexpr bool is_finite(const Vec<T, D>& a) noexcept {
     return true;
 }
 
-/// The distance from 1 to the next larger number, 2.2e-16 for double; tolerances are multiples of
-/// it.
+/// The distance from 1 to the next larger number, 2.2e-16 for double. Tolerances are multiples of it.
 template <Scalar T>
 inline constexpr T epsilon = std::numeric_limits<T>::epsilon();
 

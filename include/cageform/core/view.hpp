@@ -9,19 +9,19 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view of points whose components lie at regular distances in memory: interleaved vertex
-/// buffers, separate x and y arrays, rows or columns of a matrix. Owns nothing and copies nothing.
+/// A non-owning view of points whose components lie at regular distances in memory: interleaved vertex
+/// buffers, separate x and y arrays, rows or columns of a matrix.
 ///
 ///   T             float or double, `const` for a read-only view
-///   point_stride  bytes from a point to the next
-///   axis_stride   bytes from a component of a point to its next component
+///   point_stride  bytes from one point to the next
+///   axis_stride   bytes from one component of a point to the next
 template <class T, std::size_t D>
 class StridedPoints {
 public:
     using scalar = std::remove_const_t<T>;
     using value_type = Vec<scalar, D>;
 
-    /// Views `size` points; by default all components are contiguous.
+    /// Views `size` points; by default all numbers are contiguous.
     constexpr StridedPoints(T* data, std::size_t size, std::ptrdiff_t point_stride = D * sizeof(T),
                             std::ptrdiff_t axis_stride = sizeof(T)) noexcept
         : data_(data)
@@ -40,8 +40,8 @@ public:
     void store(std::size_t i, const value_type& p) const noexcept requires(!std::is_const_v<T>) {
         for (std::size_t k = 0; k < D; ++k) *at(i, k) = p[k];
     }
-    /// Returns the address of point 0's component along `axis` if this component is contiguous over
-    /// all points; else null.
+    /// Returns the address of coordinate `axis` of point 0 if this coordinate is contiguous over all
+    /// points; else null.
     T* plain_axis(std::size_t axis) const noexcept {
         return point_stride_ == sizeof(T) ? at(0, axis) : nullptr;
     }
@@ -50,8 +50,8 @@ public:
         return axis_stride_ == sizeof(T) && point_stride_ == D * sizeof(T) ? data_ : nullptr;
     }
 
-    /// Returns a view of `count` points from point `first` on, e.g. of one of several figures in a
-    /// common buffer.
+    /// Returns a view of `count` points from point `first` on, for instance of one figure in a shared
+    /// buffer.
     StridedPoints subview(std::size_t first, std::size_t count) const noexcept {
         return {at(first, 0), count, point_stride_, axis_stride_};
     }
@@ -71,7 +71,7 @@ private:
     std::ptrdiff_t axis_stride_;
 };
 
-/// The point type of a range, that of `range[i]`.
+/// The point type of a range: the type of `range[i]`.
 template <class R>
 using range_point_t = std::remove_cvref_t<decltype(std::declval<R&>()[std::size_t{}])>;
 
@@ -80,20 +80,20 @@ template <class R>
 concept PointRange = requires(const std::remove_reference_t<R>& r, std::size_t i) {
     { std::size(r) } -> std::convertible_to<std::size_t>;
     r[i];
-    // Compilers print this line for an unknown point type, and with it the files that explain what
-    // to do.
+    // Compilers print this line for an unknown point type, so it names the headers that explain the
+    // fix.
     requires Point<std::remove_cvref_t<decltype(r[i])>>; // PointTraits: core/point.hpp, adapt/*.hpp
 };
 
-/// Ranges whose elements are no Point. Functions that would take points are deleted for them, so
-/// that compilers name the reason in their first line.
+/// Ranges whose elements are no Point. Functions of points are deleted for them, so that the first line
+/// of a compiler error states the reason.
 template <class R>
 concept UnknownPointRange = !PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) {
     std::size(r);
     r[i];
 };
 
-/// Points that can be written by `store(i, vec)` or through a MutablePoint reference `range[i]`.
+/// A range that is written by `store(i, vec)`.
 template <class R>
 concept StoringRange = PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) {
     r.store(i, r[i]);

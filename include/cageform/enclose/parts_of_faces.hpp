@@ -1,6 +1,7 @@
 // Builds the parts of a cage from the part number of each face.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/enclose/space/part_labels.hpp>
 #include <cageform/enclose/types/cage_parts.hpp>
 
@@ -34,8 +35,7 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
     for (std::size_t f = 0; f < part.size(); ++f) {
         for (const auto v : faces[f]) corners.push_back({std::size_t(v), part[f]});
     }
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    detail::sort_unique(corners);
     std::vector<std::size_t> of(vertices, none);
     for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.common_ancestor(of[v], p);
     // A vertex is on the joints of all parts between its own and those of its faces.

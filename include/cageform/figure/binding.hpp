@@ -1,5 +1,5 @@
-// A binding: a figure's points, expressed by the handles of a cage. It is made at bind time and
-// used at run time.
+// A binding: the weights of a figure's points for the handles of a cage. Made at bind time, used at run
+// time.
 #pragma once
 
 #include <cageform/core/types/blocks.hpp>
@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The input of `clone`. It owns nothing, so it may refer to a `Binding` or to memory of the caller.
+/// The input of `clone`: a non-owning view of a Binding or of the caller's memory.
 template <Scalar T, std::size_t D>
 struct BindingView {
     using scalar = T;
@@ -19,10 +19,10 @@ struct BindingView {
     BlockView<const T> weights;               ///< rows are handles
     BlockView<const T> rest;                  ///< rows are axes: the points at rest
     const Vec<T, D>* rest_handles = nullptr;  ///< #handles: the handles at rest
-    const HandleKind* handle_kinds = nullptr; ///< #handles; null: all are points
-    /// The faces of the vectors, in their order; null: they belong to none.
+    const HandleKind* handle_kinds = nullptr; ///< #handles; null if all are points
+    /// #vectors: the faces of the vectors, in order; null if the vectors have no faces.
     const HandleFace<D>* handle_faces = nullptr;
-    const std::uint32_t* handle_loops = nullptr; ///< the loops of HandleView; null: no corner is a mean
+    const std::uint32_t* handle_loops = nullptr; ///< HandleView::loops; null if there are none
 
     std::size_t handle_count() const noexcept { return weights.rows; }
     std::size_t point_count() const noexcept { return weights.points; }
@@ -33,12 +33,12 @@ struct BindingView {
 
 /// A bound figure: for every point its position at rest and a weight per handle. Made by `bind`.
 ///
-/// A pose moves a point by the weighted sum of its handles' displacements. The pose at rest
-/// therefore returns the bound points bit for bit, and any residual of the weights at rest is kept:
+/// A pose moves a point by the weighted sum of its handles' displacements. The pose at rest therefore
+/// returns the bound points bit for bit, and the residual of the weights at rest is preserved:
 ///
 ///     p' = p + Σ w_i (C'_i − C_i) = Σ w_i C'_i + (p − Σ w_i C_i)
 ///
-/// Memory: (#handles + D) scalars a point, in blocks of one cache line (core/types/blocks.hpp).
+/// Memory: (#handles + D) scalars per point, in blocks of one cache line (core/types/blocks.hpp).
 template <Scalar T, std::size_t D>
 class Binding {
 public:
@@ -77,8 +77,7 @@ public:
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
     }
 
-    /// Releases the memory of weights and rest points, so that it can be reused; the binding is
-    /// then empty.
+    /// Moves out the memory of weights and rest points for reuse; the binding is then empty.
     struct Memory {
         std::vector<Lanes<T>> weights, rest;
     };

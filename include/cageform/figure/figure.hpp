@@ -1,28 +1,27 @@
-// A packed figure: bindings of its points and of its tangents, labels of its handles, clips,
-// levels, and whatever else a game stores with them. It is written to one file, mapped, and cloned
-// without copying (clone/clone_figure.hpp).
+// A packed figure: bindings of its points and tangents, labels of its handles, clips, levels, and data
+// of the user. It is written to one file, mapped, and cloned in place (clone/clone_figure.hpp).
 //
-// Byte order is that of the machine that wrote it, marked by a tag. Every part begins at a multiple
-// of 64 bytes from the beginning.
+// Byte order is that of the machine that wrote the figure; a field records it. Every part begins at a
+// multiple of 64 bytes.
 //
 //     FigureHeader
 //     table    #parts × FigurePart, by ascending offset
 //     PNTS     a blob (figure/types/blob.hpp): the points
 //     TAN1     a blob: unit tangents; only if there are normals
-//     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in 3D, with TAN1
-//     HAND     #points × int8: 1 or −1, the handedness of the texture; only if the tangents are the
-//              figure's own, not just any that fit its normals
-//     LABL     (#handles + 1) × uint32, ascending: where the label of a handle begins in the
-//              characters that follow, and where the last one ends; only if there are labels
+//     TAN2     a blob: unit bitangents; the normal is cross(TAN1, TAN2); only in 3D, with TAN1
+//     HAND     #points × int8: 1 or −1, the handedness of the texture; only if the figure was bound
+//              with its own tangents
+//     LABL     (#handles + 1) × uint32, ascending: the beginning of each handle's label in the
+//              characters that follow, and the end of the last label; only if there are labels
 //     CLPS     uint64 #clips, #clips × FigureClip, the characters of all names, and packed clips
 //              (clip/clip_blob.hpp) that begin at multiples of 64; only if there are clips
 //     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
-//     ORIG     D × double, optional: the place from which points, handles and clips count
-//     …        the user's, under tags of their own
+//     ORIG     D × double, optional: the origin of the coordinates of points, handles and clips
+//     …        parts of the user, with other tags
 //
-// All blobs have the same points in the same order, and the same handles. Version 1 has no clips
-// and levels. Figures without them are still written as version 1; there the parts CLPS and LVL1 …
-// LVL9 belong to the user.
+// All blobs have the same points in the same order, and the same handles. Version 1 has no clips and
+// levels. Figures without clips and levels are written as version 1; in version 1, the parts CLPS and
+// LVL1 … LVL9 are parts of the user.
 #pragma once
 
 #include <cageform/clip/clip_blob.hpp>
@@ -43,17 +42,17 @@ struct HandleLabels {
     }
 };
 
-/// The input of `clone`: a view of a figure, dense or packed. It owns nothing.
+/// The input of `clone`: a non-owning view of a figure, dense or packed.
 template <Scalar T, std::size_t D>
 struct PackedFigureView {
     using scalar = T;
     static constexpr std::size_t dimension = D;
 
     PackedBindingView<T, D> points;
-    /// In 3D tangents and bitangents, whose cross product is the normal; in 2D the tangent, which
-    /// is the normal rotated clockwise. Without normals they have no weights.
+    /// 3D: tangents and bitangents; their cross product is the normal. 2D: tangents; the normal is the
+    /// tangent rotated clockwise. Empty if there are no normals.
     std::array<PackedBindingView<T, D>, D - 1> tangents;
-    /// #points, as bound; null unless the figure had its own tangents.
+    /// #points, in the order of the input; null unless the figure was bound with its own tangents.
     const std::int8_t* handedness = nullptr;
     HandleLabels labels;
     std::span<const FigurePart> table; ///< of a packed figure
@@ -64,30 +63,30 @@ struct PackedFigureView {
     std::size_t handle_count() const noexcept { return points.handle_count(); }
     std::size_t point_count() const noexcept { return points.point_count(); }
     HandleView<T, D> handle_view() const noexcept { return points.handle_view(); }
-    /// Returns the handles at rest, #handles: a pose to start from.
+    /// Returns the handles at rest (#handles), the initial pose.
     std::span<const Vec<T, D>> rest_handles() const noexcept { return {points.rest_handles, handle_count()}; }
     bool has_normals() const noexcept { return tangents[0].rest_handles != nullptr; }
     bool has_tangents() const noexcept { return handedness != nullptr; }
 
     /// Returns the label of a handle; empty if it has none.
     std::string_view label(std::size_t handle) const noexcept { return labels[handle]; }
-    /// Returns the first handle with that label, or #handles if there is none. For an empty label
-    /// it is the first handle without a label. O(#handles).
+    /// Returns the first handle with that label, or #handles if there is none. An empty label finds the
+    /// first handle without a label. O(#handles).
     std::size_t find_handle(std::string_view label) const noexcept {
         std::size_t handle = 0;
         while (handle < handle_count() && labels[handle] != label) ++handle;
         return handle;
     }
 
-    /// Returns the number of clips of a packed figure. They are poses of the vertices of its cage:
-    /// all handles, or those that are points if there are vectors (clone/pose_handles.hpp).
+    /// Returns the number of clips of a packed figure. A clip poses all handles of the cage, or all
+    /// point handles if there are vectors (clone/pose_handles.hpp).
     std::size_t clip_count() const noexcept { return clips.size(); }
     std::string_view clip_name(std::size_t clip) const noexcept {
         CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
         const auto bytes = part(FigureTags::clips).subspan(clips[clip].name, clips[clip].name_bytes);
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
-    /// Returns the bytes of a clip, in the form that `open_clip` and `pack` expect.
+    /// Returns the bytes of a clip, for `open_clip` and `pack`.
     std::span<const std::byte> clip_bytes(std::size_t clip) const noexcept {
         CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
         return part(FigureTags::clips).subspan(clips[clip].offset, clips[clip].bytes);
@@ -106,17 +105,17 @@ struct PackedFigureView {
         return clip;
     }
 
-    /// Returns how many levels of less detail a packed figure has; `open_level` opens them.
+    /// Returns the number of levels of less detail; `open_level` opens them.
     std::size_t level_count() const noexcept { return levels; }
 
-    /// Returns the bytes of a part, aligned to 64; none if there is no such part.
+    /// Returns the bytes of a part, aligned to 64; empty if there is no such part.
     std::span<const std::byte> part(FigureTag tag) const noexcept {
         for (const FigurePart& line : table) {
             if (line.tag == tag) return {data + line.offset, static_cast<std::size_t>(line.bytes)};
         }
         return {};
     }
-    /// Returns a part as an array of #bytes / sizeof(X) elements, whatever it holds.
+    /// Returns a part as an array of #bytes / sizeof(X) elements. The contents are not checked.
     template <class X>
         requires std::is_trivially_copyable_v<X> std::span<const X> part_as(FigureTag tag)
     const noexcept {
@@ -126,7 +125,7 @@ struct PackedFigureView {
 };
 
 struct OpenReport : BlobReport {
-    FigureTag culprit; ///< the part that the status refers to; 0: the figure as a whole
+    FigureTag culprit; ///< the part that the status refers to; 0 for the figure as a whole
 };
 
 /// Opens a packed figure or a single packed binding without copying, for instance in a mapped file.
@@ -137,12 +136,11 @@ struct OpenReport : BlobReport {
 ///   returns   the view and its report. Status: not_a_figure, not_a_blob, not_a_clip;
 ///             blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed,
 ///             blob_of_another_cage, blob_of_another_figure, for the figure or the part `culprit`;
-///             bindings_differ, if a part has other points or handles than the first, or another
-///             order; or ok. A clip belongs to another cage if its number of vertices differs, a level
-///             if its handles differ. An opened figure never reads or writes out of bounds, whatever
-///             the bytes. The contents of the user's parts are not checked
-///   cost      no allocation; with BlobCheck::all reads everything once, else the tables and the
-///             clips
+///             bindings_differ, if the points, their order or the handles differ between parts; or ok. A
+///             clip belongs to another cage if its number of vertices differs, a level if its
+///             handles differ. An opened figure never reads or writes out of bounds, whatever its
+///             bytes. Parts of the user are not checked
+///   cost      no allocation; with BlobCheck::all reads every byte once, else the tables and clips
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 Result<PackedFigureView<T, D>, OpenReport> open(std::span<const std::byte> data,
@@ -158,8 +156,8 @@ noexcept {
     return opened;
 }
 
-/// Opens a level of less detail of a figure opened by `open`. It is another figure of the same
-/// cage, moved by the same poses and clips.
+/// Opens a level of less detail of an opened figure. The level is a figure of the same cage; the same
+/// poses and clips apply to it.
 ///
 ///   level    0: the figure itself; up to PackedFigureView::level_count
 ///   returns  as `open`; not_a_figure if there is no such level. No allocation; reads the
@@ -177,7 +175,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_level(const PackedFigureView<T, 
     return detail::open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
 }
 
-/// Owns a packed figure; made by `pack`. Copies are whole figures.
+/// Owns a packed figure; made by `pack`. Copying copies all bytes.
 template <Scalar T, std::size_t D>
 class PackedFigure {
 public:
@@ -185,7 +183,7 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedFigure() = default;
-    /// Joins parts in their order. Throws std::bad_alloc if there is no memory.
+    /// Concatenates the parts in the given order. Throws std::bad_alloc if memory runs out.
     explicit PackedFigure(std::span<const FigurePartData> parts) {
         const std::size_t table = sizeof(FigureHeader) + parts.size() * sizeof(FigurePart);
         FigureHeader header;

@@ -1,10 +1,10 @@
-// The layout of a packed binding: sparse, quantised, reordered, in one relocatable piece of memory.
+// A packed binding: sparse, quantised and reordered weights in one relocatable block of memory.
 //
-// Points lie in blocks as in core/types/blocks.hpp. A block has a row of weights for every handle
-// of which any of its points has a weight (compressed rows), or for every handle (dense). The error
-// that a format leaves in Σ w and Σ w c is stored per point, as D + 1 numbers. They are multiplied
-// by the best affine fit to the handles' displacements, which is computed once a frame. So rest and
-// affine poses stay exact whatever is dropped or rounded:
+// Points are stored in blocks (core/types/blocks.hpp). A block of a sparse binding has a row of weights
+// for each handle that has a non-zero weight at any of its points; a block of a dense one has a row for
+// every handle. Dropping and rounding weights changes Σ w and Σ w c. The changes are stored per point
+// as D + 1 numbers e_r. Each frame they are multiplied by the least-squares affine map of the handles'
+// displacements. Poses at rest and affine poses therefore stay exact:
 //
 //     p' = p + s Σ q_i d_i + Σ_r e_r a_r,   d_i = C'_i − C_i,   a = Σ_i F_i d_i
 #pragma once
@@ -16,8 +16,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-// X(name, NAME, "description"): the enumerators here, and of C: CAGEFORM_FORMAT_NAME. Files hold the number:
-// add new ones at the end.
+// X(name, NAME, "description"). In C the enumerators are CAGEFORM_FORMAT_NAME. Files store the number of a
+// format, so append new ones at the end.
 // clang-format off
 #define CAGEFORM_WEIGHT_FORMATS(X)                                                                           \
     X(scalar, SCALAR, "as the binding's scalar")                                                             \
@@ -47,23 +47,24 @@ struct PackedBindingView {
     WeightFormat format = WeightFormat::scalar;
     std::size_t handles = 0, points = 0;
     const std::byte* weights = nullptr; ///< a row: the weights of a block's points for one handle
-    /// #blocks + 1: rows of a block; null: a row for every handle.
+    /// #blocks + 1: the first row of each block; null if every block has a row for every handle.
     const std::uint32_t* row_begin = nullptr;
-    const std::uint16_t* row_handle = nullptr; ///< #rows: ascending in a block; null with `row_begin`
-    /// #points: the point stored at each position; null: in order.
+    /// #rows: the handle of each row, ascending within a block; null if `row_begin` is.
+    const std::uint16_t* row_handle = nullptr;
+    /// #points: the point at each position; null for the original order.
     const std::uint32_t* order = nullptr;
     const T* scale = nullptr;                  ///< #blocks: s; null for scalar weights
     const Lanes<T>* residual = nullptr;        ///< D + 1 rows a block: e; null for scalar weights
     const Vec<T, D + 1>* affine_fit = nullptr; ///< #handles: F; null for scalar weights
     const Lanes<T>* rest = nullptr;            ///< D rows a block
     const Vec<T, D>* rest_handles = nullptr;   ///< #handles
-    const HandleKind* handle_kinds = nullptr;  ///< #handles; null: all are points
-    /// The faces of the vectors, in their order; null: they belong to none.
+    const HandleKind* handle_kinds = nullptr;  ///< #handles; null if all are points
+    /// #vectors: the faces of the vectors, in order; null if the vectors have no faces.
     const HandleFace<D>* handle_faces = nullptr;
-    const std::uint32_t* handle_loops = nullptr; ///< the loops of HandleView; null: no corner is a mean
+    const std::uint32_t* handle_loops = nullptr; ///< HandleView::loops; null if there are none
 
     PackedBindingView() = default;
-    /// Any binding can be read as a packed one from which nothing was dropped.
+    /// Views a dense binding.
     PackedBindingView(const BindingView<T, D>& dense) noexcept // NOLINT(google-explicit-constructor)
         : handles(dense.handle_count())
         , points(dense.point_count())
@@ -74,20 +75,20 @@ struct PackedBindingView {
         , handle_faces(dense.handle_faces)
         , handle_loops(dense.handle_loops) {}
 
-    /// Returns a view for a figure whose points have been sorted once into the order of the
-    /// binding. Point n of the output is then the bound point `order[n]`, and nothing has to be
-    /// scattered, which takes a third of the time of sparse clones.
+    /// Returns a view for a figure whose points are stored in the order of the binding: output point n
+    /// is the bound point `order[n]`. This avoids the scattered writes, a third of the time of sparse
+    /// clones.
     PackedBindingView in_order() const noexcept {
         auto view = *this;
         view.order = nullptr;
         return view;
     }
 
-    /// Returns whether nothing was dropped or rounded, so every point has the weights it was bound with.
+    /// Returns whether all weights are those of the binding: nothing was dropped, rounded or reordered.
     bool is_dense() const noexcept {
         return format == WeightFormat::scalar && row_begin == nullptr && order == nullptr;
     }
-    /// Returns a dense binding as it was bound.
+    /// Returns the dense binding; requires is_dense().
     BindingView<T, D> dense() const noexcept {
         CAGEFORM_ASSERT(is_dense(), "a dense binding");
         return {{reinterpret_cast<const Lanes<T>*>(weights), handles, points},
@@ -113,8 +114,7 @@ struct PackedBindingView {
     }
 };
 
-/// Returns whether two bindings have the same number of handles and the same points in the same
-/// order, so that their blocks correspond.
+/// Returns whether two bindings have the same number of handles and the same points in the same order.
 template <Scalar T, std::size_t D>
 bool bindings_match(const PackedBindingView<T, D>& a, const PackedBindingView<T, D>& b) noexcept {
     if (a.points != b.points || a.handles != b.handles) return false;

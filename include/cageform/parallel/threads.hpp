@@ -1,5 +1,5 @@
-// A parallel_for based on std::jthread, for programs without a job system of their own. It needs a
-// standard library with threads; for mingw-w64 that is the variant with the posix thread model.
+// A parallel_for based on std::jthread, for programs without a job system. Needs a standard library
+// with threads; for mingw-w64, the variant with the posix thread model.
 #pragma once
 
 #include <cageform/core/types/parallel_for.hpp>
@@ -12,12 +12,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Starts new threads for each loop (some 20 µs each), so it is meant for binding and for large
-/// figures. It allocates, and so does a clone that uses it. If the system refuses a thread, the
-/// loop runs on the threads it has. An exception of the body ends the loop and is rethrown on the
-/// calling thread.
+/// Starts new threads for each loop (about 20 µs each), so it suits binding and large figures.
+/// Allocates memory, and so does a clone that uses it. If the system refuses a thread, the loop runs on
+/// fewer threads. An exception of the body ends the loop and is rethrown on the calling thread.
 struct ThreadedFor {
-    unsigned threads = 0; ///< 0: as many as the machine has
+    unsigned threads = 0; ///< 0: one per hardware thread
 
     template <class Body>
     void operator()(std::size_t count, std::size_t grain, Body&& body) const {

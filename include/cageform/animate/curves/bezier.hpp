@@ -23,7 +23,7 @@ struct BezierCurve {
 
 /// The result of `check`. `status` is ok or
 ///   value_not_finite     a coordinate is NaN or infinite
-///   interval_empty       the second key is not later than the first, by 1e-308 at least
+///   interval_empty       the second key is not at least 1e-308 later than the first
 ///   time_not_monotone    time decreases somewhere between the keys
 struct BezierCheck {
     Status status = Status::ok;
@@ -47,7 +47,7 @@ struct PowerForm {
 
 /// The power form of a coordinate times `scale`.
 inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double scale) noexcept {
-    // Uses differences of neighbours, so that a far origin loses no digits.
+    // Uses differences of neighbours, which keeps precision far from the origin.
     std::array<double, 3> step{};
     for (std::size_t k = 0; k < 3; ++k) step[k] = scale * (curve.points[k + 1][axis] - curve.points[k][axis]);
     return {3 * step[0], 3 * (step[1] - step[0]), step[0] - 2 * step[1] + step[2], step[2]};
@@ -55,9 +55,9 @@ inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double s
 
 } // namespace detail
 
-/// Checks that time never decreases. Let u1 and u2 be the handles' times as fractions of the
-/// interval. Then time is monotone if u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2): the
-/// derivative of time, a quadratic, has no sign change in (0, 1).
+/// Checks that time never decreases. u1 and u2 are the handles' times as fractions of the interval.
+/// Time is monotone if u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2): the derivative of time,
+/// a quadratic, then has no sign change in (0, 1).
 inline BezierCheck check(const BezierCurve& curve) noexcept {
     BezierCheck result;
     for (const auto& p : curve.points) {
@@ -80,11 +80,11 @@ inline BezierCheck check(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// A checked curve as a function of time, by Newton's method safeguarded by bisection, so that
-/// vertical tangents do no harm. All other evaluations are compared with this one.
+/// A checked curve as a function of time: Newton's method safeguarded by bisection, which also handles
+/// vertical tangents. The reference for all other evaluations.
 ///
 ///   accuracy  time: a rounding error of the interval's length; value: the error that this causes
-///   cost      some tens of nanoseconds
+///   cost      tens of nanoseconds
 class BezierFunction {
 public:
     explicit BezierFunction(const BezierCurve& curve) noexcept
@@ -93,21 +93,21 @@ public:
         , time_(detail::power_form(curve, 0, 1 / length_))
         , value_(detail::power_form(curve, 1, 1)) {}
 
-    /// The curve's parameter, in [0, 1], at a time; the time is clamped to the interval.
+    /// Returns the curve's parameter, in [0, 1], at a time; the time is clamped to the interval.
     double parameter(double x) const noexcept {
         const double fraction = std::fmin(std::fmax((x - curve_.begin()) / length_, 0.0), 1.0);
         return parameter_at_fraction(fraction);
     }
     double operator()(double x) const noexcept {
-        // Starts from the nearer end, so that both keys are met exactly.
+        // Relative to the nearer end, so that both keys are exact.
         const double t = parameter(x);
         return t < 1 ? curve_.points[0][1] + value_(t) : curve_.points[3][1];
     }
-    /// The derivative by time: infinite at a vertical tangent, the limit at a key whose handle
-    /// coincides with it.
+    /// Returns the derivative by time: infinite at a vertical tangent; the limit at a key that
+    /// coincides with its handle.
     double derivative(double x) const noexcept { return slope_at(parameter(x)); }
 
-    /// The first and second derivative by time, at a parameter.
+    /// The first and second derivatives by time, at a parameter.
     double slope_at(double t) const noexcept {
         const double g = time_.slope(t), f = value_.slope(t);
         if (g == 0 && f == 0) {
@@ -131,7 +131,7 @@ public:
     const detail::PowerForm& time() const noexcept { return time_; } ///< scaled to run from 0 to 1
     const detail::PowerForm& value() const noexcept { return value_; }
 
-    /// The parameter at which `fraction`, in [0, 1], of the interval's time has passed.
+    /// Returns the parameter at a fraction of the interval's time, in [0, 1].
     double parameter_at_fraction(double fraction) const noexcept {
         if (fraction <= 0) return 0;
         if (fraction >= 1) return 1;

@@ -1,4 +1,4 @@
-// Key frames as animators set them, and the Bézier curves between them.
+// Key frames, and the Bézier curves between them.
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
@@ -8,30 +8,31 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The shape of the curve from a key to the next. At its end, the handle or slope of the next key counts.
+/// The shape of the curve from a key to the next. The kind of the next key determines the handle or
+/// slope at its end.
 enum class KeyKind : std::uint8_t {
     hold,      ///< the value stays until the next key
     linear,    ///< a straight line
     hermite,   ///< slopes `in_slope` and `out_slope`, per unit of time
     tcb,       ///< slopes by tension, continuity and bias (Kochanek & Bartels 1984)
     bezier,    ///< handles `in_handle` and `out_handle`
-    automatic, ///< smooth, never beyond the keys' values (Fritsch & Butland 1984)
+    automatic, ///< monotone between keys (Fritsch & Butland 1984)
 };
 
 struct Key {
     double time = 0, value = 0;
     KeyKind kind = KeyKind::automatic;
-    Vec<double, 2> in_handle{}, out_handle{};     ///< for bezier: time and value of the handle itself
+    Vec<double, 2> in_handle{}, out_handle{};     ///< for bezier: absolute time and value
     double in_slope = 0, out_slope = 0;           ///< for hermite
     double tension = 0, continuity = 0, bias = 0; ///< for tcb, in [-1, 1]; 0 gives Catmull-Rom slopes
-    /// Whether the curve arrives by `in_handle`, whatever the kind; needed if a hold follows a Bézier curve.
+    /// Whether `in_handle` applies for any kind; needed if a hold follows a Bézier curve.
     bool arrives_by_handle = false;
 };
 
 namespace detail {
 
-/// The slope, per unit of time, at a key without handles: of the curve that leaves it (`out`) or
-/// arrives at it. There must be at least two keys.
+/// Returns the slope, per unit of time, at a key without handles: of the curve that leaves it (`out`)
+/// or that arrives at it. Requires at least two keys.
 inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noexcept {
     const Key& key = keys[i];
     const auto length = [&](std::size_t k) { return keys[k + 1].time - keys[k].time; };
@@ -43,7 +44,7 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     case KeyKind::hold:
     case KeyKind::linear: return out ? after : before;
     case KeyKind::tcb: {
-        // Uses slopes instead of differences; for equally spaced keys both are the same.
+        // Of slopes instead of differences; for equally spaced keys both are equal.
         const double c = out ? key.continuity : -key.continuity;
         return 0.5 * (1 - key.tension) *
                ((1 + key.bias) * (1 + c) * before + (1 - key.bias) * (1 - c) * after);
@@ -58,7 +59,7 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     return before * after / (weight * after + (1 - weight) * before);
 }
 
-/// The key's own handle if it has one; otherwise the point at the time `third` from the key, on the tangent.
+/// Returns the key's handle; without one, the point on the tangent at the time `third` from the key.
 inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, double third) noexcept {
     const Key& key = keys[i];
     const bool out = third > 0;
@@ -69,8 +70,8 @@ inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, doubl
 
 } // namespace detail
 
-/// The Bézier curve from key `i`, which is not a hold, to the next. Missing handles are placed at a
-/// third of the interval; if both are, the curve is a cubic polynomial in time.
+/// Returns the Bézier curve from key `i`, which is not a hold, to the next key. Missing handles are
+/// placed at a third of the interval; if both are missing, the curve is a cubic polynomial in time.
 inline BezierCurve key_interval(std::span<const Key> keys, std::size_t i) noexcept {
     const Key &a = keys[i], &b = keys[i + 1];
     const Vec<double, 2> begin{a.time, a.value}, end{b.time, b.value};

@@ -1,7 +1,6 @@
-// Packs a clip: measures the error of 16-bit coefficients, and chooses the curves that they serve.
+// Packs a clip: measures the errors of 16-bit coefficients and chooses the curves to quantise.
 #pragma once
 
-#include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/animate/types/clip_pack_options.hpp>
 #include <cageform/clip/clip_blob.hpp>
 
@@ -23,12 +22,48 @@ inline double largest_of_cubic(const std::array<double, 4>& c, double h) noexcep
     const auto add = [&](double u) {
         if (u > 0 && u < h) most = std::fmax(most, at(u));
     };
-    const double root = std::sqrt(std::fmax(c[2] * c[2] - 3 * c[3] * c[1], 0.0)); // of the derivative
+    const double root = std::sqrt(std::fmax(c[2] * c[2] - 3 * c[3] * c[1], 0.0)); // sqrt of discriminant
     const double sum = -(c[2] + std::copysign(root, c[2]));                       // avoids cancellation
     if (c[3] != 0) add(sum / (3 * c[3]));
     if (sum != 0) add(c[1] / sum);
     return most;
 }
+
+/// A curve with 16-bit Bernstein coefficients: integer n means low + n · step, where 0 is the minimum of all
+/// coefficients and 65535 the maximum. Quantisation changes values by at most half a step.
+template <Scalar T>
+struct QuantisedCurve {
+    T low = 0, step = 0;
+    std::vector<std::array<std::uint16_t, 4>> pieces;
+
+    QuantisedCurve() = default;
+    QuantisedCurve(const CurveBankView<T>& bank, std::size_t curve) {
+        std::vector<std::array<double, 4>> exact(bank.piece_count(curve));
+        const T* const knots = bank.knots.data() + bank.curves[curve].first_knot;
+        for (std::size_t n = 0; n < exact.size(); ++n) {
+            const auto p = bank.piece(curve, n);
+            const double h = double(knots[n + 1]) - double(p.begin), c0 = double(p.c0);
+            const double c1 = double(p.c1) * h, c2 = double(p.c2) * h * h, c3 = double(p.c3) * h * h * h;
+            exact[n] = {c0, c0 + c1 / 3, c0 + 2 * c1 / 3 + c2 / 3, c0 + c1 + c2 + c3};
+        }
+        double least = exact[0][0], largest = least;
+        for (const auto& piece : exact) {
+            for (const double b : piece) {
+                least = std::fmin(least, b);
+                largest = std::fmax(largest, b);
+            }
+        }
+        low = static_cast<T>(least);
+        step = static_cast<T>((largest - least) / 65535);
+        pieces.resize(exact.size());
+        for (std::size_t n = 0; n < exact.size(); ++n) {
+            for (std::size_t k = 0; k < 4 && largest > least; ++k) {
+                const double steps = (exact[n][k] - least) / (largest - least) * 65535;
+                pieces[n][k] = static_cast<std::uint16_t>(std::lround(steps));
+            }
+        }
+    }
+};
 
 /// A bank in which the chosen curves are quantised.
 template <Scalar T>
@@ -39,7 +74,7 @@ struct QuantisedBank {
     std::vector<std::array<std::uint16_t, 4>> steps;
     std::vector<BankEntry> entries;
 
-    QuantisedBank(const CurveBankView<T>& from, std::span<const QuantisedCubic<T>> quantised,
+    QuantisedBank(const CurveBankView<T>& from, std::span<const QuantisedCurve<T>> quantised,
                   std::span<const char> chosen)
         : curves(from.curves.begin(), from.curves.end()) {
         for (const bool in_steps : {false, true}) {
@@ -47,8 +82,8 @@ struct QuantisedBank {
                 if ((chosen[k] != 0) != in_steps) continue;
                 const std::uint32_t first = from.curves[k].first_knot;
                 curves[k].first_knot = std::uint32_t(knots.size());
-                curves[k].low = in_steps ? quantised[k].low() : T(0);
-                curves[k].step = in_steps ? quantised[k].step() : T(0);
+                curves[k].low = in_steps ? quantised[k].low : T(0);
+                curves[k].step = in_steps ? quantised[k].step : T(0);
                 for (std::uint32_t n = 0; n < curves[k].knots; ++n) {
                     entries.push_back({std::uint32_t(knots.size()), std::uint32_t(k)});
                     knots.push_back(from.knots[first + n]);
@@ -56,7 +91,7 @@ struct QuantisedBank {
                     if (!in_steps)
                         pieces.push_back({p.c0, p.c1, p.c2, p.c3});
                     else if (n + 1 < curves[k].knots)
-                        steps.push_back(quantised[k].coefficients(n));
+                        steps.push_back(quantised[k].pieces[n]);
                     else
                         steps.push_back({});
                 }
@@ -102,8 +137,8 @@ double size_of_cage(const CurveBankView<T>& bank) noexcept {
     return std::sqrt(square);
 }
 
-/// Chooses the curves of a vertex that can be quantised within the tolerance, those of least error
-/// first. Returns the distance of the vertex.
+/// Quantises the curves of a vertex in order of ascending error while the distance stays within the
+/// tolerance. Returns the distance of the vertex.
 template <std::size_t D>
 double choose_curves(std::span<const double> errors, double tolerance, std::span<char> chosen) noexcept {
     std::array<std::size_t, D> order{};
@@ -134,14 +169,9 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     double tolerance = options.tolerance > 0 ? options.tolerance : std::numeric_limits<double>::infinity();
     if (options.share > 0) tolerance = std::fmin(tolerance, options.share * report.size);
     std::vector<char> chosen(bank.size(), 0);
-    std::vector<QuantisedCubic<T>> quantised(bank.size());
+    std::vector<QuantisedCurve<T>> quantised(bank.size());
     if (options.tolerance > 0 || options.share > 0) {
-        for (std::size_t k = 0; k < bank.size(); ++k) {
-            std::vector<CubicPiece<T>> pieces;
-            for (std::size_t n = 0; n < bank.piece_count(k); ++n) pieces.push_back(bank.piece(k, n));
-            const T end = bank.knots[bank.curves[k].first_knot + bank.piece_count(k)];
-            quantised[k] = QuantisedCubic<T>(PiecewiseCubic<T>(std::move(pieces), end));
-        }
+        for (std::size_t k = 0; k < bank.size(); ++k) quantised[k] = {bank, k};
         const QuantisedBank<T> all(bank, quantised, std::vector<char>(bank.size(), 1));
         for (std::size_t v = 0; v < report.vertices; ++v) {
             std::array<double, D> errors{};
@@ -157,7 +187,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     CageClipView<T, D> made = clip;
     made.bank = mixed.view();
     PackedClip<T, D> smaller(made);
-    if (smaller.bytes().size() < packed.bytes().size()) { // false if there are only a few constants
+    if (smaller.bytes().size() < packed.bytes().size()) { // not the case if there are only a few constants
         packed = std::move(smaller);
         report.quantised = std::size_t(std::count(chosen.begin(), chosen.end(), char(1)));
     } else {

@@ -49,7 +49,7 @@ public:
         if (!running.keep_going(1)) return Status::cancelled;
         const Key& last = keys_.back();
         if (keys_.size() == 1) (void)add_constant(0);
-        // After a hold the value jumps to the last key's; otherwise it has already arrived there.
+        // After a hold the value jumps to that of the last key; otherwise it is already equal.
         result_.value.curve =
             PiecewiseCubic<T>(std::move(pieces_), static_cast<T>(last.time), static_cast<T>(last.value));
         return Status::ok;
@@ -67,7 +67,7 @@ private:
               key.in_handle[0], key.in_handle[1], key.out_handle[0], key.out_handle[1]}) {
             if (!is_finite(x)) return Status::value_not_finite;
         }
-        // Values, times and the track's length must also be finite in T.
+        // Values, times and the track's duration must be finite in T.
         if (!is_finite(static_cast<T>(key.value)) || !is_finite(static_cast<T>(key.time - keys_[0].time)) ||
             !is_finite(static_cast<T>(key.time)))
             return Status::value_not_finite;
@@ -87,7 +87,7 @@ private:
         result_.report.sup_error = (std::max)(result_.report.sup_error, report.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {
             const T begin = static_cast<T>(fitted.knots[k]), end = static_cast<T>(fitted.knots[k + 1]);
-            if (!(begin < end)) continue; // T does not resolve its length
+            if (!(begin < end)) continue; // the piece is shorter than T resolves
             const auto piece = cubic_piece<T>(fitted, k);
             if (!stays_finite(piece, end - begin)) return Status::value_not_finite;
             pieces_.push_back(piece);
@@ -95,7 +95,7 @@ private:
         return Status::ok;
     }
 
-    /// Whether the evaluation of a piece up to `length` never overflows. The piece with absolute
+    /// Whether the evaluation of a piece up to `length` never overflows: the piece with absolute
     /// coefficients bounds every intermediate result.
     static bool stays_finite(const CubicPiece<T>& piece, T length) noexcept {
         const CubicPiece<T> bound{T(0), std::fabs(piece.c0), std::fabs(piece.c1), std::fabs(piece.c2),
@@ -110,11 +110,12 @@ private:
     std::vector<CubicPiece<T>> pieces_;
 };
 
-/// The keys of many curves: a vector, an array or a span of any of the `Keys`.
+/// The keys of several curves: a vector, an array or a span of `Keys`.
 template <class R>
 concept KeysOfCurves = Keys<std::remove_cv_t<element_t<const R>>>;
 
-/// The size of a pixel if the keys of all coordinates just fill a screen. Without motion any tolerance does.
+/// Returns the size of a pixel if the keys of all coordinates fill a screen. Without motion any
+/// tolerance is valid.
 template <std::size_t D>
 double pixel_of_clip(std::span<const std::span<const Key>> keys) noexcept {
     double diagonal = 0;

@@ -12,15 +12,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Consecutive polynomials in time, fitted to a curve C. Together they are the function f.
+/// The errors of a fit f of a curve C.
 struct FitReport {
     /// ok; as check(curve), value_not_finite also where values differ by more than 1e306 from the
     /// first key's, or a coefficient overflows; and
     ///   degree_not_supported      not 3, 4 or 5
     ///   weights_not_positive      value_weight is not positive or slope_weight negative
-    ///   norm_not_supported        the sup norm with conditions that tie pieces together
-    ///   knots_not_ascending       knots do not ascend from 0 to 1, or two coincide by rounding
-    ///   slope_unbounded           a condition needs a derivative where there is none
+    ///   norm_not_supported        the sup norm with conditions that couple pieces
+    ///   knots_not_ascending       knots do not ascend from 0 to 1, or two coincide after rounding
+    ///   slope_unbounded           a condition prescribes an unbounded derivative
     ///   too_many_conditions       more conditions than coefficients, or repeated ones
     ///   tolerance_not_positive    from `fit`
     ///   tolerance_not_met         from `fit`, with the largest number of pieces
@@ -29,17 +29,17 @@ struct FitReport {
     double l2_error = 0;    ///< (∫ (C − f)² dx)^½, in the units of the curve
     double slope_error = 0; ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
     double sup_error = 0;   ///< max |C − f|, exact to rounding
-    double sup_at = 0;      ///< a time at which it occurs
+    double sup_at = 0;      ///< a time at which it is attained
 
     double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }
 };
 
-/// Polynomials in time, one after the other.
+/// Consecutive polynomials in time; together they are the function f.
 struct BezierFit {
     std::size_t degree = 3;
     std::vector<double> knots;      ///< #pieces + 1 times
     std::vector<double> parameters; ///< the curve's parameters at the knots, from 0 to 1
-    /// #pieces · (degree + 1) Bernstein coefficients, for each piece on [0, 1] of its own interval.
+    /// #pieces · (degree + 1) Bernstein coefficients; each piece is a polynomial on [0, 1].
     std::vector<double> bernstein;
     std::size_t free_coefficients = 0; ///< coefficients minus conditions
 
@@ -68,8 +68,8 @@ struct BezierFit {
     }
 };
 
-/// Converts a piece of degree 3 of a fit to its run-time form. It uses times rounded to T, so that
-/// it still meets the next piece. T must resolve its length; its coefficients may overflow T.
+/// Converts a piece of degree 3 to its run-time form. Its ends are rounded to T, so that it meets the
+/// next piece. T must resolve its length; its coefficients may overflow T.
 template <Scalar T>
 CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
     const auto b = fitted.coefficients(piece);

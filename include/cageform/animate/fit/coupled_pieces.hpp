@@ -1,4 +1,4 @@
-// Fits pieces that conditions tie together, by one linear system for all.
+// Fits pieces that are coupled by conditions, as one linear system.
 #pragma once
 
 #include <cageform/animate/fit/normal_equations.hpp>
@@ -6,10 +6,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The Lagrange system [G Aᵀ; A 0] of Izdebski 2019, (4.59), see sobolev_fit.hpp: G has the normal
-/// equations of all pieces, and A has a row for each condition. Unknowns are the Bernstein
-/// coefficients of the pieces and the Lagrange multipliers. They are ordered by time, with the
-/// conditions of a knot between its two pieces, so that the system is banded.
+/// The Lagrange system [G Aᵀ; A 0] of Izdebski 2019, (4.59), see sobolev_fit.hpp. G contains the normal
+/// equations of all pieces, A has a row per condition. Unknowns are the Bernstein coefficients and the
+/// Lagrange multipliers, ordered by time: the multipliers of a knot stand between its two pieces. The
+/// system is therefore banded.
 class CoupledPieces {
 public:
     CoupledPieces(const FitProblem& problem, std::span<FitPiece> pieces)
@@ -24,7 +24,7 @@ public:
             return Status::too_many_conditions;
         if (!make_conditions()) return Status::slope_unbounded;
         if (!independent()) return Status::too_many_conditions;
-        std::size_t most = 0; // conditions at one knot
+        std::size_t most = 0; // the largest number of conditions at a knot
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot)
             most = (std::max)(most, first_[knot + 1] - first_[knot]);
         BandedMatrix system(unknowns + conditions_.size(), most + coefficients_ - 1);
@@ -54,7 +54,8 @@ private:
         return piece * coefficients_ + first_[piece + 1];
     }
 
-    /// Collects the conditions at all knots and keys; returns false if the curve has no derivative somewhere.
+    /// Collects the conditions at all knots and keys; returns false if a derivative of the curve is
+    /// unbounded.
     bool make_conditions() {
         bool bounded = true;
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot) {
@@ -67,8 +68,8 @@ private:
                     add_derivative(row, order, false, -1);
                 }
                 if (!problem_.has(before && after ? at_knots[order] : at_keys[order])) continue;
-                if (before) bounded = take_from_curve(knot, order, true) && bounded;
-                if (after) bounded = take_from_curve(knot, order, false) && bounded;
+                if (before) bounded = match_curve(knot, order, true) && bounded;
+                if (after) bounded = match_curve(knot, order, false) && bounded;
             }
         }
         first_.push_back(conditions_.size());
@@ -77,7 +78,7 @@ private:
     }
 
     /// Adds the condition that a derivative of the piece before or after a knot equals the curve's.
-    bool take_from_curve(std::size_t knot, std::size_t order, bool before) {
+    bool match_curve(std::size_t knot, std::size_t order, bool before) {
         const double t = before ? pieces_[knot - 1].end : pieces_[knot].begin;
         std::array<double, 3> c{};
         const bool bounded = problem_.derivatives(t, order + 1, c);
@@ -88,15 +89,15 @@ private:
         return bounded;
     }
 
-    /// Adds `sign` times a derivative of the piece before or after the row's knot. Constant factors
-    /// of the degree are left out, so that all rows have similar size.
+    /// Adds `sign` times a derivative of the piece before or after the row's knot. Omits the factors
+    /// that depend only on the degree, so that all rows have similar size.
     void add_derivative(Condition& row, std::size_t order, bool before, double sign) const {
         static constexpr std::array<std::array<double, 3>, 3> differences{
             {{1, 0, 0}, {-1, 1, 0}, {1, -2, 1}}};
         const FitPiece& piece = pieces_[before ? row.knot - 1 : row.knot];
         const double scale = std::pow(piece.length(), -double(order));
         for (std::size_t k = 0; k <= order; ++k) {
-            // At the end of a piece, the same differences run backwards; the sign changes for odd orders.
+            // At the end of a piece, differences are mirrored; odd orders change sign.
             double& entry = before ? row.before[problem_.options.degree - k] : row.after[k];
             const double mirrored = before && order == 1 ? -1 : 1;
             entry += sign * mirrored * differences[order][k] * scale;
@@ -115,11 +116,11 @@ private:
         row.right /= length;
     }
 
-    /// Whether the conditions are linearly independent, by Gram-Schmidt: after projection, 1e-10 or
-    /// more must be left of each. Only conditions of neighbouring knots have a piece in common.
+    /// Whether the conditions are linearly independent, by Gram-Schmidt: the rest of each after
+    /// projection must be larger than 1e-10. Only conditions at adjacent knots share a piece.
     bool independent() const {
-        std::vector<std::vector<double>> kept; // orthonormal, for this knot and the one before
-        std::size_t of_knot_before = 0;        // how many belong to the knot before
+        std::vector<std::vector<double>> kept; // orthonormal, of this knot and the previous one
+        std::size_t of_knot_before = 0;        // the number of those of the previous knot
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot) {
             for (std::size_t r = first_[knot]; r < first_[knot + 1]; ++r) {
                 std::vector<double> left((knot + 1) * coefficients_, 0.0);
@@ -127,7 +128,7 @@ private:
                     if (knot > 0) left[(knot - 1) * coefficients_ + k] = conditions_[r].before[k];
                     left[knot * coefficients_ + k] = conditions_[r].after[k];
                 }
-                for (int twice = 0; twice < 2; ++twice) { // the second pass removes rounding
+                for (int twice = 0; twice < 2; ++twice) { // the second pass removes rounding errors
                     for (const auto& unit : kept) subtract_projection(left, unit);
                 }
                 const double length = std::sqrt(dot_product(left, left));
@@ -140,7 +141,7 @@ private:
         }
         return true;
     }
-    /// The dot product; the shorter vector continues with zeros.
+    /// The dot product; the shorter vector is padded with zeros.
     static double dot_product(std::span<const double> a, std::span<const double> b) noexcept {
         double sum = 0;
         for (std::size_t i = 0; i < (std::min)(a.size(), b.size()); ++i) sum += a[i] * b[i];

@@ -1,4 +1,4 @@
-// The errors of a fitted piece: the L² error, the error of the slope, and the largest error.
+// The errors of a fitted piece: L² error, slope error and maximum error.
 #pragma once
 
 #include <cageform/animate/fit/fit_problem.hpp>
@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A coordinate of the curve between two of its parameters, by its polar form (blossom).
+/// Returns a coordinate of the curve between two parameters, by its polar form (blossom).
 inline Bernstein restricted(const PowerForm& p, double a, double b) noexcept {
     const auto polar = [&](double x, double y, double z) {
         return p.c1 * (x + y + z) / 3 + p.c2 * (x * y + y * z + z * x) / 3 + p.c3 * x * y * z;
@@ -18,7 +18,7 @@ inline Bernstein restricted(const PowerForm& p, double a, double b) noexcept {
     return {3, {polar(a, a, a), polar(a, a, b), polar(a, b, b), polar(b, b, b)}};
 }
 
-/// C − f on a piece, as a polynomial in the curve's parameter, which is 0 and 1 at the ends of the piece.
+/// Returns C − f on a piece, a polynomial in the curve's parameter scaled to [0, 1] on the piece.
 inline Bernstein residual(const FitProblem& problem, const FitPiece& piece) noexcept {
     Bernstein u = restricted(problem.function.time(), piece.begin, piece.end), rest{3, {}};
     for (std::size_t k = 1; k < 3; ++k) u.c[k] = (u.c[k] - piece.x_begin) / piece.length();
@@ -40,8 +40,8 @@ inline double largest_error(const FitProblem& problem, const FitPiece& piece) no
     return largest_absolute(residual(problem, piece)).value;
 }
 
-/// The largest |C − f| at ten parameters of a piece. It is never more than the exact one, seldom
-/// less by more than 5 %, and much faster.
+/// The largest |C − f| at ten parameters of a piece: a lower bound of largest_error, rarely by more
+/// than 5 %, and much faster.
 inline double sampled_error(const FitProblem& problem, const FitPiece& piece) noexcept {
     const double h = piece.length();
     double largest = 0;
@@ -63,7 +63,7 @@ inline double l2_square(const FitProblem& problem, const FitPiece& piece, const 
     return problem.options.degree == 3 ? Gauss<11>::rule()(0, 1, square) : Gauss<17>::rule()(0, 1, square);
 }
 
-/// The two roots of the derivative of time; far away if there are none.
+/// The two roots of the derivative of time; 1e300 if there are none.
 struct TimeRoots {
     double re[2] = {1e300, 1e300}, im = 0;
 
@@ -83,22 +83,22 @@ struct TimeRoots {
     }
 };
 
-/// Whether the slope of the residual is unbounded: its derivative by the parameter, slope_at(t), is
-/// not 0 at a root of the derivative of time.
+/// Whether the slope of the residual is unbounded: slope_at(t), its derivative by the parameter, is not
+/// 0 at a root of the derivative of time.
 template <class Slope>
 bool slope_is_unbounded(const FitProblem& problem, const FitPiece& piece, const TimeRoots& roots,
                         const Slope& slope_at) {
     if (!problem.vertical) return false;
     const double middle = std::fabs(problem.function.value().slope(0.5)), scale = middle == 0 ? 1 : middle;
-    for (const double t : roots.re) { // rounding may have split a double root
+    for (const double t : roots.re) { // rounding may split a double root
         if (t < piece.begin - 1e-12 || t > piece.end + 1e-12 || roots.im > 1e-7) continue;
         if (std::fabs(slope_at(std::clamp(t, piece.begin, piece.end))) > 1e-9 * scale) return true;
     }
     return false;
 }
 
-/// ∫ (E'/x')² dx = ∫ E'²/x' dt for the residual E. The integrand is singular at the roots of x', so
-/// panels are halved until they are small compared with their distance from the roots.
+/// ∫ (E'/x')² dx = ∫ E'²/x' dt for the residual E. The integrand is singular at the roots of x'. Panels
+/// are halved until they are small relative to their distance from the roots.
 inline double slope_square(const FitProblem& problem, const FitPiece& piece, const Bernstein& error) {
     const auto& time = problem.function.time();
     const auto slope = error.derivative();

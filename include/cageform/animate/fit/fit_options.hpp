@@ -9,23 +9,22 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Conditions that the pieces f_i meet exactly, besides being close to the curve C (the columns of
-/// Table 6.1 in Izdebski 2019, see sobolev_fit.hpp). Values are flags: `FitCondition::end_value |
-/// FitCondition::knot_c0`.
+/// Exact conditions on the pieces f_i of a curve C (the columns of Table 6.1 in Izdebski 2019, see
+/// sobolev_fit.hpp). Flags: `FitCondition::end_value | FitCondition::knot_c0`.
 enum class FitCondition : std::uint16_t {
     none = 0,
     end_value = 1,  ///< f = C at both keys
-    knot_c0 = 2,    ///< the values of neighbours agree at inner knots
-    knot_value = 4, ///< both are C there
+    knot_c0 = 2,    ///< continuous at inner knots
+    knot_value = 4, ///< f = C at inner knots
     end_d1 = 8,     ///< f' = C' at both keys
-    knot_c1 = 16,   ///< slopes of neighbours agree at inner knots
-    knot_d1 = 32,   ///< both are C' there
+    knot_c1 = 16,   ///< f' is continuous at inner knots
+    knot_d1 = 32,   ///< f' = C' at inner knots
     end_d2 = 64,    ///< f'' = C'' at both keys
-    knot_c2 = 128,  ///< second derivatives of neighbours agree at inner knots
-    knot_d2 = 256,  ///< both are C'' there
+    knot_c2 = 128,  ///< f'' is continuous at inner knots
+    knot_d2 = 256,  ///< f'' = C'' at inner knots
 };
 constexpr FitCondition operator|(FitCondition a, FitCondition b) noexcept {
-    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): flags, any sum of them is one
+    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): flags may be combined
     return FitCondition(unsigned(a) | unsigned(b));
 }
 /// Whether two sets have a flag in common.
@@ -65,8 +64,8 @@ constexpr std::size_t condition_count(FitCondition set, std::size_t pieces) noex
 /// The norm of the error C − f that a fit minimises.
 enum class FitNorm : std::uint8_t {
     sobolev, ///< value_weight ∫ (C − f)² + slope_weight ∫ (C' − f')²
-    /// max |C − f|, starting from the Sobolev fit; for independent pieces only. Knots are searched
-    /// as for sobolev.
+    /// max |C − f|, starting from the Sobolev fit; for independent pieces only. The knot search uses
+    /// the Sobolev norm.
     sup,
 };
 
@@ -76,10 +75,10 @@ struct FitOptions {
     FitCondition conditions = FitCondition::end_value | FitCondition::knot_value;
     double value_weight = 1; ///< of ∫ (C − f)²
     double slope_weight = 1; ///< of ∫ (C' − f')²; 0 is the L² norm
-    /// The weights apply after scaling the interval to one unit of time, so that the unit does not
-    /// matter. Otherwise they apply in the curve's units.
+    /// Whether the weights apply after scaling the interval to one unit of time, so that the unit of
+    /// time does not matter. Otherwise they apply in the curve's units.
     bool scale_free = true;
-    std::size_t max_pieces = 64; ///< of `fit`: the most pieces that may be used to meet the tolerance
+    std::size_t max_pieces = 64; ///< of `fit`: the maximum number of pieces
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

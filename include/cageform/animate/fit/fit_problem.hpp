@@ -1,5 +1,4 @@
-// The problem of a fit in normalised units: time runs from 0 to 1, and values are relative to the
-// first key's and at most 1.
+// A fit in normalised units: time runs from 0 to 1; values are relative to the first key and at most 1.
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
@@ -18,12 +17,12 @@ struct FitPiece {
     double length() const noexcept { return x_end - x_begin; }
 };
 
-/// The most coefficients of a piece: its degree is 5 at most.
+/// The maximum number of coefficients of a piece, for degree 5.
 inline constexpr std::size_t most_coefficients = 6;
 using Coefficients = std::array<double, most_coefficients>;
 
-/// The power of two just above the largest difference of the curve's values from its first key's.
-/// In this unit, squares neither overflow nor vanish, and dividing by it is exact.
+/// Returns the power of two above the largest difference of the curve's values from the first key's. In
+/// this unit squares neither overflow nor underflow, and the division is exact.
 inline double value_unit(const BezierCurve& curve) noexcept {
     double largest = 0;
     for (const auto& p : curve.points) largest = std::fmax(largest, std::fabs(p[1] - curve.points[0][1]));
@@ -62,7 +61,7 @@ struct FitProblem {
         return {begin, end, begin == 0 ? 0 : time(begin), end == 1 ? 1 : time(end), {}, false};
     }
 
-    /// How many of value, slope and curvature a piece takes over from the curve, at a key or an inner knot.
+    /// Returns how many derivatives of a piece (0: value) equal the curve's at a key or an inner knot.
     std::size_t prescribed(bool at_key) const noexcept {
         const auto& conditions = at_key ? at_keys : at_knots;
         return 1 + std::size_t(has(conditions[1])) + std::size_t(has(conditions[2]));
@@ -73,7 +72,8 @@ struct FitProblem {
         const double length = function.length();
         c = {t == 1 ? function.curve().points[3][1] - function.curve().points[0][1] : function.value()(t), 0,
              0};
-        // The derivative of time at an inner vertical tangent is 0 only up to some thousand rounding errors.
+        // At an inner vertical tangent the derivative of time is 0 only up to thousands of rounding
+        // errors.
         constexpr double none = 1e-12;
         const double rise = std::fabs(function.value().slope(t));
         if (vertical && count > 1 && function.time().slope(t) <= none && rise > none * largest_value())

@@ -1,4 +1,4 @@
-// Chooses the knots, where the pieces of a fit meet: uniform, searched on a grid, or optimal.
+// Chooses the knots of a fit: uniform, optimal on a grid, or optimal.
 #pragma once
 
 #include <cageform/animate/fit/line_minimum.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Parameters of a checked curve that divide its interval into equal times.
+/// Returns parameters of a checked curve that divide its interval into equal times.
 inline std::vector<double> uniform_in_time(const BezierCurve& curve, std::size_t pieces) {
     const BezierFunction function(curve);
     std::vector<double> parameters;
@@ -15,7 +15,7 @@ inline std::vector<double> uniform_in_time(const BezierCurve& curve, std::size_t
         parameters.push_back(function.parameter_at_fraction(double(i) / double(pieces)));
     return parameters;
 }
-/// Equal steps of the parameter; Izdebski 2019 calls this equal arcs, as its figures show.
+/// Returns equal steps of the parameter (equal arcs in Izdebski 2019).
 inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
     std::vector<double> parameters;
     for (std::size_t i = 0; i <= pieces; ++i) parameters.push_back(double(i) / double(pieces));
@@ -25,8 +25,8 @@ inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
 struct KnotOptions {
     FitOptions fit{};
     std::size_t max_trials = 1000000; ///< search_knots then fails with too_many_trials
-    std::size_t steps = 40;           ///< the grid of optimal_knots in the parameter; at least two per piece
-    /// The rounds of optimal_knots: each moves every knot once. At most 20 for more than 64 pieces.
+    std::size_t steps = 40;           ///< of the grid of optimal_knots; at least two per piece are used
+    /// Rounds of optimal_knots. Each moves every knot once. At most 20 for more than 64 pieces.
     int rounds = 100;
 };
 
@@ -36,20 +36,20 @@ struct BestKnots {
     std::vector<std::size_t> indices; ///< their indices among the candidates, for a grid
 };
 
-/// How a search for knots went.
+/// The result of a knot search.
 struct KnotReport {
     /// As for a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
     /// cancelled.
     Status status = Status::ok;
     double objective = std::numeric_limits<double>::infinity(); ///< weighted squared errors
-    std::size_t trials = 0;                                     ///< fits that were tried
+    std::size_t trials = 0;                                     ///< number of fits
 };
 
 namespace detail {
 
 using KnotSearch = Result<BestKnots, KnotReport>;
 
-/// Finds the knots of least cost among candidates for independent pieces, by dynamic programming:
+/// Finds the knots of minimum cost among candidates for independent pieces, by dynamic programming:
 /// least(n, k) = min_j least(n − 1, j) + cost(j, k).
 inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const double> candidates,
                                 std::size_t pieces, const Running& running) {
@@ -96,8 +96,8 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
     return search;
 }
 
-/// Advances to the next choice of ascending indices from 0 to `last`, the last inner one fastest;
-/// returns false after all.
+/// Advances to the next choice of ascending indices from 0 to `last`, in lexicographic order; returns
+/// false after the last choice.
 inline bool next_choice(std::vector<std::size_t>& indices) noexcept {
     const std::size_t pieces = indices.size() - 1, last = indices[pieces];
     std::size_t i = pieces - 1;
@@ -108,7 +108,7 @@ inline bool next_choice(std::vector<std::size_t>& indices) noexcept {
     return true;
 }
 
-/// Finds the knots of least cost among candidates by trying all choices (brute force, as in Izdebski 2019).
+/// Finds the knots of minimum cost among candidates by brute force, as in Izdebski 2019.
 inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> candidates, std::size_t pieces,
                           std::size_t max_trials, const Running& running) {
     KnotSearch search;
@@ -139,18 +139,18 @@ inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> c
     return search;
 }
 
-/// Options with independent pieces and practically the same best knots: the curve's value at knots
-/// replaces the agreement of neighbours. Returns the given options if there are none, or if slopes
-/// hardly count, since the best knots then differ.
-inline FitOptions apart(FitOptions options) noexcept {
+/// Returns options with independent pieces and almost the same optimal knots: f = C at knots instead of
+/// continuity. Returns the given options if there are none, or if slopes have little weight, since the
+/// optimal knots then differ.
+inline FitOptions with_independent_pieces(FitOptions options) noexcept {
     using enum FitCondition;
     if (options.conditions == (end_value | knot_c0) && options.slope_weight >= 1e-3 * options.value_weight)
         options.conditions = end_value | knot_value;
     return options;
 }
 
-/// Knots as dense as the given ones, for another number of pieces.
-inline std::vector<double> divided_anew(std::span<const double> knots, std::size_t pieces) {
+/// Resamples knots with the same density to another number of pieces.
+inline std::vector<double> resampled_knots(std::span<const double> knots, std::size_t pieces) {
     if (knots.empty()) return {};
     std::vector<double> result;
     const double ratio = double(knots.size() - 1) / double(pieces);
@@ -163,8 +163,8 @@ inline std::vector<double> divided_anew(std::span<const double> knots, std::size
     return result;
 }
 
-/// Moves every inner knot once to its position of least cost; returns the largest move.
-inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
+/// Moves every inner knot once to its position of minimum cost; returns the largest move.
+inline double optimise_each_knot(const SobolevFitter& fitter, KnotSearch& search) {
     auto& t = search.value.parameters;
     double moved = 0;
     for (std::size_t i = 1; i + 1 < t.size(); ++i) {
@@ -189,14 +189,13 @@ inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
 
 } // namespace detail
 
-/// Finds the best of all choices of inner knots among candidates, which ascend from 0 to 1. For
-/// independent pieces this does not try all choices; for `end_value | knot_c0` neither, since it
-/// uses the knots of `end_value | knot_value`.
+/// Finds the optimal inner knots among candidates, which ascend from 0 to 1. For independent pieces it
+/// does not try all choices. For `end_value | knot_c0` it uses the knots of `end_value | knot_value`.
 inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
                                                   std::span<const double> candidates, std::size_t pieces,
                                                   const KnotOptions& options = {},
                                                   const Running& running = {}) {
-    const SobolevFitter fitter(curve, detail::apart(options.fit));
+    const SobolevFitter fitter(curve, detail::with_independent_pieces(options.fit));
     detail::KnotSearch search;
     search.report.status = fitter.status();
     if (!search) return search;
@@ -211,44 +210,44 @@ inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
     return search;
 }
 
-/// Finds the best knots: the best ones on a grid of equal steps of the parameter, then polished one
-/// after the other until none moves. With more than 64 pieces, the search starts from the knots of
-/// half as many pieces, subdivided. With more than 24 coupled pieces, the knots are those of
-/// `end_value | knot_value`, whose cost is a few per cent higher.
+/// Finds optimal knots: the optimum on a grid of equal parameter steps, then each knot is optimised in
+/// turn until none moves. With more than 64 pieces, it starts from the subdivided knots of half as many
+/// pieces. With more than 24 coupled pieces, it returns the knots of `end_value | knot_value`, whose
+/// cost is a few per cent higher.
 ///
-///   cost  O(steps² + pieces · rounds) fits of a piece, or of all pieces if they are coupled: some
+///   cost  O(steps² + pieces · rounds) fits of one piece, or of all pieces if they are coupled:
 ///         milliseconds for 8 pieces, seconds for 1000
 inline Result<BestKnots, KnotReport> optimal_knots(const BezierCurve& curve, std::size_t pieces,
                                                    const KnotOptions& options = {},
                                                    const Running& running = {}) {
     constexpr std::size_t most_on_grid = 64, most_coupled = 24;
     const bool many = pieces > most_on_grid;
-    FitOptions polished = detail::apart(options.fit);
-    // On the grid, pieces are independent whatever the conditions; otherwise there would be too many choices.
+    FitOptions local = detail::with_independent_pieces(options.fit);
+    // On the grid, conditions are replaced by independent ones, as dynamic programming needs.
     KnotOptions on_grid = options;
     using enum FitCondition;
-    if (!detail::decoupled(polished.conditions)) {
+    if (!detail::decoupled(local.conditions)) {
         on_grid.fit.conditions = end_value | knot_value;
-        if (pieces > most_coupled) polished.conditions = end_value | knot_value;
+        if (pieces > most_coupled) local.conditions = end_value | knot_value;
     }
     detail::KnotSearch search;
     if (many) {
         search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.subtask(0, 0.5));
-        search.value.parameters = detail::divided_anew(search.value.parameters, pieces);
+        search.value.parameters = detail::resampled_knots(search.value.parameters, pieces);
     } else {
         const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
         search = search_knots(curve, candidates, pieces, on_grid, running.subtask(0, 0.5));
     }
     if (!search) return search;
     search.value.indices.clear();
-    const SobolevFitter fitter(curve, polished);
+    const SobolevFitter fitter(curve, local);
     const int rounds = many ? (std::min)(options.rounds, 20) : options.rounds;
     for (int round = 0; round < rounds; ++round) {
         if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
             search.report.status = Status::cancelled;
             return search;
         }
-        if (detail::polish(fitter, search) < 1e-8) break;
+        if (detail::optimise_each_knot(fitter, search) < 1e-8) break;
     }
     search.report.objective = SobolevFitter(curve, options.fit).objective(search.value.parameters);
     search.report.status = running.end(Status::ok);

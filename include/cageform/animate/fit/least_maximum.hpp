@@ -6,9 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Changes `count` coefficients of a piece, from index `first` on, to make its largest error small.
-/// Repeats a least-squares fit in which each sample is weighted by its errors so far (Lawson 1961),
-/// and keeps the best piece found.
+/// Minimises the maximum error over `count` coefficients of a piece, from index `first` on. Repeats a
+/// least-squares fit whose sample weights are multiplied by the errors (Lawson 1961); keeps the best
+/// piece.
 class LeastMaximum {
 public:
     LeastMaximum(const FitProblem& problem, const FitPiece& piece, std::size_t first, std::size_t count)
@@ -35,7 +35,7 @@ public:
                 largest = std::fmax(largest, error[k]);
             }
             if (!(largest > 0)) return;
-            // The small constant keeps the weight of a sample without error above 0.
+            // The small constant keeps weights positive.
             for (std::size_t k = 0; k < samples; ++k) weight_[k] *= error[k] / largest + 1e-12;
             if (largest >= least) continue;
             FitPiece moved = piece;

@@ -1,5 +1,5 @@
-// Solvers for the linear systems of a fit: a small one for each piece, or a banded one for all
-// pieces. They are written here because Eigen's take five seconds to compile.
+// Linear solvers of a fit: a small dense one per piece, and a banded one for all pieces. (Eigen's take
+// five seconds to compile.)
 #pragma once
 
 #include <cageform/animate/fit/fit_problem.hpp>
@@ -14,8 +14,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 using FitMatrix = std::array<Coefficients, most_coefficients>;
 
-/// Solves the first `n` equations A x = b by A = L D Lᵀ. A is symmetric, and positive semidefinite
-/// up to rounding. `b` becomes x; an unknown without a pivot becomes 0.
+/// Solves the first `n` equations A x = b by A = L D Lᵀ. A is symmetric and positive semidefinite up to
+/// rounding. Overwrites `b` with x; an unknown without a positive pivot is 0.
 inline void solve_symmetric(FitMatrix& a, Coefficients& b, std::size_t n) noexcept {
     for (std::size_t k = 0; k < n; ++k) {
         for (std::size_t i = k + 1; i < n; ++i) {
@@ -30,7 +30,7 @@ inline void solve_symmetric(FitMatrix& a, Coefficients& b, std::size_t n) noexce
     }
 }
 
-/// A square matrix whose entries are 0 farther than `band` from the diagonal.
+/// A square matrix with `band` diagonals on either side of the main one.
 class BandedMatrix {
 public:
     BandedMatrix(std::size_t size, std::size_t band)
@@ -38,13 +38,13 @@ public:
         , band_(band)
         , entries_(size * width()) {}
 
-    /// For |row − column| ≤ band; above the diagonal up to 2 band, which row exchanges fill.
+    /// For |row − column| ≤ band; above the diagonal up to 2 band, the fill-in of row exchanges.
     double& operator()(std::size_t row, std::size_t column) noexcept {
         return entries_[row * width() + column + band_ - row];
     }
 
-    /// Solves A x = b by Gaussian elimination with partial pivoting; `b` becomes x, A is
-    /// overwritten. The result is not finite if A is singular. O(size · band²).
+    /// Solves A x = b by Gaussian elimination with partial pivoting. Overwrites `b` with x, and A. Not
+    /// finite if A is singular. O(size · band²).
     void solve(std::span<double> b) noexcept {
         BandedMatrix& a = *this;
         for (std::size_t k = 0; k < size_; ++k) {

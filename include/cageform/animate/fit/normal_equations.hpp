@@ -77,7 +77,7 @@ inline Coefficients load(const FitProblem& problem, const FitPiece& piece) {
     return problem.options.degree == 3 ? load_by_rule<8>(problem, piece) : load_by_rule<11>(problem, piece);
 }
 
-/// Solves for `count` coefficients of a piece, from index `first` on. The others are given.
+/// Solves for `count` coefficients of a piece, from index `first` on; the others are fixed.
 inline void solve_normal_equations(const FitProblem& problem, FitPiece& piece, std::size_t first,
                                    std::size_t count) {
     const FitMatrix gram = gram_matrix(problem, piece.length());

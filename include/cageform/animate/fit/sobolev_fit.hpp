@@ -1,9 +1,9 @@
-// Replaces the Bézier curve between two keys by a few polynomials in time: the best ones in a
-// Sobolev norm, under conditions.
+// Approximates a Bézier curve between two keys by polynomials in time that are optimal in a Sobolev
+// norm under conditions.
 //
-// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD thesis, Warsaw
-// University of Technology (2019), ch. 4. Misprints are corrected, integrals exact. Bind time: allocates.
-// Independent pieces are solved by normal_equations.hpp, pieces coupled by conditions by coupled_pieces.hpp.
+// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD thesis,
+// Warsaw University of Technology (2019), ch. 4; misprints corrected, integrals exact. Independent
+// pieces are solved by normal_equations.hpp, coupled ones by coupled_pieces.hpp. Bind time.
 #pragma once
 
 #include <cageform/animate/fit/bezier_fit.hpp>
@@ -16,8 +16,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fits pieces to one curve; the search for knots calls it many times. Works in the normalised
-/// units of fit_problem.hpp.
+/// Fits pieces to one curve, repeatedly in a knot search. Uses the normalised units of fit_problem.hpp.
 class SobolevFitter {
 public:
     using Piece = detail::FitPiece;
@@ -30,11 +29,12 @@ public:
     Status status() const noexcept { return status_; }
     const BezierCurve& curve() const noexcept { return curve_; }
 
-    /// Whether pieces are independent: each is determined by its own interval.
+    /// Whether each piece is determined by its own interval.
     bool decoupled() const noexcept { return detail::decoupled(problem_.options.conditions); }
 
-    /// The best piece between two parameters that has the curve's values (and slopes) at its ends.
-    /// It is not solved if there are more conditions than coefficients, or a slope is unbounded.
+    /// Returns the best piece between two parameters, with the prescribed derivatives of the curve at
+    /// its ends. It is not `solved` if there are more conditions than coefficients, or a slope is
+    /// unbounded.
     Piece fit_piece(double begin, double end) const {
         Piece piece = problem_.interval(begin, end);
         if (!(piece.length() > 0)) return piece;
@@ -52,8 +52,8 @@ public:
         return piece;
     }
 
-    /// The objective of the knot search: the weighted squared errors of a piece, in the fitter's units.
-    /// If the curve's slope is unbounded, an infinite constant, the same for all knots, is left out.
+    /// The objective of the knot search: the weighted squared errors of a piece, in normalised units.
+    /// If the curve's slope is unbounded, an infinite term is omitted; it is the same for all knots.
     double cost(const Piece& piece) const {
         const FitOptions& options = problem_.options;
         if (!problem_.vertical || options.slope_weight == 0) {
@@ -74,12 +74,12 @@ public:
         return sum;
     }
 
-    /// The largest |C − f| on a piece. It is exact, since the difference is a polynomial in the
+    /// The largest |C − f| on a piece, exact up to rounding: the residual is a polynomial in the
     /// curve's parameter.
     double largest_error(const Piece& piece) const {
         return problem_.unit * detail::largest_error(problem_, piece);
     }
-    /// The largest error at a few samples: never more, seldom less by more than 5 %, and much faster.
+    /// A lower bound of largest_error from a few samples, rarely by more than 5 %, and much faster.
     double sampled_error(const Piece& piece) const noexcept {
         return problem_.unit * detail::sampled_error(problem_, piece);
     }
@@ -143,7 +143,7 @@ private:
     Status check_all() const noexcept {
         const FitOptions& options = problem_.options; // with weights in normalised units
         if (const Status status = check(curve_).status; status != Status::ok) return status;
-        constexpr double room = 128; // headroom for sums of differences, as in derivatives
+        constexpr double room = 128; // headroom for the sums of differences in derivatives
         for (const auto& p : curve_.points) {
             if (!is_finite(room * (p[1] - curve_.points[0][1]))) return Status::value_not_finite;
         }
@@ -201,8 +201,8 @@ private:
     Status status_;
 };
 
-/// Fits the best pieces between given parameters of the curve, ascending from 0 to 1, by exact integrals.
-/// Solves a small linear system for each piece, or one system for all if conditions tie them together.
+/// Fits the optimal pieces between given parameters of the curve, ascending from 0 to 1, with exact
+/// integrals. Solves a small linear system per piece, or one for all coupled pieces.
 inline Result<BezierFit, FitReport> fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
                                                const FitOptions& options = {}, const Running& running = {}) {
     auto result = SobolevFitter(curve, options).fit(parameters, running);

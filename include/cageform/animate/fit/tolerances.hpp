@@ -1,4 +1,4 @@
-// Tolerances for animated values: errors below them are invisible.
+// Tolerances of animated values.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -8,9 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// @name Tolerances Errors that cannot be seen (Izdebski 2019, sec. 5.2), in the units of the
+/// @name Tolerances The largest invisible errors (Izdebski 2019, sec. 5.2), in the units of the
 /// animated values. Angles are in radians.
-/// @{
 
 /// One step of a colour channel with `bits` bits and a range of 1.
 inline double colour_tolerance(unsigned bits) noexcept {
@@ -20,12 +19,12 @@ inline double colour_tolerance(unsigned bits) noexcept {
 inline double orthographic_tolerance(double width, double pixels) noexcept {
     return width / pixels;
 }
-/// One pixel at distance `depth` under a perspective camera whose field of view is `angle` across
+/// One pixel at distance `depth` under a perspective camera with the field of view `angle` across
 /// `pixels` pixels.
 inline double perspective_tolerance(double angle, double depth, double pixels) noexcept {
     return 2 * std::tan(0.5 * angle) * depth / pixels;
 }
-/// An angle that moves no point within `radius` of the pivot by more than `distance`.
+/// The angle that moves points within `radius` of the pivot by at most `distance`.
 inline double rotation_tolerance(double distance, double radius) noexcept {
     return distance / radius;
 }
@@ -38,7 +37,7 @@ inline double eye_tolerance(double distance) noexcept {
 inline double pixel_pitch(double width, double height, double diagonal) noexcept {
     return 25.4 * diagonal / std::hypot(width, height);
 }
-/// The default: one pixel, if the animation crosses a screen 1920 pixels wide.
+/// The default: one pixel of a screen 1920 pixels wide, relative to the extent of the animation.
 inline constexpr double screen_tolerance = 1.0 / 1920;
 /// @}
 

@@ -7,14 +7,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The distance of a vertex is the largest distance, over all times, between its positions in the
-/// packed clip and in the clip.
+/// The distance of a vertex is the maximum, over all times, between its positions in the packed clip
+/// and in the original.
 struct ClipPackOptions {
-    /// The largest distance allowed for a vertex, in the units of the cage. Curves are quantised to
-    /// 16-bit coefficients as long as it is kept. 0: no limit in these units.
+    /// The maximum distance of a vertex, in the units of the cage, that quantisation may cause. 0: no
+    /// limit in these units.
     double tolerance = 0;
-    /// The largest distance as a share of the cage's size (ClipPackReport::size). The smaller limit
-    /// counts. Without either, nothing is quantised, and the packed clip gives the same bits as the clip.
+    /// The maximum distance relative to the cage's size (ClipPackReport::size). The smaller limit
+    /// applies. If both are 0, nothing is quantised, and the packed clip gives the same bits as the
+    /// original.
     double share = 0;
 };
 
@@ -25,8 +26,8 @@ struct ClipPackReport {
     /// The diagonal of the bounding box of all vertices at the knots of their curves, without the
     /// rigid motion.
     double size = 0;
-    /// The largest distance of a vertex, apart from rounding to T during play; a rigid motion does
-    /// not change it.
+    /// The largest distance of a vertex, excluding rounding to T during playback and independent of the
+    /// rigid motion.
     double distance = 0;
     std::size_t distance_vertex = 0;
     std::size_t bytes = 0;             ///< of the packed clip

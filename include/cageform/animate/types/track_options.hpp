@@ -11,19 +11,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct TrackOptions {
-    /// The largest error of a value, in its units. By default screen_tolerance for a track; for a
-    /// clip, this share of the diagonal of the bounding box of all keys' values.
+    /// The maximum error of a value, in its units. Default: screen_tolerance for a track; for a clip,
+    /// screen_tolerance times the diagonal of the bounding box of all keys.
     std::optional<double> tolerance{};
     FitOptions fit{}; ///< the degree is always 3
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
 };
 
-/// How the compilation of a track or of a clip went.
+/// The result of compiling a track or a clip.
 struct CompileReport {
     Status status = Status::ok;
     std::size_t curve = 0;   ///< of a clip: the refused curve
     std::size_t culprit = 0; ///< the refused key, or the first key of the refused interval
-    double sup_error = 0;    ///< the largest of all intervals and curves, without the rounding of T
+    double sup_error = 0;    ///< the largest of all intervals and curves, excluding rounding to T
     double seconds = 0;      ///< wall-clock time
 };
 

@@ -1,4 +1,4 @@
-// Type-erased coordinates and points for binding, so that most code is compiled once per scalar and
+// Type-erased coordinates and points, so that most code of binding is compiled once per scalar and
 // dimension.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <Scalar T>
 struct PointReader {
     std::size_t size = 0;
-    /// Reads the rows of a block; copies of the last point fill the last block.
+    /// Reads the rows of a block; the last block is filled with copies of the last point.
     std::function<void(std::size_t block, Lanes<T>* rows)> read;
 };
 
@@ -34,7 +34,7 @@ PointReader<T> read_points(const R& points) {
             }};
 }
 
-/// Returns the same vector for every point; it must outlive the reader.
+/// Reads the same vector for every point; the vector must outlive the reader.
 template <Scalar T, std::size_t D>
 PointReader<T> repeat_vector(std::size_t size, const Vec<T, D>& vector) {
     return {size, [&vector](std::size_t, Lanes<T>* rows) {
@@ -43,16 +43,16 @@ PointReader<T> repeat_vector(std::size_t size, const Vec<T, D>& vector) {
             }};
 }
 
-/// The points and the coordinates of a bind; owns nothing.
+/// The points and coordinates of a bind. Owns nothing.
 template <Scalar T, std::size_t D>
 struct BindInput {
     const CageReport& cage;
-    std::function<HandleView<T, D>()> handles; ///< of a sound cage
+    std::function<HandleView<T, D>()> handles; ///< of a valid cage
     bool has_extension = false, closed_form = false, local = false;
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
     std::function<OutsideDistance<D>(const Vec<T, D>&)> distance;
-    bool is_within_handles = false; ///< the cage lies within the bounds of the handles that are points
+    bool is_within_handles = false; ///< the cage lies within the bounds of its point handles
     PointReader<T> points;
     /// Empty if there are no gradients.
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate_gradients{};
@@ -63,14 +63,14 @@ struct BindInput {
         with_solved{};
 };
 
-/// Whether zeros among the weights of a point must stay zeros.
+/// Whether zero weights must stay zero.
 template <class C>
 inline constexpr bool has_local_rows = false;
 template <class C>
     requires(bool(C::local))
 inline constexpr bool has_local_rows<C> = true;
 
-/// The input of a bind of points.
+/// Returns the input for binding points.
 template <CageCoordinates C>
 BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
                                                        PointReader<typename C::scalar> points) {
@@ -91,7 +91,7 @@ BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
             std::move(points)};
 }
 
-/// The input of a bind of vectors too, if the coordinates have gradients.
+/// As above, and for binding vectors if the coordinates have gradients.
 template <CageCoordinates C>
 BindInput<typename C::scalar, C::dimension> vector_input(const C& coordinates,
                                                          PointReader<typename C::scalar> points) {
@@ -104,7 +104,7 @@ BindInput<typename C::scalar, C::dimension> vector_input(const C& coordinates,
     return input;
 }
 
-/// The input of a bind of a figure, for which coordinates with a solver solve once.
+/// As above, and for binding a figure, for which a solver solves only once.
 template <CageCoordinates C>
 BindInput<typename C::scalar, C::dimension> figure_input(const C& coordinates,
                                                          PointReader<typename C::scalar> points) {

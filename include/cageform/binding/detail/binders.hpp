@@ -1,4 +1,4 @@
-// Declares the functions behind `bind`, which know the coordinates only as a BindInput.
+// Declares the implementation of `bind`, which uses the coordinates only through a BindInput.
 #pragma once
 
 #include <cageform/binding/detail/bind_input.hpp>
@@ -12,12 +12,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Binds points, into the memory of a binding that is no longer needed.
+/// Binds points; reuses the memory of `recycled`.
 template <class T, std::size_t D>
 Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
                                               Binding<T, D>&& recycled, const Running& running);
 
-/// Binds families of vectors, one binding for each; the input evaluates gradients.
+/// Binds families of vectors, one binding per family. The input must have gradients.
 template <class T, std::size_t D>
 BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<T, D>& input,
                              std::span<const PointReader<T>> vectors, const BindOptions& options,
@@ -37,17 +37,17 @@ template <class T, std::size_t D>
 Result<std::array<Binding<T, D>, D>, BindReport>
 bind_axes(const BindInput<T, D>& input, const BindOptions& options, const Running& running);
 
-/// A figure to be bound, read from the caller's memory.
+/// The figure to bind, read from the caller's memory.
 template <Scalar T, std::size_t D>
 struct FigureInput {
     PointReader<T> points;
     std::array<PointReader<T>, D - 1> tangents; ///< empty without normals
-    std::vector<std::int8_t> handedness;        ///< of the figure's own tangents
+    std::vector<std::int8_t> handedness;        ///< of the given tangents
 
     bool has_normals() const noexcept { return bool(tangents[0].read); }
 };
 
-/// Binds a figure; coordinates with a solver solve once for weights and gradients.
+/// Binds a figure. A solver solves once for weights and gradients.
 template <class T, std::size_t D>
 Status bind_read_figure(const BindInput<T, D>& coordinates, FigureInput<T, D>& figure,
                         const BindOptions& options, const Running& running,

@@ -1,4 +1,4 @@
-// Defines the functions behind `bind`. binders.hpp includes it, unless the program links
+// Defines the functions of binders.hpp, which includes this file, unless the program links
 // cageform::compiled.
 #pragma once
 
@@ -21,7 +21,7 @@ bind_axes(const BindInput<T, D>& input, const BindOptions& options, const Runnin
     return bind_each_vector(input, readers, options, running);
 }
 
-/// Binds points and vectors with coordinates that have solved already, if they have a solver.
+/// Binds points and vectors. Coordinates with a solver must already be solved.
 template <class T, std::size_t D>
 Status bind_points_and_vectors(const BindInput<T, D>& coordinates, FigureInput<T, D>& input,
                                const BindOptions& options, const Running& running,
@@ -56,7 +56,7 @@ Status bind_read_figure(const BindInput<T, D>& coordinates, FigureInput<T, D>& i
         report.points = input.points.size;
         report.solver = solution.solver;
         report.status = solution.status;
-        // Memory for all functions is missing; there may be enough for one group.
+        // Memory for all functions is insufficient; it may suffice for one group.
         if (report.status == Status::out_of_memory)
             return bind_points_and_vectors(coordinates, input, options, running, result);
         if (report.status != Status::ok) return report.status;

@@ -1,4 +1,4 @@
-// Bones as handles: their frames at rest, and the weights of points on them.
+// The handles of bones, and the weights of points for them.
 #pragma once
 
 #include <cageform/binding/types/bind_options.hpp>
@@ -15,11 +15,11 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Bones as handles: their frames at rest, and the coordinates of points in each frame.
+/// The handles of bones at rest, and the coordinates of points in each bone's frame.
 template <Scalar T, std::size_t D>
 class BoneHandles {
 public:
-    /// Reads the frames of bones. Faults, by bone or handle, go into the report.
+    /// Reads the frames of bones. Adds errors to the report, by bone or handle.
     BoneHandles(std::span<const Transform<T, D>> bones, CageReport& report) {
         for (const auto& bone : bones) {
             add(bone.translation, HandleKind::point, report);
@@ -31,8 +31,8 @@ public:
 
     HandleView<T, D> view() const noexcept { return {rest_.data(), rest_.size(), kinds_.data(), nullptr}; }
 
-    /// Computes a point's weights for a bone with the share `share`: share and share · A⁻¹ (p − o),
-    /// for the bone's D + 1 handles.
+    /// Calls set(handle, weight) for the D + 1 handles of a bone with the weight `share`: share, and
+    /// share · A⁻¹ (p − o).
     template <class Set>
     void weigh(std::size_t bone, double share, const Vec<T, D>& p, const Set& set) const {
         const std::size_t first = bone * (D + 1);
@@ -48,7 +48,8 @@ private:
         rest_.push_back(handle);
         kinds_.push_back(kind);
     }
-    /// Computes A⁻¹. Its rows are the gradients of barycentric coordinates of the axes' end points.
+    /// Computes A⁻¹. Its rows are the gradients of the barycentric coordinates for the axes' end
+    /// points.
     void invert(const Transform<T, D>& bone, std::size_t b, CageReport& report) {
         std::array<Vec<double, D>, D + 1> corners{};
         double size = 0;
@@ -57,7 +58,7 @@ private:
             corners[k] = (1 / size) * vec_cast<double>(bone.columns[k]);
         const auto rows = simplex_gradients<D>(corners);
         bool spans = !rows.empty();
-        // One over the sine of the angle to the other axes.
+        // The product is 1 / sine of the angle to the other axes.
         for (std::size_t k = 0; k < D && spans; ++k) {
             spans = 64 * double(epsilon<T>) * length(rows[k]) * length(corners[k]) < 1;
             inverse_.push_back((1 / size) * rows[k]);
@@ -67,17 +68,18 @@ private:
 
     std::vector<Vec<T, D>> rest_;
     std::vector<HandleKind> kinds_;
-    std::vector<Vec<double, D>> inverse_; ///< D rows a bone
+    std::vector<Vec<double, D>> inverse_; ///< D rows per bone
 };
 
-/// Bones with their shares of points.
+/// Bones and the given weights of points.
 template <Scalar T, std::size_t D, Scalar W>
 struct BoneShares {
     const BoneHandles<T, D>& handles;
     std::span<const W> shares; ///< point after point
-    bool restore;              ///< divides those of a point by their sum
+    bool restore;              ///< divides the weights of a point by their sum
 
-    /// Fills the weights of point `i` of a batch, and its state. Returns the largest change of a share.
+    /// Computes the weights of point `i` of a batch, and its state. Returns the largest change of a
+    /// given weight.
     Extreme weigh(const Batch<T>& batch, std::size_t i) const {
         const std::size_t bones = handles.view().count / (D + 1);
         const auto row = shares.subspan(i * bones, bones);

@@ -1,29 +1,28 @@
-// Chooses the handles for which a block of a packed binding keeps rows.
+// Chooses the handles that get a row in a block of a packed binding.
 #pragma once
 
+#include <cageform/binding/detail/greedy_row_selection.hpp>
 #include <cageform/binding/detail/packed_block.hpp>
-#include <cageform/binding/detail/row_pursuit.hpp>
-
-#include <numeric>
+#include <cageform/cage/detail/indices.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns whether chosen handles are spread enough in all directions. If they lay nearly in one
-/// plane, only huge changes of weights could restore row sums across it. Measured by the least mean
-/// square of the affine rows, which is 1 for all handles together.
+/// Returns whether the chosen handles are spread in all directions. For nearly coplanar handles, only
+/// huge changes of weights would restore the row sums. The measure is the least mean square of the
+/// affine rows along any direction, which is 1 for all handles together.
 template <std::size_t D, class Chosen>
 bool are_spread(const Moments<D>& moments, const Chosen& chosen) {
     constexpr double enough = 0.05;
     return principal_axes(moments.sum_of_squares(chosen)).least() >= enough;
 }
 
-/// The rows that a block needs because of the number or size of weights.
+/// The rows of a block that the number and size of weights require.
 struct RowsBySize {
     std::vector<std::uint32_t> handles; ///< ascending
-    std::size_t added = 0;              ///< because the others would lie too nearly in one plane
+    std::size_t added = 0;              ///< rows added because the other handles are nearly coplanar
 };
 
-/// Returns the handles whose weights are kept for any point of a block, and more if those are not
+/// Returns the handles whose weights are kept for any point of a block. Adds handles until they are
 /// spread.
 template <Scalar T, std::size_t D>
 RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& moments,
@@ -67,7 +66,7 @@ RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& mome
     return result;
 }
 
-/// How many rows a block needs in one format, in the order in which the pursuit added them.
+/// The number of rows that a block needs in one format, in the order of selection.
 struct RowTrial {
     static constexpr std::size_t none = ~std::size_t{0};
 
@@ -75,46 +74,47 @@ struct RowTrial {
         : format(stored_as) {}
 
     WeightFormat format;
-    std::size_t too_few = 0;  ///< the largest number of rows known to be too few
-    std::size_t count = none; ///< the number of rows that keeps the tolerance
-    std::size_t suspect = 0;  ///< the pose that decided last; tested first next time
-    Extreme distance;         ///< the smallest distance found with too few rows
-    bool tested_all = false, given_up = false;
+    std::size_t too_few = 0;    ///< the largest insufficient number of rows found
+    std::size_t count = none;   ///< the number of rows that meets the tolerance
+    std::size_t first_pose = 0; ///< the pose that decided the last test; tested first next time
+    Extreme distance;           ///< the smallest distance found above the tolerance
+    bool tested_all = false, rejected = false;
 
     bool is_met() const { return count != none; }
-    bool is_open() const { return !is_met() && !given_up; }
+    bool is_open() const { return !is_met() && !rejected; }
 };
 
-/// Finds the rows of one block that keep a tolerance.
+/// Finds the fewest rows of a block that meet a tolerance.
 template <Scalar T, std::size_t D>
 class RowChooser {
 public:
     static constexpr std::size_t lanes = lane_count<T>;
 
-    /// The rows of `required` come first.
+    /// The rows of `required` are selected first.
     RowChooser(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss, const BlockPoints<T>& points,
                std::span<const std::uint32_t> required)
         : packer_(packer)
         , loss_(loss)
         , points_(points)
         , all_(all_rows(packer, loss, points))
-        , pursuit_(loss, all_.weights) {
-        for (const std::uint32_t h : required) pursuit_.add(h);
+        , selection_(loss, all_.weights) {
+        for (const std::uint32_t h : required) selection_.add(h);
     }
 
-    /// Fills `trials`, whose formats are set, with the smallest number of rows found to keep
-    /// `tolerance`. The number grows by an eighth at a time and is then bisected. Rounded formats
-    /// are tested only once scalar weights keep the tolerance.
+    /// Fills `trials`, whose formats are given, with the smallest number of rows that meets
+    /// `tolerance`. The number grows by an eighth per step and is then bisected. Quantised formats are
+    /// tested only after scalar weights meet the tolerance.
     void run(std::span<RowTrial> trials, double tolerance) {
-        // The final measurement sums in another order, so the limit is slightly lower here.
+        // The final measurement sums in another order; this margin covers its rounding errors.
         const double limit = tolerance * (1 - 1e-9);
-        const std::size_t candidates = pursuit_.candidates(), required = pursuit_.order().size();
+        const std::size_t candidates = selection_.candidates(), required = selection_.order().size();
         RowTrial scalar(WeightFormat::scalar);
         for (std::size_t count = (std::min)((std::max)(required, D + 1), candidates);;) {
-            while (pursuit_.order().size() < count) pursuit_.add(pursuit_.best());
+            while (selection_.order().size() < count) selection_.add(selection_.best());
             if (test(scalar, count, limit)) {
                 for (RowTrial& trial : trials) {
-                    if (trial.is_open() && !test(trial, count, limit)) give_up(trial, count, limit);
+                    if (trial.is_open() && !test(trial, count, limit))
+                        reject_if_too_coarse(trial, count, limit);
                 }
             }
             const bool open = std::any_of(trials.begin(), trials.end(), [](auto& t) { return t.is_open(); });
@@ -128,12 +128,11 @@ public:
         }
     }
 
-    std::span<const std::uint32_t> order() const { return pursuit_.order(); }
-    /// Returns the first `count` rows; the pursuit must have added as many.
+    std::span<const std::uint32_t> order() const { return selection_.order(); }
+    /// Returns the first `count` selected rows.
     PackedRows rows(std::size_t count) const {
-        const auto solution = pursuit_.solution(count);
-        std::vector<std::size_t> sorted(count);
-        std::iota(sorted.begin(), sorted.end(), std::size_t{0});
+        const auto solution = selection_.solution(count);
+        auto sorted = first_indices<std::size_t>(count);
         std::sort(sorted.begin(), sorted.end(),
                   [&](std::size_t a, std::size_t b) { return order()[a] < order()[b]; });
         PackedRows rows;
@@ -147,24 +146,22 @@ public:
 private:
     static PackedRows all_rows(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss,
                                const BlockPoints<T>& points) {
-        std::vector<std::uint32_t> handles(loss.handles());
-        std::iota(handles.begin(), handles.end(), 0u);
-        return packer.rows_of(points, std::move(handles));
+        return packer.rows_of(points, first_indices<std::uint32_t>(loss.handles()));
     }
 
-    /// Returns whether the first `count` rows keep the limit in the format of a trial.
-    bool keeps(RowTrial& trial, std::size_t count, double limit) const {
+    /// Returns whether the first `count` rows meet the limit in the format of a trial.
+    bool meets(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         const auto has_row = [&](std::size_t h) {
             return std::binary_search(kept.handles.begin(), kept.handles.end(), h);
         };
-        if (count < pursuit_.candidates() && !are_spread(loss_.moments(), has_row)) return false;
+        if (count < selection_.candidates() && !are_spread(loss_.moments(), has_row)) return false;
         packer_.restore(points_, kept);
-        return packer_.distance(trial.format, points_, kept, limit, trial.suspect) <= limit;
+        return packer_.distance(trial.format, points_, kept, limit, trial.first_pose) <= limit;
     }
 
     bool test(RowTrial& trial, std::size_t count, double limit) const {
-        const bool kept = keeps(trial, count, limit);
+        const bool kept = meets(trial, count, limit);
         if (!kept) {
             trial.too_few = count;
         } else if (!trial.is_met()) {
@@ -173,30 +170,30 @@ private:
         return kept;
     }
 
-    /// Decides whether a format is too coarse. More rows cannot undo its rounding. Once rounding is
-    /// most of the distance, the format is tested with all rows, and given up if even these exceed
-    /// the limit. When this test is made does not depend on the limit, so the distance reported as
-    /// reachable does not either.
-    void give_up(RowTrial& trial, std::size_t count, double limit) const {
+    /// Rejects a format that is too coarse: more rows do not reduce its rounding errors. Once rounding
+    /// dominates the distance, the format is tested with all rows, and rejected if these exceed the
+    /// limit. The time of this test does not depend on the limit, so neither does the reported
+    /// reachable distance.
+    void reject_if_too_coarse(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         packer_.restore(points_, kept);
         const Extreme here = packer_.farthest(trial.format, points_, kept);
         trial.distance.lower(here);
-        trial.given_up = count == pursuit_.candidates();
+        trial.rejected = count == selection_.candidates();
         RowTrial scalar(WeightFormat::scalar);
-        if (trial.given_up || trial.tested_all || !keeps(scalar, count, 0.25 * here.value)) return;
+        if (trial.rejected || trial.tested_all || !meets(scalar, count, 0.25 * here.value)) return;
         trial.tested_all = true;
         const Extreme all = packer_.farthest(trial.format, points_, all_);
         trial.distance.lower(all);
-        trial.given_up = all.value > limit;
+        trial.rejected = all.value > limit;
     }
 
-    /// Reduces the number of rows by bisection; returns the largest number known to be too few.
+    /// Bisects the number of rows; returns the largest insufficient number.
     std::size_t bisect(RowTrial& trial, std::size_t too_few, double limit) const {
         too_few = (std::max)(too_few, trial.too_few);
         while (trial.count > too_few + 1) {
             const std::size_t middle = too_few + (trial.count - too_few) / 2;
-            if (keeps(trial, middle, limit)) {
+            if (meets(trial, middle, limit)) {
                 trial.count = middle;
             } else {
                 too_few = middle;
@@ -209,7 +206,7 @@ private:
     const SquareLoss<D>& loss_;
     const BlockPoints<T>& points_;
     PackedRows all_;
-    RowPursuit<D, lanes> pursuit_;
+    GreedyRowSelection<D, lanes> selection_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

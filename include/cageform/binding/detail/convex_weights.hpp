@@ -1,4 +1,4 @@
-// Finds non-negative weights of a point, on few handles, closest to given weights.
+// Finds non-negative weights of a point for few handles that are closest to given weights.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -13,21 +13,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Finds the weights of one point that are closest to given ones, in the least-squares sense, among
-/// the non-negative weights on chosen handles that sum to 1 and reproduce a point q.
+/// Finds the weights of one point that are closest to given ones in the least-squares sense, among the
+/// non-negative weights for chosen handles that have the sum 1 and reproduce a point q.
 ///
 /// Let a_i be the affine rows of the handles in a frame at q. The solution is w_i = max(0, w0_i +
-/// a_i·y), where y has D + 1 numbers and makes Σ w_i a_i = (1, 0). It is found by Newton's method
-/// for the dual problem, which is smooth, convex and piecewise quadratic. A proximal term E keeps
-/// the equations solvable if q cannot be reproduced; y then gives the closest point that can. The
-/// term is re-centred at each y, so it vanishes if q can be reproduced.
+/// a_i·y), where y has D + 1 numbers such that Σ w_i a_i = (1, 0). Newton's method solves the dual
+/// problem, which is smooth, convex and piecewise quadratic. A proximal term E keeps the equations
+/// solvable if q cannot be reproduced; y then gives the closest point that can be. The term is centred
+/// at the previous y, so it vanishes on convergence if q can be reproduced.
 template <std::size_t D>
 class ConvexWeights {
 public:
-    /// Relative to the size; what weights in single precision resolve.
+    /// The tolerance relative to the size: the resolution of weights in single precision.
     static constexpr double reproduced = 1e-7;
 
-    /// Loads a point: its weights, and the handles in a frame at q.
+    /// Sets the point: its given weights, and the handles in a frame at q.
     template <Scalar T, class Weight>
     void load(const HandleView<T, D>& handles, const AffineFrame<double, D>& frame, const Weight& weight) {
         columns_.resize(handles.count);
@@ -43,11 +43,11 @@ public:
         }
     }
 
-    /// Computes weights on at most `most` handles; `weight(i)` returns them. Returns false if q is
-    /// not reproduced. Handles are dropped from the smallest weight on, at most half of the surplus
-    /// at a time, if the others can reproduce q: this is a good choice, not the best of all.
-    /// (Exchanging handles for weights even closer to the given ones was tried. Motions were then
-    /// twice as far off, because handles that are far away move differently.)
+    /// Computes weights for at most `most` handles; `weight(i)` returns them. Returns false if q is not
+    /// reproduced. Handles with the smallest weights are dropped, at most half of the surplus per step,
+    /// while the others can reproduce q. This greedy choice is not optimal. (Exchanging handles to get
+    /// closer weights was tried. It doubled the distances in motion, because handles far away move
+    /// differently.)
     bool reduce(std::size_t most, double threshold) {
         bool exact = start();
         std::size_t at_once = support_.size();
@@ -70,12 +70,12 @@ public:
                 } else if (at_once > 1) {
                     at_once /= 2;
                 } else {
-                    needed_[*least] = 1; // and stays needed: the hull of fewer handles is no larger
+                    needed_[*least] = 1; // permanently: the hull of fewer handles is no larger
                     break;
                 }
             }
             if (dropped || !too_many || !all_needed()) continue;
-            // Too few handles for q: uses the closest point that some of them can reproduce.
+            // Too few handles can reproduce q: uses the closest point that they reproduce.
             exact = false;
             trial_.assign(support_.begin(), support_.end() - 1);
             solve(trial_, false);
@@ -84,7 +84,7 @@ public:
     }
 
     double weight(std::size_t i) const noexcept { return weights_[i]; }
-    /// Returns the handles with weights other than 0, in the order of falling weights.
+    /// Returns the handles with non-zero weights, by descending weight.
     std::span<const std::size_t> support() const noexcept { return support_; }
 
 private:
@@ -92,7 +92,8 @@ private:
     using Row = Eigen::Matrix<double, N, 1>;
     using Square = Eigen::Matrix<double, N, N>;
 
-    /// Solves with all handles. If these cannot reproduce q, the closest point that they can replaces q.
+    /// Solves with all handles. If they cannot reproduce q, replaces q by the closest point that they
+    /// can.
     bool start() {
         bool sound = true;
         Row sum = Row::Zero();
@@ -128,8 +129,8 @@ private:
     bool all_needed() const {
         return std::all_of(support_.begin(), support_.end(), [this](std::size_t i) { return needed_[i]; });
     }
-    /// Fills trial_ with the support without its `count` smallest handles that are not needed.
-    /// Returns the smallest of them, or nothing if there are none.
+    /// Sets trial_ to the support without the `count` smallest handles that can be dropped. Returns the
+    /// smallest of these, or nothing.
     std::optional<std::size_t> without_least(std::size_t count) {
         std::optional<std::size_t> least;
         trial_.clear();
@@ -144,7 +145,7 @@ private:
         }
         return least;
     }
-    /// Takes over the solution on the handles `over`.
+    /// Accepts the solution for the handles `over`.
     void accept(std::span<const std::size_t> over) {
         std::vector<std::size_t>& kept = spare_;
         kept.clear();
@@ -156,13 +157,13 @@ private:
         support_.swap(kept);
     }
 
-    /// Computes weights on some handles, into `found_`. With `exact` they must reproduce q, else it
-    /// returns false; without, they are those of the closest point.
+    /// Computes weights for some handles, in `found_`. With `exact`, returns false if they do not
+    /// reproduce q. Otherwise they reproduce the closest point.
     bool solve(std::span<const std::size_t> over, bool exact) {
         found_.assign(given_.size(), 0.0);
         if (over.empty()) return false;
-        // E is small compared to the equations, and large enough for y to keep its digits if they
-        // have no solution.
+        // E is small relative to the equations, but large enough to keep y accurate if they have no
+        // solution.
         Row penalty = Row::Constant(exact ? 1e-10 : 1e-6);
         if (!exact) penalty[0] = 1e-9;
         Row y = Row::Zero(), centre = Row::Zero();
@@ -237,7 +238,7 @@ private:
                     value = there;
                     break;
                 }
-                if (length < 1e-14) { // only rounding is left to gain
+                if (length < 1e-14) { // the rest is rounding
                     const Row whole = y + direction;
                     if (objective(over, penalty, centre, whole) <= value) y = whole;
                     return;
@@ -249,7 +250,7 @@ private:
     std::vector<Row> columns_;
     std::vector<double> given_, weights_, found_;
     std::vector<std::size_t> support_, trial_, spare_;
-    std::vector<char> needed_; // handles that no others can replace
+    std::vector<char> needed_; // handles that cannot be dropped
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

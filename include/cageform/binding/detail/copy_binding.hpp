@@ -1,4 +1,4 @@
-// Copies a view of a binding into one that owns its memory.
+// Copies a view of a binding to an owning one.
 #pragma once
 
 #include <cageform/figure/binding.hpp>

@@ -1,4 +1,4 @@
-// How the weights of points outside fade with their distance from the cage.
+// The falloff of weights outside the cage.
 #pragma once
 
 #include <cageform/binding/types/bind_options.hpp>
@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns whether the options have a falloff that can be had; see BindOptions::falloff.
+/// Returns falloff_not_supported unless the falloff is valid; see BindOptions::falloff.
 inline Status check_falloff(const BindOptions& options, bool has_extension) noexcept {
     if (options.falloff == 0) return Status::ok;
     const bool has_weights = options.outside == OutsidePoints::nearest_boundary ||
@@ -19,21 +19,21 @@ inline Status check_falloff(const BindOptions& options, bool has_extension) noex
     return has_weights && is_distance ? Status::ok : Status::falloff_not_supported;
 }
 
-/// The share of its displacement that a point outside keeps, f = (1 − x)² (1 + 2x) with x = d/falloff,
-/// and the gradient of f.
+/// The factor f = (1 − x)² (1 + 2x), x = d/falloff, of the displacement of a point outside, and the
+/// gradient of f.
 template <std::size_t D>
-struct Fading {
+struct FalloffValue {
     double kept = 1;
     Vec<double, D> gradient{};
 
-    Fading() = default;
-    Fading(const OutsideDistance<D>& from_cage, double falloff) noexcept {
+    FalloffValue() = default;
+    FalloffValue(const OutsideDistance<D>& from_cage, double falloff) noexcept {
         const double x = from_cage.distance / falloff;
         if (!(x < 1)) {
             kept = 0;
             return;
         }
-        // Each form is exact at its end.
+        // The forms are equal; each is exact at its end of the range.
         kept = x < 0.5 ? 1 - x * x * (3 - 2 * x) : (1 - x) * (1 - x) * (1 + 2 * x);
         gradient = (-6 * x * (1 - x) / falloff) * from_cage.gradient;
     }

@@ -1,4 +1,4 @@
-// Reads the points, normals and tangents of a figure that is to be bound.
+// Reads the points, normals and tangents of a figure to bind.
 #pragma once
 
 #include <cageform/binding/detail/binders.hpp>
@@ -7,7 +7,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Splits tangents of four numbers into tangents of three and their handedness.
+/// Converts tangents of three or four numbers to three numbers and the handedness.
 template <class Tangents>
 auto without_sign(const Tangents& tangents, std::vector<std::int8_t>& handedness) {
     using S = range_scalar_t<Tangents>;
@@ -37,7 +37,8 @@ Status read_tangents(const Figure& figure, const Read& read) {
     }
 }
 
-/// Reads a figure and calls bind(input), which returns a Status; the input lives as long as the call.
+/// Reads a figure and calls bind(input), which returns a Status. The input is valid only during the
+/// call.
 template <Scalar T, std::size_t D, class Figure, class BindFigure>
 Status read_figure(const Figure& figure, const BindFigure& bind) {
     FigureInput<T, D> input{read_points<T>(figure.points), {}, {}};
@@ -52,7 +53,7 @@ Status read_figure(const Figure& figure, const BindFigure& bind) {
     }
 }
 
-// One concept per argument, so that compilers name the one that is not met.
+// One concept per argument, so that compilers name the violated one.
 template <class P, class C>
 concept PointsFor = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3);
 template <class N, class C>

@@ -1,4 +1,4 @@
-// Packs a whole figure: its bindings, labels, clips, levels, and parts of the user.
+// Packs a figure: its bindings, labels, clips, levels, and parts of the user.
 #pragma once
 
 #include <cageform/binding/detail/packer.hpp>
@@ -22,7 +22,7 @@ Status check_tags(std::span<const FigurePartData> parts, FigureTag& culprit) noe
     return Status::ok;
 }
 
-/// Checks that handedness and labels fit the figure's bindings.
+/// Checks that handedness and labels match the figure's bindings.
 template <Scalar T, std::size_t D>
 Status check_tables(const FigureBinding<T, D>& figure, FigureTag& culprit) noexcept {
     culprit = FigureTags::handedness;
@@ -60,7 +60,7 @@ Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& op
     return Status::ok;
 }
 
-/// Returns the part of a figure that holds its clips.
+/// Returns the CLPS part of a figure.
 inline std::vector<Lanes<double>> packed_clips(std::span<const FigureClipData> clips) {
     const std::uint64_t count = clips.size();
     std::size_t name = sizeof(count) + clips.size() * sizeof(FigureClip), end = name;
@@ -101,7 +101,7 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
         return running.subtask(double(n) / double(vectors + 1), double(n + 1) / double(vectors + 1));
     };
     const bool own_tolerance = vectors > 0 && options.tangent_tolerance != 0;
-    if (own_tolerance && how.tolerance == 0) // makes it sparse, so that tangents can use its order
+    if (own_tolerance && how.tolerance == 0) // sparse, so that it has an order for the tangents
         how.threshold = (std::max)(how.threshold, (std::numeric_limits<double>::min)());
     auto points = pack_binding(figure.points.view(), how, subtask(0), {});
     how.threshold = options.weights.threshold;

@@ -1,4 +1,4 @@
-// The kinds of cage that the classes of cages stand for.
+// The kinds of cage that the cage classes represent.
 #pragma once
 
 #include <cageform/coordinates/types.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The kinds of cage that a class stands for. A lattice is the cage of its own coordinates.
+/// The kinds of cage that a class represents. A lattice is the cage of its own coordinates.
 template <class Cage>
 inline constexpr std::uint32_t kinds_of = 0;
 template <class T>
@@ -16,7 +16,7 @@ template <class T>
 inline constexpr std::uint32_t kinds_of<TriangleMesh<T>> = cage_kinds::triangles;
 template <class T>
 inline constexpr std::uint32_t kinds_of<PolyhedralMesh<T>> = cage_kinds::fans | cage_kinds::planar_faces;
-template <class T, std::size_t D> // without cells it is its boundary
+template <class T, std::size_t D> // also stands for its boundary, if it has no cells
 inline constexpr std::uint32_t
     kinds_of<CellComplex<T, D>> = cage_kinds::cells | (D == 2 ? cage_kinds::polygon : cage_kinds::triangles);
 template <class T>
@@ -26,7 +26,7 @@ inline constexpr std::uint32_t kinds_of<PointSet<T, D>> = cage_kinds::sites;
 template <class T, std::size_t D>
 inline constexpr std::uint32_t kinds_of<LatticeCoordinates<T, D>> = cage_kinds::lattice;
 
-/// What barycentric coordinates take of a cage: of a mesh the vertices.
+/// Returns the argument for barycentric coordinates: the cage, or the vertices of a mesh.
 template <class Cage>
 decltype(auto) corners_of(const Cage& cage) {
     if constexpr (std::is_constructible_v<BarycentricCoordinates<typename Cage::scalar, Cage::dimension>,

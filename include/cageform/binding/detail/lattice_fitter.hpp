@@ -1,4 +1,4 @@
-// The least squares of a lattice's pose: rows of weights, and the second differences of displacements.
+// Fits the pose of a lattice by least squares, with a penalty on second differences of displacements.
 #pragma once
 
 #include <cageform/binding/detail/least_squares.hpp>
@@ -88,7 +88,7 @@ private:
         return Status::ok;
     }
     void number_unknowns() {
-        number_.assign(lattice_.handles().size() - lattice_.still_handles(), 0);
+        number_.assign(lattice_.handles().size() - lattice_.frame_handles(), 0);
         for (const std::uint32_t i : options_.frozen) {
             if (i < number_.size()) number_[i] = still;
         }
@@ -102,7 +102,7 @@ private:
         while (i < lattice_.handles().size() && binding_.weights(j, i) == 0) ++i;
         return i < lattice_.handles().size();
     }
-    /// Returns the weight of a point over the largest one, so that sums of weights do not overflow.
+    /// Returns the weight of a point divided by the largest one, so that sums do not overflow.
     double relative_weight(std::size_t j) const noexcept {
         return options_.point_weights.empty() ? 1 : options_.point_weights[j] / heaviest_;
     }
@@ -125,8 +125,8 @@ private:
         return x;
     }
 
-    /// Adds λ E: the means of the squares of all second differences, divided by the Greville abscissae, so
-    /// that they are zero if and only if the displacements are affine. Mixed differences count twice.
+    /// Adds λ E, the mean squares of all second differences divided by the Greville abscissae. They are
+    /// zero if and only if the displacements are affine. Mixed differences count twice.
     void add_smoothness(LeastSquares& equations) {
         if (!(options_.smoothness > 0)) return;
         std::array<std::size_t, D> stride;
@@ -194,7 +194,7 @@ private:
     const BindingView<T, D>& binding_;
     const std::vector<Vec<double, D>>& displacements_;
     const LatticeFitOptions& options_;
-    double heaviest_ = 0, total_ = 0; ///< the largest weight of a point; the sum of all over it
+    double heaviest_ = 0, total_ = 0; ///< the largest weight of a point; the sum of the relative weights
     std::vector<char> counts_;        ///< whether a point has a residual
     std::size_t unreached_ = 0, unknowns_ = 0;
     std::vector<std::uint32_t> number_; ///< the unknown of each control point, or `still`

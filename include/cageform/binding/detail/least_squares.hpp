@@ -1,4 +1,4 @@
-// Linear least squares by their normal equations, a row at a time.
+// Linear least squares by normal equations, one row at a time.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -13,11 +13,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Minimises Σ_rows weight · |Σ coefficient · x − right|², with several right sides for one matrix. The
-/// normal equations are summed up, scaled to a unit diagonal and factored (L D Lᵀ); one step of iterative
-/// refinement follows. The matrix is dense for few unknowns, else sparse.
+/// Minimises Σ_rows weight · |Σ coefficient · x − right|² for several right-hand sides. The normal
+/// equations are summed, scaled to a unit diagonal and factored (L D Lᵀ), with one step of iterative
+/// refinement. The matrix is dense for few unknowns, else sparse.
 ///
-///   cost  O(Σ terms²) for the rows; then O(unknowns³ / 3), or what fill-in takes
+///  cost  O(Σ terms²) for the rows; then O(unknowns³ / 3), or the cost of the fill-in
 class LeastSquares {
 public:
     struct Term {
@@ -25,12 +25,12 @@ public:
         double coefficient;
     };
     struct Solution {
-        Status status = Status::ok; ///< fit_not_determined: the scaled matrix is singular, to rounding
+        Status status = Status::ok; ///< fit_not_determined: the scaled matrix is numerically singular
         double pivot_ratio = 1;     ///< the least pivot over the largest; 1 for no unknowns
         std::vector<double> values; ///< unknown · sides + side; empty unless the status is ok
     };
 
-    /// most_dense  the largest number of unknowns with a dense matrix
+    /// `most_dense` is the largest number of unknowns with a dense matrix.
     LeastSquares(std::size_t unknowns, std::size_t sides, std::size_t most_dense = 1000)
         : is_dense_(unknowns <= most_dense)
         , right_(Matrix::Zero(Eigen::Index(unknowns), Eigen::Index(sides))) {
@@ -43,9 +43,9 @@ public:
 
     /// Adds a row.
     ///
-    ///   terms   of different unknowns
-    ///   right   a number for each side
-    ///   weight  not negative
+    ///  terms   with distinct unknowns
+    ///  right   one number per side
+    ///  weight  not negative
     void add(std::span<const Term> terms, std::span<const double> right, double weight) {
         if (!(weight > 0)) return;
         for (const Term& term : terms) {
@@ -83,7 +83,7 @@ private:
     using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
     static constexpr std::size_t terms_of_batch = std::size_t{1} << 18;
 
-    /// Adds the rows that are kept, at once: a sparse matrix is slow to change.
+    /// Adds the collected rows at once, since changing a sparse matrix is slow.
     void add_batch() {
         Sparse rows(Eigen::Index(batch_rows_), right_.rows());
         rows.setFromTriplets(batch_.begin(), batch_.end());
@@ -93,7 +93,7 @@ private:
         batch_rows_ = 0;
     }
 
-    /// matrix  its lower half
+    /// `matrix` is the lower triangle.
     template <class Factors, class M>
     Solution solve_by(const M& matrix) const {
         const Eigen::VectorXd diagonal = matrix.diagonal();
@@ -119,9 +119,9 @@ private:
     }
 
     bool is_dense_;
-    Matrix dense_; ///< its lower half
+    Matrix dense_; ///< the lower triangle
     Sparse sparse_;
-    Matrix right_; ///< a column for each side
+    Matrix right_; ///< one column per side
     std::vector<Eigen::Triplet<double, Index>> batch_;
     Index batch_rows_ = 0;
 };

@@ -1,4 +1,4 @@
-// Affine rows of the handles, normalised, by which packing measures and restores Σ wκ and Σ wH.
+// Normalised affine rows of the handles, which packing uses to measure and restore Σ wκ and Σ wH.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -9,7 +9,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The affine rows (κ, H) of the handles, centred at the mean of the points and scaled so that their
-/// mean square is the identity. The row sum Σ w a of a point's weights contains both Σ wκ and Σ wH.
+/// mean square is the identity. The row sum Σ w a of a point's weights determines Σ wκ and Σ wH.
 template <std::size_t D>
 class Moments {
 public:
@@ -38,8 +38,8 @@ public:
 
     std::size_t size() const { return columns_.size(); }
     const Column& operator[](std::size_t handle) const { return columns_[handle]; }
-    /// Returns a coefficient of the best affine fit: the fit to values at all handles is Σ_i fit(i)
-    /// · value_i, against these columns.
+    /// Returns the coefficient of a handle in the least-squares affine fit: Σ_i fit(i) · value_i,
+    /// relative to these columns.
     Column fit(std::size_t handle) const { return product(inverse_of_all_, columns_[handle]); }
 
     template <class Chosen>
@@ -50,7 +50,7 @@ public:
         }
         return sum;
     }
-    /// Returns a power of a symmetric matrix; directions without extent are left out.
+    /// Returns a power of a symmetric matrix; vanishing eigenvalues are omitted.
     static Matrix power(const Matrix& m, double exponent) {
         const PrincipalAxes<D + 1> axes = principal_axes(m);
         Matrix result{};

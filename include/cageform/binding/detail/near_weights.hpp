@@ -1,4 +1,4 @@
-// Finds weights that reproduce a point and are close to given ones.
+// Finds weights close to given ones that reproduce a point.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -18,19 +18,19 @@ struct HandleWeight {
     friend bool operator==(const HandleWeight&, const HandleWeight&) = default;
 };
 
-/// Sorts weights: the larger first, of equal ones the lower handle first.
+/// Orders weights descending, equal ones by handle.
 constexpr bool is_heavier(const HandleWeight& a, const HandleWeight& b) noexcept {
     return a.weight != b.weight ? a.weight > b.weight : a.handle < b.handle;
 }
 
-/// Finds the weights of one point that reproduce it by the least relative change of given weights
-/// m: w = m · max(0, 1 + a·y), where a are the affine rows of the handles and y has D + 1 numbers
-/// that make Σ w a = (1, 0). It uses Newton's method, as ConvexWeights does. If m is 0 so is w, and
-/// as m fades out so does w.
+/// Finds the weights of one point that reproduce it with the least relative change of given weights m:
+/// w = m · max(0, 1 + a·y), where a are the affine rows of the handles and y has D + 1 numbers such
+/// that Σ w a = (1, 0). Uses Newton's method as ConvexWeights does. Where m is 0, so is w, and w is
+/// continuous in m.
 template <std::size_t D>
 class NearWeights {
 public:
-    /// Relative to the size; what weights in single precision resolve.
+    /// The tolerance relative to the size: the resolution of weights in single precision.
     static constexpr double reproduced = 1e-7;
 
     template <Scalar T>
@@ -68,7 +68,7 @@ public:
         return is_exact;
     }
 
-    std::span<const std::size_t> support() const noexcept { return support_; } ///< falling weights
+    std::span<const std::size_t> support() const noexcept { return support_; } ///< by descending weight
     double weight(std::size_t handle) const noexcept {
         for (const HandleWeight& entry : found_) {
             if (entry.handle == handle) return entry.weight;
@@ -81,11 +81,11 @@ private:
     using Row = Eigen::Matrix<double, N, 1>;
     using Square = Eigen::Matrix<double, N, N>;
 
-    /// Solves for the first `count` of the given weights, into `found_`. Returns false, with these
-    /// weights unchanged, if they cannot reproduce the point.
+    /// Solves for the first `count` given weights, in `found_`. If these cannot reproduce the point,
+    /// returns false and the given weights.
     bool solve(std::size_t count) {
         found_.assign(given_.begin(), given_.begin() + std::ptrdiff_t(count));
-        constexpr double penalty = 1e-12; // keeps the equations solvable if handles lie in a plane
+        constexpr double penalty = 1e-12; // keeps the equations solvable for coplanar handles
         Row y = Row::Zero();
         double value = objective(count, y);
         for (int step = 0; step < 60; ++step) {

@@ -1,4 +1,4 @@
-// One block of a packed binding: its points, its rows of weights, and the error that they leave.
+// One block of a packed binding: its points, its rows of weights, and their errors.
 #pragma once
 
 #include <cageform/binding/detail/moments.hpp>
@@ -11,14 +11,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The points of a block; the last block may have fewer than lanes.
+/// The points of a block; fewer than `lanes` in the last block.
 template <Scalar T>
 struct BlockPoints {
     std::array<std::size_t, lane_count<T>> index{};
     std::size_t count = 0;
 };
 
-/// Some handles, and for each a row with its weight for every point of a block.
+/// Handles, and a row of weights for each: one weight per point of a block.
 struct PackedRows {
     std::vector<std::uint32_t> handles; ///< ascending
     std::vector<double> weights;        ///< #handles rows of lanes
@@ -37,8 +37,7 @@ public:
         , moments_(moments)
         , loss_(loss) {}
 
-    /// Returns the binding's weights of the points, a row for each of `handles`. Lanes without a
-    /// point are 0.
+    /// Returns the binding's weights as a row for each of `handles`. Lanes without a point are 0.
     PackedRows rows_of(const BlockPoints<T>& points, std::vector<std::uint32_t> handles) const {
         PackedRows rows{std::move(handles), {}};
         rows.weights.assign(rows.handles.size() * lanes, 0.0);
@@ -50,8 +49,8 @@ public:
         return rows;
     }
 
-    /// Restores the row sums of the points by the least change of their weights. Returns the
-    /// largest change.
+    /// Restores the row sums of the points by the smallest change of their weights (2-norm). Returns
+    /// the largest change.
     Extreme restore(const BlockPoints<T>& points, PackedRows& rows) const {
         Extreme largest;
         const auto has_row = [&](std::size_t h) {
@@ -82,8 +81,8 @@ public:
         return sum;
     }
 
-    /// Returns w' − w for all handles, as #handles rows of lanes. `stored` are the weights as
-    /// stored; `residuals` are the errors of the row sums that some formats store beside them.
+    /// Returns w' − w for all handles, as #handles rows of lanes. `stored` are the weights as stored;
+    /// `residuals` are the stored errors of the row sums, empty for scalar weights.
     std::vector<double> change(const BlockPoints<T>& points, const PackedRows& stored,
                                std::span<const Column> residuals) const {
         std::vector<double> change(moments_.size() * lanes, 0.0);
@@ -100,7 +99,7 @@ public:
         return change;
     }
 
-    /// Returns the errors of the row sums that a format stores for the points; none for scalars.
+    /// Returns the errors of the row sums that a format stores per point; empty for scalar weights.
     std::vector<Column> residuals(WeightFormat format, const BlockPoints<T>& points,
                                   const PackedRows& stored) const {
         std::vector<Column> residuals;
@@ -109,11 +108,11 @@ public:
         return residuals;
     }
 
-    /// Returns the largest distance of the points if `rows` are stored in a format, or one above
-    /// `limit`.
+    /// Returns the largest distance of the points if `rows` are stored in a format, or any distance
+    /// above `limit`.
     double distance(WeightFormat format, const BlockPoints<T>& points, const PackedRows& rows, double limit,
-                    std::size_t& suspect) const {
-        return loss_.template largest<lanes>(stored_change(format, points, rows), limit, suspect);
+                    std::size_t& first_pose) const {
+        return loss_.template largest<lanes>(stored_change(format, points, rows), limit, first_pose);
     }
 
     /// Returns the largest distance and its point.

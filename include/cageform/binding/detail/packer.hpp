@@ -1,9 +1,10 @@
-// Packs one binding block by block: chooses rows of weights, rounds them, and measures the loss.
+// Packs one binding: chooses rows of weights per block, rounds them, and measures the loss.
 #pragma once
 
 #include <cageform/binding/detail/choose_rows.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
 #include <cageform/binding/types/pack_options.hpp>
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/figure/types/blob.hpp>
@@ -20,18 +21,18 @@ namespace detail {
 /// Packs one binding, in these steps:
 ///
 ///   1. `choose_all_rows` sorts the points spatially and chooses for each block the handles that get a row:
-///      by number and size of weights (`rows_by_size`), then by distance (`RowChooser`), which finds how
-///      many rows each storage format needs.
-///   2. `choose_format` takes the format with the fewest bytes of those that keep the tolerance.
+///      by number and size of weights (`rows_by_size`), then by distance (`RowChooser`), which finds the
+///      number of rows for each storage format.
+///   2. `choose_format` chooses the smallest format that meets the tolerance.
 ///   3. `fill_block` fits the weights of the chosen rows, restores row sums, rounds and stores, and measures
 ///      the error and distance of every point.
 ///
-/// Without limits there is no order and no row list: every block has a row for every handle.
+/// Without limits there is no order and no list of rows: every block has a row for every handle.
 template <Scalar T, std::size_t D>
 class Packer {
 public:
     Packer(const BindingView<T, D>& binding, const PackOptions& options, const Running& running,
-           std::span<const char> cut)
+           std::span<const char> on_seam)
         : binding_(binding)
         , options_(options)
         , running_(running)
@@ -40,7 +41,7 @@ public:
         , blocks_(block_count<T>(points_))
         , sparse_((options.largest != 0 && options.largest < handles_) || options.threshold > 0)
         , moments_(binding.handle_view())
-        , cut_(cut.begin(), cut.end())
+        , on_seam_(on_seam.begin(), on_seam.end())
         , format_(options.format.value_or(WeightFormat::scalar)) {}
 
     Status run(PackedBinding<T, D>& packed, PackReport& report) {
@@ -78,8 +79,8 @@ private:
     using Column = typename Moments<D>::Column;
 
     struct Piece {
-        std::vector<std::uint32_t> handles; ///< of the rows; ascending unless a distance is kept
-        std::vector<RowTrial> trials;       ///< if a distance is kept: how many rows each format needs
+        std::vector<std::uint32_t> handles; ///< of the rows; ascending unless there is a tolerance
+        std::vector<RowTrial> trials;       ///< with a tolerance: the number of rows per format
         std::size_t added = 0;
         Extreme change, distance;
         std::size_t pose = Extreme::none;
@@ -102,13 +103,14 @@ private:
         return loss_.load(binding_.handle_view(), options_, report.culprit);
     }
 
-    /// Chooses the order of the points, and the rows of every block.
+    /// Chooses the order of the points and the rows of every block.
     Status choose_all_rows(PackReport& report) {
         order_ = options_.order.empty() ? spatial_order<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
         if (!detail::is_permutation(order_, points_)) return Status::order_not_a_permutation;
-        if (cut_.empty() && !keeps_distance())
-            cut_ = cut_points<T>(order_, [this](std::uint32_t a, std::uint32_t b) { return is_less(a, b); });
+        if (on_seam_.empty() && !keeps_distance())
+            on_seam_ =
+                seam_points<T>(order_, [this](std::uint32_t a, std::uint32_t b) { return is_less(a, b); });
         if (keeps_distance()) square_loss_ = std::make_unique<const SquareLoss<D>>(moments_, loss_);
         Status status =
             for_each_block(blocks_, running_.subtask(0, 0.7), [this](std::size_t begin, std::size_t end) {
@@ -119,9 +121,9 @@ private:
         return status;
     }
 
-    /// Orders points by place, then by weights.
+    /// Orders points by position, then by weights.
     bool is_less(std::uint32_t a, std::uint32_t b) const {
-        if (const int order = compare_places<D>(binding_.rest, a, b); order != 0) return order < 0;
+        if (const int order = compare_positions<D>(binding_.rest, a, b); order != 0) return order < 0;
         for (std::size_t h = 0; h < handles_; ++h) {
             const T x = binding_.weights(a, h), y = binding_.weights(b, h);
             if (x != y) return x < y;
@@ -129,12 +131,12 @@ private:
         return false;
     }
 
-    /// Calls f(lane, rows, change) for each cut point of a block: its rows as in a block of its own, with
-    /// restored sums, and the largest change of a weight by that.
+    /// Calls f(lane, rows, change) for each seam point of a block. `rows` are those that the point has
+    /// alone in a block, with restored sums; `change` is the largest change of a weight by restoring.
     template <class F>
-    void for_each_cut_lane(const BlockPoints<T>& points, const F& f) const {
-        for (std::size_t lane = 0; lane < points.count && !cut_.empty(); ++lane) {
-            if (cut_[points.index[lane]] == 0) continue;
+    void for_each_seam_lane(const BlockPoints<T>& points, const F& f) const {
+        for (std::size_t lane = 0; lane < points.count && !on_seam_.empty(); ++lane) {
+            if (on_seam_[points.index[lane]] == 0) continue;
             const BlockPoints<T> alone{{points.index[lane]}, 1};
             PackedRows rows =
                 packer_.rows_of(alone, rows_by_size(binding_, moments_, alone, options_).handles);
@@ -150,7 +152,7 @@ private:
             RowsBySize rows = rows_by_size(binding_, moments_, points, options_);
             piece.handles = std::move(rows.handles);
             piece.added = rows.added;
-            for_each_cut_lane(points, [&piece](std::size_t, const PackedRows& own, const Extreme&) {
+            for_each_seam_lane(points, [&piece](std::size_t, const PackedRows& own, const Extreme&) {
                 std::vector<std::uint32_t> both;
                 std::set_union(piece.handles.begin(), piece.handles.end(), own.handles.begin(),
                                own.handles.end(), std::back_inserter(both));
@@ -167,8 +169,7 @@ private:
         piece.handles.assign(chooser.order().begin(), chooser.order().end());
     }
 
-    /// Chooses the format: of those in which every block keeps the tolerance, the one with the
-    /// fewest bytes.
+    /// Chooses the smallest format in which every block meets the tolerance.
     Status choose_format(PackReport& report) {
         std::optional<std::size_t> best;
         std::size_t least_bytes = 0;
@@ -195,7 +196,7 @@ private:
         return Status::ok;
     }
 
-    /// Returns the size of the parts of a blob that depend on its format and rows.
+    /// Returns the size of those arrays of a blob that depend on format and rows.
     std::size_t bytes_of(WeightFormat format, std::size_t rows) const {
         BlobHeader header;
         header.format = std::uint32_t(format);
@@ -270,7 +271,7 @@ private:
         report.dense_bytes = blocks_ * (handles_ + D) * sizeof(Lanes<T>) + handles_ * sizeof(Vec<T, D>);
     }
 
-    /// Returns the diagonal of the box around the finite points at rest.
+    /// Returns the diagonal of the bounds of the finite points at rest.
     double size_of_points() const {
         std::vector<Vec<double, D>> at_rest;
         for (std::size_t i = 0; i < points_; ++i) {
@@ -291,11 +292,10 @@ private:
         return points;
     }
 
-    /// Sorts blocks by their number of rows. Otherwise a processor mispredicts the end of the row
-    /// loop in each block. A last block that is not full stays last.
+    /// Sorts blocks by their number of rows. Otherwise the processor would mispredict the end of the
+    /// row loop in each block. An incomplete last block stays last.
     void sort_blocks() {
-        std::vector<std::uint32_t> sequence(points_ / lanes);
-        std::iota(sequence.begin(), sequence.end(), 0u);
+        auto sequence = first_indices<std::uint32_t>(points_ / lanes);
         std::sort(sequence.begin(), sequence.end(), [this](std::uint32_t a, std::uint32_t b) {
             const std::size_t rows_a = pieces_[a].handles.size(), rows_b = pieces_[b].handles.size();
             return rows_a != rows_b ? rows_a < rows_b : a < b;
@@ -339,14 +339,10 @@ private:
         }
     }
 
-    /// Returns the rows of a block, with weights that restore the row sums of its points.
+    /// Returns the rows of a block, with restored row sums.
     PackedRows rows_of(std::size_t block, const BlockPoints<T>& points) {
         Piece& piece = pieces_[block];
-        if (!has_order()) {
-            std::vector<std::uint32_t> all(handles_);
-            std::iota(all.begin(), all.end(), 0u);
-            return packer_.rows_of(points, std::move(all));
-        }
+        if (!has_order()) return packer_.rows_of(points, first_indices<std::uint32_t>(handles_));
         PackedRows rows;
         if (keeps_distance()) { // as they were tested
             rows = RowChooser<T, D>(packer_, *square_loss_, points, piece.handles).rows(piece.handles.size());
@@ -354,7 +350,7 @@ private:
             rows = packer_.rows_of(points, piece.handles);
         }
         piece.change = packer_.restore(points, rows);
-        for_each_cut_lane(points, [&](std::size_t lane, const PackedRows& own, const Extreme& change) {
+        for_each_seam_lane(points, [&](std::size_t lane, const PackedRows& own, const Extreme& change) {
             piece.change.raise(change);
             for (std::size_t r = 0, k = 0; r < rows.handles.size(); ++r) {
                 const bool is_own = k < own.handles.size() && own.handles[k] == rows.handles[r];
@@ -368,7 +364,7 @@ private:
         const auto out = blob.view();
         const BlockPoints<T> points = points_of(block);
         Lanes<T>* const rest = blob.writable(out.rest) + block * D;
-        for (std::size_t lane = 0; lane < lanes; ++lane) { // copies of the last point fill the block
+        for (std::size_t lane = 0; lane < lanes; ++lane) { // filled with copies of the last point
             const std::size_t i = points.index[(std::min)(lane, points.count - 1)];
             for (std::size_t k = 0; k < D; ++k) rest[k][lane] = binding_.rest(i, k);
         }
@@ -385,7 +381,7 @@ private:
         measure(pieces_[block], points, packer_.change(points, rows, residuals), report);
     }
 
-    /// Measures the effect of a change of the weights on each point of a block.
+    /// Measures the effect of changed weights on each point of a block.
     void measure(Piece& piece, const BlockPoints<T>& points, std::span<const double> change,
                  PackReport& report) const {
         const auto distances = loss_.template distances<lanes>(change);
@@ -407,10 +403,10 @@ private:
     std::size_t handles_, points_, blocks_;
     bool sparse_; ///< weights are limited by number or size
     Moments<D> moments_;
-    std::vector<char> cut_; ///< by point: whether a point of another block has its place; empty if unused
+    std::vector<char> on_seam_; ///< per point: see seam_points; empty if unused
     WeightLoss<D> loss_;
     BlockPacker<T, D> packer_{binding_, moments_, loss_};
-    std::unique_ptr<const SquareLoss<D>> square_loss_; ///< if a distance is kept
+    std::unique_ptr<const SquareLoss<D>> square_loss_; ///< if there is a tolerance
     WeightFormat format_;
     std::vector<std::uint32_t> order_, row_begin_;
     std::uint64_t rows_ = 0;
@@ -420,12 +416,13 @@ private:
 template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
                                                      const PackOptions& options, const Running& running,
-                                                     std::span<const char> cut) {
+                                                     std::span<const char> on_seam) {
     Result<PackedBinding<T, D>, PackReport> result;
     result.report.points = binding.point_count();
     result.report.handles = binding.handle_count();
-    run_into(result.report,
-             [&] { return Packer<T, D>(binding, options, running, cut).run(result.value, result.report); });
+    run_into(result.report, [&] {
+        return Packer<T, D>(binding, options, running, on_seam).run(result.value, result.report);
+    });
     return result;
 }
 

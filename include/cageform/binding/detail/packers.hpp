@@ -1,4 +1,4 @@
-// Declares the functions behind `pack`.
+// Declares the implementation of `pack`.
 #pragma once
 
 #include <cageform/binding/types/figure_binding.hpp>
@@ -8,11 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-///   cut  the points that share a place with a point of another block (cut_points), if they are known
+/// Packs a binding. `on_seam` is the result of seam_points; if it is empty, it is computed.
 template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
                                                      const PackOptions& options, const Running& running,
-                                                     std::span<const char> cut);
+                                                     std::span<const char> on_seam);
 
 template <class T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,

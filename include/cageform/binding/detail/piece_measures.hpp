@@ -1,4 +1,4 @@
-// Measures the weights of a range of points, all lanes at once, and adds the results to the report.
+// Measures the weights of a range of points, all lanes at once, for the report.
 #pragma once
 
 #include <cageform/binding/types/bind_options.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The results for a range of points: its status, and its measures.
+/// The status and measures of a range of points.
 struct BindPiece {
     Status status = Status::ok;
     Extreme partition, reproduction, change, before, least, amplification;
@@ -22,13 +22,13 @@ struct BindPiece {
     }
 };
 
-/// The largest value in each lane, and the block that it was found in first.
+/// The largest value in each lane, and the first block that has it.
 template <Scalar T>
 class LaneExtreme {
     using Number = Simd<T>;
 
 public:
-    /// Marks a lane without a value.
+    /// A lane without a value.
     static constexpr T none = std::numeric_limits<T>::lowest();
 
     CAGEFORM_DETAIL_INLINE void raise(const Number& value, const Number& block) noexcept {
@@ -36,7 +36,7 @@ public:
         value_ = select<T>(larger, value, value_);
         block_ = select<T>(larger, block, block_);
     }
-    /// Returns the largest value of all lanes, of equal ones the first point's; blocks count from
+    /// Returns the largest value of all lanes, and the first point that has it. Block 0 begins at point
     /// `first`.
     Extreme of_points_from(std::size_t first) const noexcept {
         Lanes<T> values, blocks;
@@ -57,7 +57,7 @@ private:
     Number value_{none}, block_{T(0)};
 };
 
-/// Collects the measures of a range of points, block by block.
+/// Collects the measures of a range of points, per block.
 template <Scalar T>
 class PieceMeasures {
     using Number = Simd<T>;
@@ -66,9 +66,9 @@ public:
     explicit PieceMeasures(std::size_t first_point) noexcept
         : first_(first_point) {}
 
-    /// Adds the measures of the lanes where `bound` is one.
+    /// Adds the measures of the lanes in which `bound` is 1.
     template <class Outcome>
-    void note(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
+    void add(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
         const std::size_t blocks_before = block - first_ / lane_count<T>;
         const Number none(LaneExtreme<T>::none), zero(T(0)), at(static_cast<T>(blocks_before));
         const auto is_bound = zero < Number::load(bound);

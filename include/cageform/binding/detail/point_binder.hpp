@@ -19,9 +19,9 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The common part of binding points and vectors; several bindings can share the same points.
-/// Blocks are processed in pieces that stay in cache. The results of each piece are stored
-/// separately and combined at the end, so nothing depends on the threads.
+/// The common base of binding points and vectors; several bindings may share the points. Blocks are
+/// processed in pieces that fit the cache. The results of pieces are stored separately and combined in
+/// order, so they do not depend on the threads.
 template <Scalar T, std::size_t D>
 class Binder {
 protected:
@@ -45,7 +45,7 @@ protected:
         if (!corners.empty()) bounds_ = bounds_of(std::span<const Vec<T, D>>(corners));
     }
 
-    /// Makes the bindings, reusing their memory; fill() sets weights, rest and states.
+    /// Makes the bindings and reuses their memory; fill() computes weights, rest and states.
     template <class Fill>
     Status run(std::span<Binding<T, D>> bindings, BindReport& report, const Fill& fill) {
         const std::size_t blocks = block_count<T>(count_);
@@ -74,34 +74,34 @@ protected:
         });
     }
 
-    /// Returns the first point of a piece; `states_of` returns the states of its points.
+    /// The first point of a piece, and the states of its points.
     std::size_t first_of(std::size_t piece) const noexcept { return piece * piece_blocks_ * lanes; }
     std::span<PointState> states_of(std::size_t piece) noexcept {
         const std::size_t first = first_of(piece);
         return std::span(states_).subspan(first, (std::min)(piece_blocks_ * lanes, count_ - first));
     }
 
-    /// Returns whether a point with this state gets weights.
+    /// Whether a point in this state gets weights.
     bool is_bound(PointState state) const noexcept {
         if (state == PointState::inside || state == PointState::on_boundary) return true;
         return state == PointState::outside &&
                (options_.outside == OutsidePoints::nearest_boundary ||
                 (options_.outside == OutsidePoints::extend && input_.has_extension));
     }
-    /// Returns how the displacement of point i, which lies outside at `p`, fades. A point that keeps
-    /// nothing gets no weights.
-    Fading<D> fading_of(std::size_t i, const Vec<T, D>& p) {
+    /// Returns the falloff of point i, which lies outside at `p`. A point with a factor of 0 gets no
+    /// weights.
+    FalloffValue<D> falloff_of(std::size_t i, const Vec<T, D>& p) {
         if (beyond_.empty()) return {};
-        Fading<D> fading;
-        if (is_far(p)) // so are most points too far from the cage, at no search
-            fading.kept = 0;
+        FalloffValue<D> falloff;
+        if (is_far(p)) // avoids the search for the nearest boundary point
+            falloff.kept = 0;
         else
-            fading = {input_.distance(p), options_.falloff};
-        fading.kept = static_cast<T>(fading.kept);
-        beyond_[i] = fading.kept == 0;
-        return fading;
+            falloff = {input_.distance(p), options_.falloff};
+        falloff.kept = static_cast<T>(falloff.kept);
+        beyond_[i] = falloff.kept == 0;
+        return falloff;
     }
-    /// Returns whether a point is too far from the bounds of the cage, if these are known, to move.
+    /// Whether a point is at least the falloff away from the bounds of the cage, if these are known.
     bool is_far(const Vec<T, D>& p) const noexcept {
         if (!bounds_) return false;
         Vec<double, D> away{};
@@ -112,11 +112,11 @@ protected:
     bool is_beyond(std::size_t i) const noexcept { return !beyond_.empty() && beyond_[i] != 0; }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
 
-    /// Records the measures of a block. A point becomes unreached if it is so far away that its
-    /// weights, or their sums, overflow the scalar. Returns whether there was one.
+    /// Records the measures of a block. A point whose weights or their sums overflow the scalar becomes
+    /// unreached. Returns whether there is one.
     template <class Outcome>
-    bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block,
-              PieceMeasures<T>& measures) noexcept {
+    bool record(const Outcome& outcome, const Lanes<T>& bound, std::size_t block,
+                PieceMeasures<T>& measures) noexcept {
         using Number = Simd<T>;
         const Number most((std::numeric_limits<T>::max)()), zero(T(0)), one(T(1));
         const auto finite = Number::load(outcome.partition) + Number::load(outcome.reproduction) <= most;
@@ -133,11 +133,11 @@ protected:
                 unreached = true;
             }
         }
-        measures.note(outcome, reached, block);
+        measures.add(outcome, reached, block);
         return unreached;
     }
-    /// Clears the weights of points that `take` has found unreached and of lanes without weights:
-    /// where lengths overflow, the restorer does not leave them at zero.
+    /// Clears the weights of unreached points and of lanes without weights. Where lengths overflow, the
+    /// restorer does not leave them at zero.
     void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (bound[lane] == T(0) || states_[block * lanes + lane] == PointState::unreached)
@@ -148,7 +148,7 @@ protected:
         for (std::size_t h = 0; h < handles_.count; ++h) row[h][lane] = T(0);
     }
 
-    /// Combines the pieces, in their order, and lists the points.
+    /// Combines the pieces in order, and lists the points.
     Status report_into(BindReport& report) const {
         for (const BindPiece& piece : pieces_) {
             if (piece.status != Status::ok) return piece.status;
@@ -178,9 +178,9 @@ protected:
     std::size_t count_;
     std::vector<BlockView<T>> weights_, rest_; // of each binding
     std::vector<PointState> states_;
-    std::vector<char> missed_; // more than rounding is left to restore
-    std::vector<char> beyond_; // outside, and too far from the cage to move; empty without a falloff
-    std::optional<Bounds<T, D>> bounds_; // that hold the cage, if there are any and a falloff
+    std::vector<char> missed_;           // linear precision is not restored
+    std::vector<char> beyond_;           // outside with a falloff factor of 0; empty without a falloff
+    std::optional<Bounds<T, D>> bounds_; // of the cage; only with a falloff
     std::vector<BindPiece> pieces_;
 };
 
@@ -213,7 +213,7 @@ private:
         });
     }
 
-    /// Evaluates all points together, so that a solver solves once.
+    /// Evaluates all points at once, so that a solver solves only once.
     Status at_once(const Running& running, BindReport& report) {
         const Status status =
             this->for_each_piece(running.subtask(0, 0.1), [this](std::size_t piece) { load(piece); });
@@ -240,7 +240,7 @@ private:
         }
     }
 
-    /// Handles points that are not simply inside, restores linear precision, and measures.
+    /// Handles points outside, restores linear precision, and measures.
     void finish(std::size_t piece) {
         const auto weights = piece_of(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;
@@ -249,23 +249,23 @@ private:
             Lanes<T>* const row = this->weights_[0].block(b);
             Lanes<T> target[D], bound, kept;
             for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
-            bool fades = false;
+            bool has_falloff = false;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 kept[lane] = T(1);
                 bound[lane] = resolve(b * lanes + lane, target, kept[lane]) ? T(1) : T(0);
-                fades = fades || kept[lane] != T(1);
+                has_falloff = has_falloff || kept[lane] != T(1);
             }
             auto outcome = this->restorer_.run(target, bound, row, this->restores());
-            if (fades) fade(kept, row, outcome);
-            if (this->take(outcome, bound, b, measures)) this->clear_unreached(bound, b, row);
+            if (has_falloff) apply_falloff(kept, row, outcome);
+            if (this->record(outcome, bound, b, measures)) this->clear_unreached(bound, b, row);
         }
         measures.put_into(this->pieces_[piece]);
     }
 
-    /// Multiplies the weights of points outside by what they keep. Their sums are measured before, their
-    /// sizes after.
+    /// Multiplies the weights of points outside by their falloff factors. Sums are measured before
+    /// this, sizes after it.
     template <class Outcome>
-    void fade(const Lanes<T>& kept, Lanes<T>* row, Outcome& outcome) const noexcept {
+    void apply_falloff(const Lanes<T>& kept, Lanes<T>* row, Outcome& outcome) const noexcept {
         const auto factor = Simd<T>::load(kept);
         const auto scale = [&](Lanes<T>& numbers) { (factor * Simd<T>::load(numbers)).store(numbers); };
         for (std::size_t h = 0; h < handles_.count; ++h) scale(row[h]);
@@ -273,14 +273,14 @@ private:
         scale(outcome.sizes);
     }
 
-    /// Returns whether a point gets weights. A point outside may get those of the nearest boundary
-    /// point, which is written to `target`, and may keep less than all of its weights. A point without
-    /// weights gets zeros and some finite target.
+    /// Returns whether a point gets weights. With nearest_boundary, a point outside gets those of the
+    /// nearest boundary point, which is written to `target`. `kept` is the falloff factor. Points
+    /// without weights get zeros and a finite target.
     bool resolve(std::size_t i, Lanes<T> (&target)[D], T& kept) {
         const PointState state = i < count_ ? states_[i] : PointState::not_finite;
         const bool is_outside = state == PointState::outside;
         const auto share =
-            is_outside ? static_cast<T>(this->fading_of(i, block_point<D>(this->rest_[0], i)).kept) : T(1);
+            is_outside ? static_cast<T>(this->falloff_of(i, block_point<D>(this->rest_[0], i)).kept) : T(1);
         const bool as_nearest = is_outside && this->options_.outside == OutsidePoints::nearest_boundary;
         if (share != T(0)) kept = share;
         if (!as_nearest && share != T(0) && this->is_bound(state)) return true;
@@ -299,7 +299,7 @@ private:
     }
 };
 
-/// Checks the cage and the options, and calls make(report) if they are sound.
+/// Checks the cage and the options, and calls make(report) if they are valid.
 template <Scalar T, std::size_t D, class Make>
 BindReport report_bind(const BindInput<T, D>& input, const BindOptions& options, const Make& make) {
     BindReport report;

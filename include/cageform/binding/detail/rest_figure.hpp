@@ -1,4 +1,4 @@
-// Reads a bound figure again: its points and vectors at rest, and its labels.
+// Reads the points, vectors and labels of a bound figure at rest.
 #pragma once
 
 #include <cageform/binding/detail/bind_input.hpp>
@@ -13,8 +13,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Reads the points or vectors of a binding at rest, in the order in which they were bound. Refers
-/// to the binding's memory.
+/// Reads the points or vectors of a binding at rest, in their original order. Refers to the binding's
+/// memory.
 template <Scalar T, std::size_t D>
 PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
     const BlockView<const T> rest{binding.rest, D, binding.points};
@@ -33,10 +33,10 @@ PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
             }};
 }
 
-/// Gives handles their old labels; new handles have none.
+/// Copies the labels of old handles; new handles have none.
 template <Scalar T, std::size_t D>
-Status take_labels_over(const HandleLabels& before, std::span<const std::size_t> old_handles,
-                        FigureBinding<T, D>& after) {
+Status transfer_labels(const HandleLabels& before, std::span<const std::size_t> old_handles,
+                       FigureBinding<T, D>& after) {
     if (before.begin == nullptr) return Status::ok;
     std::vector<std::string_view> labels;
     for (const std::size_t handle : old_handles)

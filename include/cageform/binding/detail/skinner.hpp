@@ -1,5 +1,5 @@
-// Makes a skin point by point: finds a few non-negative weights of each point, and measures how far
-// they are from the binding's.
+// Makes a skin point by point: finds a few non-negative weights per point, and measures their
+// difference from the binding's.
 #pragma once
 
 #include <cageform/binding/detail/convex_weights.hpp>
@@ -55,9 +55,9 @@ inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsRepo
     report.mean_influences = double(used) / double(bound);
 }
 
-/// Lets the first, largest weight absorb all rounding, so the sum is 1. If the second was as large,
-/// the order is corrected afterwards.
-inline void make_up_for_rounding(std::span<std::uint16_t> joints, std::span<float> weights) noexcept {
+/// Sets the largest weight, the first one, so that the sum is 1 in spite of rounding. Swaps weights
+/// that are then out of order.
+inline void absorb_rounding(std::span<std::uint16_t> joints, std::span<float> weights) noexcept {
     double others = 0;
     for (std::size_t k = 1; k < weights.size(); ++k) others += double(weights[k]);
     weights[0] = static_cast<float>(1 - others);
@@ -67,8 +67,8 @@ inline void make_up_for_rounding(std::span<std::uint16_t> joints, std::span<floa
     }
 }
 
-/// Keeps the largest shares of a point, divided by their sum; none if no share is positive or one
-/// is not finite. `order` is working memory, an entry per bone.
+/// Keeps the largest weights of a point, divided by their sum; none if no weight is positive or one is
+/// not finite. `order` is scratch memory, one entry per bone.
 template <Scalar W>
 SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span<std::uint16_t> order,
                           std::span<std::uint16_t> joints, std::span<float> weights) {
@@ -93,7 +93,7 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
         joints[k] = order[k];
         weights[k] = static_cast<float>(double(shares[order[k]]) / sum);
     }
-    make_up_for_rounding(joints.first(result.used), weights.first(result.used));
+    absorb_rounding(joints.first(result.used), weights.first(result.used));
     for (const W share : shares) result.error += std::fabs(double(share));
     result.partition = -1;
     for (std::size_t k = 0; k < result.used; ++k) {
@@ -107,7 +107,7 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
     return result;
 }
 
-/// Computes the points that a binding's weights reproduce, and how far a skin is from them.
+/// Computes the points that a binding's weights reproduce, and the errors of a skin.
 template <Scalar T, std::size_t D>
 class SkinMeasure {
 public:
@@ -124,7 +124,7 @@ public:
     struct SkinPoint {
         Vec<double, D> p, offset{}; ///< to the reproduced point, in units of the size
         double whole = 0;           ///< Σ|w|
-        double sum = 1;             ///< Σw of a point that fades: its weights are divided by it
+        double sum = 1;             ///< Σw of a point with falloff; its weights are divided by it
         bool is_bound = false;
     };
 
@@ -137,19 +137,19 @@ public:
             point.whole += std::fabs(w);
             point.offset = point.offset + w * from(point.p, h);
         }
-        if (sum > 0 && sum < 1 - 1e-4) { // by more than a solver's residual
+        if (sum > 0 && sum < 1 - 1e-4) { // more than a solver's residual
             point.sum = sum;
             point.whole /= sum;
             point.offset = (1 / sum) * point.offset;
         }
         point.is_bound =
             is_finite(point.p) && is_finite(point.whole) && is_finite(point.offset) && point.whole != 0;
-        // Points that follow their nearest boundary point reproduce that one. A smaller offset is a
-        // solver's residual or rounding, and is ignored.
+        // With nearest_boundary, the weights reproduce the boundary point. Smaller offsets are
+        // residuals or rounding errors and are ignored.
         if (dot(point.offset, point.offset) < 1e-8) point.offset = {};
         return point;
     }
-    /// Returns the weight of a handle, as if the point did not fade.
+    /// Returns the weight of a handle without falloff.
     double unfaded_weight(std::size_t i, const SkinPoint& point, std::size_t handle) const {
         return double(binding_.weights(i, handle)) / point.sum;
     }
@@ -157,11 +157,11 @@ public:
         return {point.p + size_ * point.offset, size_};
     }
 
-    /// Stores weights in falling order, and compares them with the binding's.
+    /// Stores weights in descending order and compares them with the binding's.
     ///
-    ///   weight    of a handle
-    ///   support   handles, in falling order; storing stops at the first weight that single precision
-    ///             rounds away
+    ///  weight    weight(handle)
+    ///  support   handles by descending weight; stops at the first weight that rounds to 0 beside 1 in
+    ///            single precision
     template <class Weight>
     void store(std::size_t i, const SkinPoint& point, std::span<const std::size_t> support,
                const Weight& weight, std::span<std::uint16_t> joints, std::span<float> weights,
@@ -172,7 +172,7 @@ public:
             joints[result.used] = static_cast<std::uint16_t>(h);
             weights[result.used++] = static_cast<float>(weight(h));
         }
-        if (result.used == 0) { // numbers too large to compute with
+        if (result.used == 0) { // overflow
             result.kind = SkinnedPoint::Kind::not_reproduced;
             result.used = 1;
             for (std::size_t h = 1; h < binding_.handle_count(); ++h) {
@@ -180,7 +180,7 @@ public:
                     joints[0] = static_cast<std::uint16_t>(h);
             }
         }
-        make_up_for_rounding(joints.first(result.used), weights.first(result.used));
+        absorb_rounding(joints.first(result.used), weights.first(result.used));
         Vec<double, D> missed = -1.0 * point.offset;
         result.error = point.whole;
         result.partition = -1;
@@ -207,8 +207,7 @@ private:
     double size_ = 1;
 };
 
-/// Makes one skin. As in Binder, the results of each point are stored separately and combined at
-/// the end.
+/// Makes one skin. As in Binder, results are stored per point and combined at the end.
 template <Scalar T, std::size_t D>
 class Skinner {
 public:
@@ -265,7 +264,7 @@ SkinnedPoint Skinner<T, D>::make(ConvexWeights<D>& solver, std::size_t i, std::s
     return result;
 }
 
-/// Calls make(skin, report), which returns a Status, if the binding can have a skin.
+/// Checks the binding and the options, and calls make(skin, report), which returns a Status.
 template <Scalar T, std::size_t D, class Make>
 Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& binding,
                                                  const SkinWeightsOptions& options, const Make& make) {
@@ -285,7 +284,7 @@ Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& bindin
     return result;
 }
 
-#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
+#if defined(CAGEFORM_COMPILED) // in the compiled library, which is always optimised
 #define CAGEFORM_DETAIL_SKINNER(T)                                                                           \
     extern template Status Skinner<T, 2>::run(SkinWeights&, SkinWeightsReport&);                             \
     extern template Status Skinner<T, 3>::run(SkinWeights&, SkinWeightsReport&);

@@ -1,4 +1,4 @@
-// Declares the function behind `smooth_skin_weights`.
+// Declares the implementation of `smooth_skin_weights`.
 #pragma once
 
 #include <cageform/binding/skin_weights.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Fills a skin and its report; a triangle with a vertex out of range has no_vertex there.
+/// Fills a skin and its report. Vertices out of range must be `no_vertex`.
 template <class T, std::size_t D>
 Status make_smooth_skin(const BindingView<T, D>& binding, std::span<const MeshFace> triangles,
                         const SkinWeightsOptions& options, const Running& running, SkinWeights& skin,

@@ -1,5 +1,5 @@
-// Makes a smooth skin: solves for the weights of all points together, then lets those of each point
-// reproduce its position. smooth_skin.hpp includes it, unless the program links cageform::compiled.
+// Makes a smooth skin: solves for the weights of all points at once, then restores the reproduction of
+// each point. smooth_skin.hpp includes this file, unless the program links cageform::compiled.
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
@@ -70,8 +70,7 @@ private:
         return positions;
     }
 
-    /// Merges points at the same position with the same weights into one node, so that seams stay
-    /// closed.
+    /// Merges points with equal positions and weights into one node, so that seams stay closed.
     void weld() {
         std::map<std::array<double, D>, std::vector<std::size_t>> at; // nodes at a position
         for (std::size_t i = 0; i < binding_.point_count(); ++i) {
@@ -97,8 +96,8 @@ private:
         }
     }
 
-    /// Returns the smooth weights of a point. If they do not reproduce its position, it returns the
-    /// closest weights that do, starting from the smooth weights on twice as many handles.
+    /// Returns the smooth weights of a point. If they do not reproduce its position, returns the
+    /// closest weights that do, starting from the smooth weights for twice as many handles.
     SkinnedPoint make(NearWeights<D>& nearest, ConvexWeights<D>& convex, std::size_t i,
                       const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
                       std::span<float> weights) const {

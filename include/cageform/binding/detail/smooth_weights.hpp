@@ -1,7 +1,8 @@
-// Chooses few handles for every vertex of a mesh, all vertices together, so that the loss is smooth.
+// Chooses few handles for each vertex of a mesh, all vertices at once, so that the loss is smooth.
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 #include <cageform/parallel/running.hpp>
 
@@ -16,15 +17,15 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Minimises over rows w, each with at most K non-negative weights that sum to 1,
+/// Minimises over rows w, each with at most K non-negative weights of sum 1,
 ///
 ///     Σ_edges e_ij |r_i − r_j|² + α Σ_i |r_i|² + β Σ_i |w_i c − q_i|²,   r_i = (w_i − w0_i) B,
 ///
-/// where B Bᵀ is the covariance of the handles' displacements. The loss is thus measured as it is
-/// visible, so a handle may replace one close to it. The method is projected gradients with
-/// Nesterov's momentum (Beck and Teboulle, SIAM J. Imaging Sci. 2, 2009), with a step per row.
-/// Handles are dropped in rounds, and the remaining weights adapt in between. Neighbours agree on
-/// the handles to drop because the choice uses weights that are smoothed over the mesh.
+/// where B Bᵀ is the covariance of the handles' displacements. The loss therefore measures visible
+/// differences: a handle may replace one close to it. Solved by projected gradients with Nesterov's
+/// momentum (Beck and Teboulle, SIAM J. Imaging Sci. 2, 2009), with a step size per row. Handles are
+/// dropped in rounds, between which the weights adapt. Weights smoothed over the mesh decide which
+/// handles to drop, so that neighbours agree.
 template <std::size_t D>
 class SmoothWeights {
 public:
@@ -48,7 +49,7 @@ public:
     /// Adds the next vertex.
     ///
     ///   position  the point that its weights must reproduce
-    ///   weight   w0 of a handle
+    ///   weight    weight(handle): w0 of a handle
     template <class Weight>
     void add_node(const Vec<double, D>& position, const Weight& weight) {
         positions_.push_back(position);
@@ -87,17 +88,17 @@ public:
         return running.end(Status::ok);
     }
 
-    /// Returns the weights of a node, some of them 0; `wide_row` returns those of the round with 2K
+    /// Returns the weights of a node, possibly 0; `wide_row` returns those of the round with 2K
     /// handles.
     std::span<const HandleWeight> row(std::size_t node) const { return narrow_.row(node); }
     std::span<const HandleWeight> wide_row(std::size_t node) const { return wide_.row(node); }
 
 private:
-    // The best of several tried on a head and a lamp.
+    // The best of several values for a head and a lamp.
     static constexpr double alpha = 0.02, beta = 100;
-    // of the cage's diagonal: handles closer than this move alike
+    // σ relative to the cage's diagonal: handles closer than this move similarly.
     static constexpr double together = 0.2;
-    // Times K.
+    // The number of handles per round, relative to K.
     static constexpr std::array<double, 10> rounds{4, 3, 2.5, 2, 1.75, 1.5, 1.375, 1.25, 1.125, 1};
 
     struct Entry {
@@ -128,8 +129,8 @@ private:
         return (std::min)(handle_count_, std::size_t(std::lround(factor * double(most_))));
     }
 
-    /// Computes the columns B of the covariance exp(−|c − c'|² / 2σ²), by a Cholesky factorisation
-    /// with the largest pivots, until a thousandth is left.
+    /// Computes the columns B of the covariance exp(−|c − c'|² / 2σ²) by a pivoted Cholesky
+    /// factorisation, up to a residual of a thousandth.
     void factorise(const std::vector<Vec<double, D>>& handles) {
         constexpr std::size_t most_columns = 64;
         const auto covariance = [&](std::size_t a, std::size_t b) {
@@ -157,7 +158,7 @@ private:
         width_ = rank_ + D;
         columns_.assign(handle_count_ * width_, 0.0);
         for (std::size_t h = 0; h < handle_count_; ++h) {
-            // Sum of a covariance row; the largest sum is at least the largest eigenvalue.
+            // The largest row sum of the covariance bounds its largest eigenvalue.
             double sum = 0;
             for (std::size_t r = 0; r < rank_; ++r) columns_[h * width_ + r] = found[r][h];
             for (std::size_t other = 0; other < handle_count_; ++other) sum += covariance(h, other);
@@ -165,11 +166,10 @@ private:
         }
     }
 
-    /// Builds the neighbours of every node. An edge's weight is the inverse square of its length,
-    /// because angles matter.
+    /// Builds the neighbours of every node. The weight of an edge is the inverse square of its length,
+    /// which penalises changes of angles.
     void connect() {
-        std::sort(edges_.begin(), edges_.end());
-        edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+        sort_unique(edges_);
         const auto length = [&](const std::array<std::size_t, 2>& edge) {
             const auto d = positions_[edge[0]] - positions_[edge[1]];
             return std::sqrt(dot(d, d));
@@ -203,8 +203,8 @@ private:
         });
     }
 
-    /// Chooses the handles of a round: of those still present, the ones with the largest smoothed
-    /// weights.
+    /// Chooses the handles of a round: those with the largest smoothed weights among the remaining
+    /// ones.
     bool choose(std::size_t round, const Running& running) {
         const std::size_t before = kept_;
         kept_ = handle_count_of(rounds[round]);
@@ -253,8 +253,8 @@ private:
             project(std::span(kept).subspan(n * kept_, kept_));
             double stiffness = 2 * alpha;
             for (const Neighbour& neighbour : neighbours_of(n)) stiffness += 2 * neighbour.weight;
-            // Upper bounds of the largest eigenvalues. Positions are relative to the node, as
-            // weights sum to 1.
+            // Upper bounds of the largest eigenvalues. Positions are relative to the node, since the
+            // sum of weights is 1.
             double of_positions = 0;
             for (std::size_t k = 0; k < kept_; ++k) {
                 for (std::size_t r = rank_; r < width_; ++r) {
@@ -269,10 +269,11 @@ private:
         return true;
     }
 
-    /// Projects `ahead` to the nearest weights that are non-negative and sum to 1, in both fields.
+    /// Sets both fields to the projection of `ahead` to the weights that are non-negative and have the
+    /// sum 1.
     static void project(std::span<Entry> row) {
-        // Michelot, J. Optim. Theory Appl. 50 (1986): subtracts the mean surplus of those that stay
-        // above it.
+        // Michelot, J. Optim. Theory Appl. 50 (1986): subtracts the mean surplus of the entries above
+        // it.
         double sum = -1, shift = -std::numeric_limits<double>::infinity();
         for (const Entry& entry : row) sum += entry.ahead;
         for (std::size_t count = row.size(), before = 0; count != before;) {

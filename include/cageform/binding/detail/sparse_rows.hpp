@@ -1,4 +1,4 @@
-// The weights of sites without their zeros, and the check of two bindings to be composed.
+// The non-zero weights of sites, and the check of two bindings to compose.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The non-zero weights of each site on the coarse handles, site after site.
+/// The non-zero weights of each site for the coarse handles, site after site.
 template <Scalar T>
 struct SparseRows {
     std::vector<std::size_t> begin; ///< #sites + 1

@@ -11,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the nearest binary16 number, ties to even, subnormals flushed to zero; |x| must be below
+/// Returns the nearest binary16 number (ties to even, subnormals flushed to zero); |x| must be below
 /// 65504.
 inline std::uint16_t to_half(double x) noexcept {
     const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(x));
@@ -25,8 +25,8 @@ inline double from_half(std::uint16_t half) noexcept {
     return double(std::bit_cast<float>(bits)) * 0x1p112;
 }
 
-/// Writes the weights of a block to `to`, and replaces `weights` by the stored values. Returns
-/// the scale by which they were divided.
+/// Writes the weights of a block to `to` and replaces `weights` by the stored values. Returns the
+/// scale.
 template <Scalar T>
 T store_weights(WeightFormat format, std::span<double> weights, std::byte* to) {
     const auto write = [&to](auto x) {
@@ -40,7 +40,7 @@ T store_weights(WeightFormat format, std::span<double> weights, std::byte* to) {
     }
     double largest = 0;
     for (const double w : weights) largest = (std::max)(largest, std::fabs(w));
-    // Halves are kept well above the subnormal range, which some processors flush to zero.
+    // Keeps halves above the subnormal range, which some processors flush to zero.
     const double reach = format == WeightFormat::int16  ? 32767.0
                          : format == WeightFormat::int8 ? 127.0
                                                         : 32768.0;

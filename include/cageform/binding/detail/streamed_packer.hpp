@@ -1,18 +1,18 @@
-// Binds and packs points in batches, so that #points × #handles weights are never held at once.
+// Binds and packs points in batches, without holding all #points × #handles weights.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/packers.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/figure/types/blob.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Binds and packs the points in the order of the packed binding, one batch of whole blocks after
-/// the other.
+/// Binds and packs the points in the order of the packed binding, in batches of whole blocks.
 template <Scalar T, std::size_t D>
 class PackedBinder {
     static constexpr std::size_t lanes = lane_count<T>;
@@ -23,15 +23,15 @@ public:
         , options_(options)
         , sparse_((options.pack.largest != 0 && options.pack.largest < handles) ||
                   options.pack.threshold > 0 || options.pack.tolerance > 0)
-        , together_(points_of_batch(options, handles)) {}
+        , batch_size_(points_of_batch(options, handles)) {}
 
     static std::size_t points_of_batch(const StreamedPackOptions& options, std::size_t handles) noexcept {
         const std::size_t of_block = sizeof(Lanes<T>) * (handles + D);
         return lanes * std::max<std::size_t>(options.batch / of_block, 1);
     }
-    std::size_t batches() const noexcept { return (points_.size() + together_ - 1) / together_; }
+    std::size_t batches() const noexcept { return (points_.size() + batch_size_ - 1) / batch_size_; }
 
-    /// Binds and packs everything as one batch; solved functions need not be kept.
+    /// Binds and packs all points as one batch.
     template <class C>
     Status run_at_once(const C& coordinates, const Running& running,
                        Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
@@ -44,7 +44,7 @@ public:
         return result.report.packed.status;
     }
 
-    /// Binds and packs one batch after the other; stops at the first failure.
+    /// Binds and packs batch by batch; stops at the first failure.
     template <class C>
     Status run(const C& coordinates, const Running& running,
                Result<PackedBinding<T, D>, StreamedPackReport>& result) {
@@ -53,7 +53,7 @@ public:
         status = result.report.bound.status = check_falloff(options_.bind, C::has_extension);
         if (status != Status::ok) return status;
         {
-            C solved = coordinates; // freed before the batches are joined
+            C solved = coordinates; // destroyed before the batches are joined
             double from = 0;
             if constexpr (requires { solved.solve(running); }) {
                 from = 0.5;
@@ -80,13 +80,15 @@ private:
         auto pack = pack_options();
         if (pack.figure_hash == 0) pack.figure_hash = hash_memory(std::span<const Vec<T, D>>(points_));
         const auto at = [this](std::size_t i, std::size_t k) { return points_[i][k]; };
-        std::vector<char> cut; // of all points: a batch does not see the others
+        std::vector<char> on_seam; // of all points, since a batch does not contain the others
         if (sparse_ && options_.pack.tolerance == 0)
-            cut = cut_points<T>(
-                order_, [&at](std::uint32_t a, std::uint32_t b) { return compare_places<D>(at, a, b) < 0; });
+            on_seam = seam_points<T>(order_, [&at](std::uint32_t a, std::uint32_t b) {
+                return compare_positions<D>(at, a, b) < 0;
+            });
         Binding<T, D> recycled;
         for (std::size_t n = 0; n < batches(); ++n) {
-            const std::size_t first = n * together_, count = (std::min)(together_, points_.size() - first);
+            const std::size_t first = n * batch_size_,
+                              count = (std::min)(batch_size_, points_.size() - first);
             const Running in_batch =
                 running.subtask(double(n) / double(batches()), double(n + 1) / double(batches()));
             std::vector<Vec<T, D>> batch;
@@ -95,12 +97,11 @@ private:
                 bind(coordinates, batch, options_.bind, std::move(recycled), in_batch.subtask(0, 0.5));
             add(bound.report, first, result.report.bound);
             if (bound.report.status != Status::ok) return result.report.bound.status = bound.report.status;
-            std::vector<std::uint32_t> as_it_is(sparse_ ? count : 0);
-            std::iota(as_it_is.begin(), as_it_is.end(), 0u);
-            pack.order = as_it_is;
+            auto identity = first_indices<std::uint32_t>(sparse_ ? count : 0);
+            pack.order = identity;
             std::vector<char> of_batch;
-            for (std::size_t k = 0; k < count && !cut.empty(); ++k)
-                of_batch.push_back(cut[order_[first + k]]);
+            for (std::size_t k = 0; k < count && !on_seam.empty(); ++k)
+                of_batch.push_back(on_seam[order_[first + k]]);
             auto packed = pack_binding(bound.value.view(), pack, in_batch.subtask(0.5, 1), of_batch);
             add(packed.report, first, result.report.packed);
             if (packed.report.status != Status::ok) return result.report.packed.status = packed.report.status;
@@ -115,9 +116,9 @@ private:
         return pack;
     }
 
-    /// Joins the packed batches into one blob, in the order that `pack` uses, and frees them.
+    /// Joins the packed batches into one blob, in the order of `pack`, and frees them.
     void join(std::uint64_t rows, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
-        arrange_blocks();
+        order_blocks();
         BlobHeader header = header_of(batches_[0]);
         header.points = points_.size();
         header.rows = rows;
@@ -149,8 +150,7 @@ private:
 
     // ---- reports ------------------------------------------------------------------------------------
 
-    /// Converts the point's number in a batch, counted from its `first` position, to its number
-    /// among all.
+    /// Converts the index of the point in a batch that begins at `first` to its index among all points.
     Extreme whole(Extreme extreme, std::size_t first) const noexcept {
         if (extreme.point != Extreme::none) extreme.point = order_[first + extreme.point];
         return extreme;
@@ -230,11 +230,11 @@ private:
         const auto view = batches_[source.batch].view();
         return view.first_row(source.block + 1) - view.first_row(source.block);
     }
-    /// Lists the blocks of all batches in the order that `pack` uses: sorted by their number of rows.
-    void arrange_blocks() {
+    /// Lists the blocks of all batches in the order of `pack`: by number of rows.
+    void order_blocks() {
         for (std::size_t batch = 0; batch < batches_.size(); ++batch) {
             for (std::size_t b = 0; b < batches_[batch].view().block_count(); ++b)
-                sequence_.push_back({batch, b, batch * together_ + b * lanes});
+                sequence_.push_back({batch, b, batch * batch_size_ + b * lanes});
         }
         if (!sparse_ || !options_.pack.order.empty()) return;
         const auto full = sequence_.begin() + std::ptrdiff_t(points_.size() / lanes);
@@ -253,7 +253,7 @@ private:
         copy(from.handle_faces, to.handle_faces, from.handle_view().vector_count());
         copy(from.handle_loops, to.handle_loops, from.handle_view().loop_numbers());
     }
-    /// Copies a block to position `b`, with its rows from `row` on. Returns where its rows end.
+    /// Copies a block to position `b`, and its rows to rows from `row` on. Returns the end of its rows.
     std::size_t copy_block(const BlockSource& source, std::size_t b, std::size_t row,
                            PackedBinding<T, D>& whole) const {
         const auto from = batches_[source.batch].view(), to = whole.view();
@@ -279,10 +279,10 @@ private:
     std::vector<Vec<T, D>> points_;
     const StreamedPackOptions& options_;
     bool sparse_;
-    std::size_t together_; ///< points in a batch
+    std::size_t batch_size_; ///< points in a batch
     std::vector<std::uint32_t> order_;
     std::vector<PackedBinding<T, D>> batches_;
-    std::vector<BlockSource> sequence_; ///< of the blocks in the result
+    std::vector<BlockSource> sequence_; ///< the blocks in the order of the result
 };
 
 } // namespace detail

@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Stored row by row.
+/// Stored by rows.
 template <std::size_t N>
 using SquareMatrix = Vec<Vec<double, N>, N>;
 
@@ -26,8 +26,8 @@ Vec<double, N> product(const SquareMatrix<N>& m, const Vec<double, N>& a) noexce
     return result;
 }
 
-/// Eigen's matrix of N rows: one type for all N up to eight, so that its decompositions are
-/// compiled once; it allocates nothing.
+/// Eigen's matrix for N rows. All N up to 8 share one type, so that its decompositions are compiled
+/// once. Does not allocate.
 template <std::size_t N>
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, int(N < 8 ? 8 : N),
                                   int(N < 8 ? 8 : N)>;

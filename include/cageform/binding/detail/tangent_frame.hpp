@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns `v` scaled to unit length, whatever its size; zero stays zero.
+/// Returns `v` scaled to unit length without overflow; zero stays zero.
 template <std::size_t D>
 Vec<double, D> unit_or_zero(Vec<double, D> v) noexcept {
     double largest = 0;

@@ -9,7 +9,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Binds vectors once, one or more per point. Here the input evaluates gradients.
+/// Binds vectors, one or more per point. The input must have gradients.
 template <Scalar T, std::size_t D>
 class VectorBinder : Binder<T, D> {
     using Base = Binder<T, D>;
@@ -29,18 +29,18 @@ public:
     }
 
 private:
-    /// The points outside that fade, ascending, and the weights of which they keep a share.
-    struct FadingPoints {
-        std::vector<std::size_t> numbers; ///< counted from the first point of the gradients
-        std::vector<Fading<D>> fading;
+    /// Points outside with a falloff, ascending, and their weights.
+    struct FadedPoints {
+        std::vector<std::size_t> numbers; ///< relative to the first point of the gradients
+        std::vector<FalloffValue<D>> falloff;
         std::vector<Lanes<T>> position, memory;
         BlockView<T> points, weights;
 
-        void add(std::size_t number, const Fading<D>& how) {
+        void add(std::size_t number, const FalloffValue<D>& falloff_at) {
             numbers.push_back(number);
-            fading.push_back(how);
+            falloff.push_back(falloff_at);
         }
-        /// Makes room for positions and weights; lanes behind the last point lie at `filler`.
+        /// Allocates positions and weights. Lanes after the last point lie at `filler`.
         void make_room(std::size_t handles, const Vec<T, D>& filler) {
             const std::size_t blocks = block_count<T>(numbers.size());
             position.resize(blocks * D);
@@ -57,7 +57,7 @@ private:
         std::vector<Lanes<T>> position, slopes;
         std::size_t first = 0;
         BlockView<T> points, rows;
-        FadingPoints fading; ///< evaluated where the gradients are
+        FadedPoints faded; ///< evaluated at the same positions
 
         Gradients(std::size_t most, std::size_t handles)
             : position(block_count<T>(most) * D)
@@ -66,7 +66,7 @@ private:
             , rows{slopes.data(), D * handles, most} {}
     };
 
-    /// Evaluates a few points at a time, so that their gradients stay in cache.
+    /// Evaluates a few points at a time, so that their gradients fit the cache.
     Status in_pieces(const Running& running) {
         return for_each_block(this->pieces_.size(), running, [&](std::size_t begin, std::size_t end) {
             Gradients gradients(piece_blocks * lanes, handles_.count);
@@ -79,7 +79,7 @@ private:
         });
     }
 
-    /// Evaluates all points together, so that a solver solves once.
+    /// Evaluates all points at once, so that a solver solves only once.
     Status at_once(const Running& running, BindReport& report) {
         Gradients gradients(count_, handles_.count);
         for (auto& row : gradients.slopes)
@@ -91,8 +91,8 @@ private:
                                     [&](std::size_t piece) { finish(gradients, piece); });
     }
 
-    /// Computes the gradients at the points; for points that follow the boundary, at their nearest
-    /// boundary point. Points that fade get their weights too.
+    /// Computes the gradients at the points; with nearest_boundary, at the nearest boundary points of
+    /// those outside. Also computes the weights of points with a falloff.
     Evaluation evaluate(Gradients& gradients, const Running& running) {
         load(gradients);
         const auto states = std::span(states_).subspan(gradients.first, gradients.points.points);
@@ -100,7 +100,7 @@ private:
         const Batch<T> batch{gradients.points, gradients.rows, states};
         Evaluation evaluation = input_.evaluate_gradients(batch, running.subtask(0, to_boundary ? 0.5 : 1));
         if (evaluation.status != Status::ok) return evaluation;
-        find_fading(gradients, states);
+        find_faded(gradients, states);
         if (!to_boundary) {
             const Status status = weigh(gradients, states);
             if (status != Status::ok) evaluation.status = status;
@@ -108,19 +108,19 @@ private:
         }
         std::vector<std::size_t> outside;
         std::vector<T> row(handles_.count);
-        FadingPoints& fading = gradients.fading;
+        FadedPoints& faded = gradients.faded;
         for (std::size_t i = 0, n = 0; i < states.size(); ++i) {
             if (states[i] != PointState::outside || this->is_beyond(gradients.first + i)) continue;
             outside.push_back(i);
             const auto q = input_.nearest_boundary(block_point<D>(gradients.points, i), row);
             for (std::size_t k = 0; k < D; ++k) gradients.points(i, k) = q[k];
-            if (n == fading.numbers.size()) continue;
-            for (std::size_t k = 0; k < D; ++k) fading.points(n, k) = q[k];
-            for (std::size_t h = 0; h < row.size(); ++h) fading.weights(n, h) = row[h];
+            if (n == faded.numbers.size()) continue;
+            for (std::size_t k = 0; k < D; ++k) faded.points(n, k) = q[k];
+            for (std::size_t h = 0; h < row.size(); ++h) faded.weights(n, h) = row[h];
             ++n;
         }
         if (outside.empty()) return evaluation;
-        restore(fading);
+        restore(faded);
         evaluation = input_.evaluate_gradients(batch, running.subtask(0.5, 1));
         for (const std::size_t i : outside) {
             const bool there = states[i] == PointState::inside || states[i] == PointState::on_boundary;
@@ -131,22 +131,23 @@ private:
         return evaluation;
     }
 
-    /// Finds the points outside that fade, and those that stay.
-    void find_fading(Gradients& gradients, std::span<const PointState> states) {
-        FadingPoints& points = gradients.fading;
+    /// Finds the points outside whose falloff factor is not 0.
+    void find_faded(Gradients& gradients, std::span<const PointState> states) {
+        FadedPoints& points = gradients.faded;
         points = {};
         if (!(this->options_.falloff > 0)) return;
         for (std::size_t i = 0; i < states.size(); ++i) {
             if (states[i] != PointState::outside) continue;
-            const auto how = this->fading_of(gradients.first + i, block_point<D>(gradients.points, i));
-            if (how.kept != 0) points.add(i, how);
+            const auto falloff_at =
+                this->falloff_of(gradients.first + i, block_point<D>(gradients.points, i));
+            if (falloff_at.kept != 0) points.add(i, falloff_at);
         }
         points.make_room(handles_.count, handles_.rest[0]);
     }
 
-    /// Computes the weights of the points that fade, by the extension of the coordinates.
+    /// Computes the weights of the points with a falloff, by the extension of the coordinates.
     Status weigh(Gradients& gradients, std::span<PointState> states) {
-        FadingPoints& points = gradients.fading;
+        FadedPoints& points = gradients.faded;
         if (points.numbers.empty()) return Status::ok;
         for (std::size_t n = 0; n < points.numbers.size(); ++n) {
             const auto p = block_point<D>(gradients.points, points.numbers[n]);
@@ -162,8 +163,8 @@ private:
         return Status::ok;
     }
 
-    /// Restores linear precision of the weights, as bind does.
-    void restore(FadingPoints& points) const {
+    /// Restores linear precision of the weights, as `bind` does.
+    void restore(FadedPoints& points) const {
         for (std::size_t b = 0; b < points.weights.blocks(); ++b) {
             Lanes<T> bound;
             for (std::size_t lane = 0; lane < lanes; ++lane)
@@ -203,7 +204,7 @@ private:
                 bound[lane] = i < count_ && this->is_bound(states_[i]) && !this->is_beyond(i) ? T(1) : T(0);
             }
             for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, gradients, bound, measures);
-            // A point that lost one vector loses them all.
+            // A point with one unreached vector has no weights for any.
             for (const BlockView<T>& weights : this->weights_)
                 this->clear_unreached(bound, b, weights.block(b));
         }
@@ -230,30 +231,31 @@ private:
             if (bound[lane] == T(0)) this->clear(row, lane);
         }
         auto outcome = this->restorer_.run_vectors(target, bound, row, this->restores());
-        fade(b, n, gradients, bound, outcome);
-        this->take(outcome, bound, b, measures);
+        apply_falloff(b, n, gradients, bound, outcome);
+        this->record(outcome, bound, b, measures);
     }
 
-    /// Makes weights outside those of a displacement that fades: f (t·∇w_i) + (t·∇f) w_i. Their sums are
-    /// measured before, their sizes after.
+    /// Sets the weights outside to f (t·∇w_i) + (t·∇f) w_i. Sums are measured before this, sizes after
+    /// it.
     template <class Outcome>
-    void fade(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
-              Outcome& outcome) const noexcept {
-        const FadingPoints& points = gradients.fading;
+    void apply_falloff(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
+                       Outcome& outcome) const noexcept {
+        const FadedPoints& points = gradients.faded;
         const std::size_t first = b * lanes - gradients.first;
         Lanes<T>* const row = this->weights_[n].block(b);
         const auto begin = points.numbers.begin(), end = points.numbers.end();
         for (auto at = std::lower_bound(begin, end, first); at != end && *at < first + lanes; ++at) {
             const std::size_t lane = *at - first, point = std::size_t(at - begin);
             if (bound[lane] == T(0)) continue;
-            const Fading<D>& how = points.fading[point];
+            const FalloffValue<D>& falloff_at = points.falloff[point];
             double slope = 0;
             for (std::size_t k = 0; k < D; ++k)
-                slope += double(this->rest_[n].block(b)[k][lane]) * how.gradient[k];
+                slope += double(this->rest_[n].block(b)[k][lane]) * falloff_at.gradient[k];
             T least = (std::numeric_limits<T>::max)(), sizes = 0;
             for (std::size_t h = 0; h < handles_.count; ++h) {
                 T& weight = row[h][lane];
-                weight = static_cast<T>(how.kept * double(weight) + slope * double(points.weights(point, h)));
+                weight = static_cast<T>(falloff_at.kept * double(weight) +
+                                        slope * double(points.weights(point, h)));
                 least = (std::min)(least, weight);
                 sizes += std::fabs(weight);
             }

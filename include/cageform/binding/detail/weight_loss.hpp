@@ -12,7 +12,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the size of a cage: the diagonal of the box around those of its handles that are points.
+/// Returns the size of a cage: the diagonal of the bounds of its point handles.
 template <Scalar T, std::size_t D>
 double size_of_handles(const HandleView<T, D>& handles) {
     std::vector<Vec<double, D>> points;
@@ -22,7 +22,7 @@ double size_of_handles(const HandleView<T, D>& handles) {
     return points.empty() ? 0 : bounds_of(std::span<const Vec<double, D>>(points)).diagonal();
 }
 
-/// The distance that a change of weights, w' − w, moves a point: max |Σ (w' − w) d| over the
+/// The distance that a point moves by a change of weights, w' − w: max |Σ (w' − w) d| over the
 /// displacements d of given poses, or Σ |w' − w| · reach without poses.
 template <std::size_t D>
 class WeightLoss {
@@ -50,7 +50,7 @@ public:
         for (std::size_t p = 0; p < poses_; ++p) {
             for (std::size_t h = 0; h < handles_; ++h) {
                 for (std::size_t k = 0; k < D; ++k) {
-                    // Computed in the scalar of `clone`.
+                    // In the scalar of `clone`.
                     const T d =
                         static_cast<T>(options.poses[(p * handles_ + h) * D + k]) - handles.rest[h][k];
                     culprit = p;
@@ -93,22 +93,22 @@ public:
         return result;
     }
 
-    /// Returns the largest distance, or the first one found above `limit`. The pose `suspect` is
-    /// tested first; it becomes the pose that decided.
+    /// Returns the largest distance, or the first one above `limit`. Pose `first_pose` is tested first;
+    /// it becomes the pose with the returned distance.
     template <std::size_t L>
-    double largest(std::span<const double> change, double limit, std::size_t& suspect) const {
+    double largest(std::span<const double> change, double limit, std::size_t& first_pose) const {
         double worst = 0;
         if (poses_ == 0) {
             for (const Distance& distance : distances<L>(change)) worst = (std::max)(worst, distance.value);
             return worst;
         }
-        for (std::size_t n = 0, first = (std::min)(suspect, poses_ - 1); n < poses_; ++n) {
+        for (std::size_t n = 0, first = (std::min)(first_pose, poses_ - 1); n < poses_; ++n) {
             const std::size_t p = (first + n) % poses_;
             const auto squared = squared_in<L>(p, change);
             const double distance = size_ * std::sqrt(*std::max_element(squared.begin(), squared.end()));
             if (distance > worst) {
                 worst = distance;
-                suspect = p;
+                first_pose = p;
             }
             if (worst > limit) break;
         }

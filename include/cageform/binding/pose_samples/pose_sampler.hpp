@@ -1,4 +1,4 @@
-// Makes PoseSamples: samples the inside of a cage, clusters the samples, and sums up.
+// Makes PoseSamples: samples the interior of a cage, clusters the samples, and computes sums.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Coordinates with gradients; those of AnyCoordinates show at run time.
+/// Coordinates with gradients; AnyCoordinates report them at run time.
 template <class C>
 concept SampledCoordinates = GradientCoordinates<C> || requires(const C& c) {
     { c.has_gradients() } -> std::same_as<bool>;
@@ -25,14 +25,13 @@ bool has_weights_outside(const C& coordinates) noexcept {
         return coordinates.has_extension();
 }
 
-/// Makes the samples once.
 template <SampledCoordinates C>
 class PoseSampler {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
 
 public:
-    /// given  the samples; null: they are on a lattice inside the cage
+    /// `given` are the samples; null for a lattice inside the cage.
     PoseSampler(const C& coordinates, const std::vector<Vec<T, D>>* given, const PoseSampleOptions& options,
                 PoseSamplesReport& report)
         : coordinates_(coordinates)
@@ -61,7 +60,7 @@ public:
     }
 
 private:
-    /// Sets what the handles give, and finds the samples.
+    /// Sets the properties of the handles, and finds the samples.
     Status begin(PoseSamples<T, D>& to, const Running& running) {
         if (coordinates_.cage_report().status != Status::ok) return coordinates_.cage_report().status;
         if constexpr (!GradientCoordinates<C>) {
@@ -97,8 +96,8 @@ private:
         return Status::ok;
     }
 
-    /// Binds the axes at samples, a batch at a time, and adds them up. Coordinates with a solver that would
-    /// solve again take all at once.
+    /// Binds the axes at samples in batches and adds them to the sums. Coordinates that would solve in
+    /// each call get all samples at once.
     Status add_samples(const PoseSamples<T, D>& to, SampleSums<T, D>& sums, const Running& running) {
         const bool keeps = is_closed_form(coordinates_) || requires(C & c) {
             c.solve(Running{});
@@ -138,14 +137,14 @@ private:
         return Status::ok;
     }
 
-    /// Computes the gradients at points, D columns each, and which points have some.
+    /// Computes the gradients at points, D columns per point, and which points have gradients.
     Status set_gradients(const std::vector<Vec<T, D>>& points, const Running& running) {
         auto [axes, report] = bind_jacobians(coordinates_, points, {}, {running.parallel, {}});
         report_.bind = std::move(report);
         if (report_.bind.status != Status::ok) return report_.bind.status;
-        is_there_.assign(points.size(), true);
+        has_gradients_.assign(points.size(), true);
         const auto leave_out = [&](const std::vector<std::size_t>& list) {
-            for (const std::size_t n : list) is_there_[n] = false;
+            for (const std::size_t n : list) has_gradients_[n] = false;
         };
         leave_out(report_.bind.not_finite);
         leave_out(report_.bind.unreached);
@@ -155,37 +154,37 @@ private:
             for (std::size_t k = 0; k < D; ++k) {
                 for (std::size_t i = 0; i < handles_.count; ++i)
                     gradients_[(n * D + k) * handles_.count + i] =
-                        is_there_[n] ? size_ * double(axes[k].weight(n, i)) : 0;
+                        has_gradients_[n] ? size_ * double(axes[k].weight(n, i)) : 0;
             }
         }
         return Status::ok;
     }
     void add_batch(std::size_t count, const std::vector<std::uint32_t>& numbers, SampleSums<T, D>& sums,
                    const Running& running) {
-        const std::size_t together = D * handles_.count; // the numbers of a sample
-        sums.add_products(std::span(gradients_).first(count * together), running);
+        const std::size_t sample_size = D * handles_.count; // in numbers
+        sums.add_products(std::span(gradients_).first(count * sample_size), running);
         for (std::size_t n = 0; n < count; ++n) {
-            if (is_there_[n])
-                sums.add_sample(std::span(gradients_).subspan(n * together, together),
+            if (has_gradients_[n])
+                sums.add_sample(std::span(gradients_).subspan(n * sample_size, sample_size),
                                 cluster_of_[numbers[n]]);
-            report_.samples += is_there_[n] ? 1 : 0;
-            report_.left_out += is_there_[n] ? 0 : 1;
+            report_.samples += has_gradients_[n] ? 1 : 0;
+            report_.left_out += has_gradients_[n] ? 0 : 1;
         }
     }
-    /// Adds the differences of neighbours, which smoothness weighs.
+    /// Adds the differences of neighbours, weighted by the smoothness.
     void add_pairs(std::size_t first, std::size_t last, SampleSums<T, D>& sums, const Running& running) {
         if (first == last) return;
-        const std::size_t together = D * handles_.count;
-        std::vector<double> differences((last - first) * together);
+        const std::size_t sample_size = D * handles_.count;
+        std::vector<double> differences((last - first) * sample_size);
         for (std::size_t n = first; n < last; ++n) {
             const auto [a, b] = sampled_.neighbours[n];
-            if (!is_there_[column_[a]] || !is_there_[column_[b]]) continue;
+            if (!has_gradients_[column_[a]] || !has_gradients_[column_[b]]) continue;
             const auto apart = (1 / size_) * vec_cast<double>(sampled_.points[a] - sampled_.points[b]);
             const double factor = options_.smoothing / std::sqrt(dot(apart, apart));
-            const double* const of_a = gradients_.data() + column_[a] * together;
-            const double* const of_b = gradients_.data() + column_[b] * together;
-            for (std::size_t i = 0; i < together; ++i)
-                differences[(n - first) * together + i] = factor * (of_a[i] - of_b[i]);
+            const double* const of_a = gradients_.data() + column_[a] * sample_size;
+            const double* const of_b = gradients_.data() + column_[b] * sample_size;
+            for (std::size_t i = 0; i < sample_size; ++i)
+                differences[(n - first) * sample_size + i] = factor * (of_a[i] - of_b[i]);
         }
         sums.add_products(differences, running);
     }
@@ -200,20 +199,20 @@ private:
         std::size_t vectors = 0;
         for (std::size_t i = 0; i < handles_.count; ++i) {
             const bool is_point = handles_.is_point(i);
-            const auto place = place_of(to, i, vectors);
+            const auto place = position_of(to, i, vectors);
             vectors += is_point ? 0 : 1;
             std::size_t nearest = 0;
             double least = std::numeric_limits<double>::infinity();
             for (std::size_t c = 0; c < places.size(); ++c) {
                 const auto away = vec_cast<double>(places[c]) - place;
-                if (!(dot(away, away) < (1 - 1e-9) * least)) continue; // roundings decide no tie
+                if (!(dot(away, away) < (1 - 1e-9) * least)) continue; // ignores differences by rounding
                 least = dot(away, away);
                 nearest = c;
             }
             auto direction = vec_cast<double>(handles_.rest[i]);
             if (is_point) direction = direction - vec_cast<double>(places[nearest]);
             const double length = std::sqrt(dot(direction, direction));
-            if (!(length > 1e-6 * to.size)) continue; // the sample feels it
+            if (!(length > 1e-6 * to.size)) continue; // the handle coincides with the sample
             std::vector<double> gradient(handles_.count);
             for (std::size_t h = 0; is_point && h < handles_.count; ++h)
                 gradient[h] = -double(binding.weight(nearest, h));
@@ -224,8 +223,9 @@ private:
         }
         return Status::ok;
     }
-    /// Returns where a handle is; a vector is in the middle of its face, or of the cage if it has none.
-    Vec<double, D> place_of(const PoseSamples<T, D>& to, std::size_t i, std::size_t vector) const {
+    /// Returns the position of a handle: for a vector, the centre of its face, or of the cage if it has
+    /// none.
+    Vec<double, D> position_of(const PoseSamples<T, D>& to, std::size_t i, std::size_t vector) const {
         if (handles_.is_point(i)) return vec_cast<double>(handles_.rest[i]);
         if (handles_.faces == nullptr) return to.centre;
         Vec<double, D> sum{};
@@ -242,14 +242,14 @@ private:
     HandleView<T, D> handles_;
     SamplePoints<T, D> sampled_;
     std::vector<std::uint32_t> cluster_of_;
-    std::vector<std::uint32_t> column_; ///< #samples: the place of a sample in the batch, if it is there
-    double size_ = 0;                   ///< of the cage
-    /// D columns of #handles numbers for each point of a batch, in lengths of the cage's size.
+    std::vector<std::uint32_t> column_; ///< #samples: the index of a sample in the batch, or none
+    double size_ = 0;                   ///< the cage's size
+    /// D columns of #handles numbers for each point of a batch, in units of the cage's size.
     std::vector<double> gradients_;
-    std::vector<bool> is_there_; ///< the points of a batch that have gradients
+    std::vector<bool> has_gradients_; ///< the points of a batch that have gradients
 };
 
-/// Makes samples, of given points if there are any, under the memory guard. A solver solves once.
+/// Makes samples under guard_memory. A solver solves only once.
 template <SampledCoordinates C>
 Result<PoseSamples<typename C::scalar, C::dimension>, PoseSamplesReport>
 make_pose_samples(const C& coordinates, const std::vector<Vec<typename C::scalar, C::dimension>>* given,

@@ -1,4 +1,4 @@
-// The points of a lattice that are inside a cage.
+// The points of a lattice inside a cage.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -11,11 +11,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Samples, and which of them are neighbours on a lattice.
+/// Samples and their neighbours on a lattice.
 template <Scalar T, std::size_t D>
 struct SamplePoints {
     std::vector<Vec<T, D>> points;
-    std::vector<std::array<std::uint32_t, 2>> neighbours; ///< pairs; empty if the samples are on no lattice
+    std::vector<std::array<std::uint32_t, 2>> neighbours; ///< pairs; empty without a lattice
 };
 
 /// Returns the bounds of the handles that are points.
@@ -28,7 +28,7 @@ Bounds<double, D> bounds_of_points(const HandleView<T, D>& handles) {
     return bounds_of(std::span<const Vec<double, D>>(points));
 }
 
-/// Whether a few points at a time cost no more each than many; AnyCoordinates answer at run time.
+/// Whether coordinates need no solver; AnyCoordinates report it at run time.
 template <class C>
 bool is_closed_form(const C& coordinates) noexcept {
     if constexpr (CageCoordinates<C>)
@@ -37,7 +37,7 @@ bool is_closed_form(const C& coordinates) noexcept {
         return coordinates.closed_form();
 }
 
-/// A lattice of cells that fill a box; a sample is the middle of a cell.
+/// A lattice of cells in a box; a sample is the centre of a cell.
 template <class C>
 class SampleLattice {
     using T = typename C::scalar;
@@ -48,8 +48,8 @@ public:
         : coordinates_(coordinates)
         , box_(box) {}
 
-    /// Finds about `count` points inside: at first the inside's share of the box, by a lattice of `count`
-    /// points, which is refined until some are inside.
+    /// Finds about `count` points inside. First estimates the fraction of the box that is inside with a
+    /// lattice of `count` points, refined until enough are inside.
     Status find(std::size_t count, SamplePoints<T, D>& found, const Running& running) {
         constexpr std::size_t most = std::size_t{1} << 22;
         for (std::size_t tried = count; tried <= most; tried *= 8) {
@@ -69,7 +69,7 @@ public:
     }
 
 private:
-    /// Divides the box into about `count` cells, nearly cubes.
+    /// Divides the box into about `count` nearly cubic cells.
     void divide(double count) {
         double edge = 1;
         const Vec<double, D> extent = box_.upper - box_.lower;
@@ -92,7 +92,7 @@ private:
         return p;
     }
 
-    /// Asks the coordinates where the points are; few at a time, for their weights are not kept.
+    /// Evaluates the states of the points, a few at a time, since their weights are discarded.
     Status locate(const Running& running) {
         const std::size_t blocks = is_closed_form(coordinates_) ? 8 : 128, piece = blocks * lane_count<T>;
         const std::size_t handles = handle_view(coordinates_).count;
@@ -131,7 +131,7 @@ private:
             number[n] = std::uint32_t(found.points.size());
             found.points.push_back(point(n));
             std::size_t stride = 1, left = n;
-            for (std::size_t k = 0; k < D; ++k) { // the cells before it have their numbers already
+            for (std::size_t k = 0; k < D; ++k) { // preceding cells are already numbered
                 if (left % cells_[k] > 0 && states_[n - stride] == PointState::inside)
                     found.neighbours.push_back({number[n - stride], number[n]});
                 left /= cells_[k];

@@ -10,8 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Adds up K, G and M. Gradients are those of lengths that are shares of the cage's size; matrices are stored
-/// column after column, each column with a number for every handle.
+/// Sums K, G and M. Gradients are in units of the cage's size; matrices are stored by columns, with one
+/// number per handle.
 template <Scalar T, std::size_t D>
 class SampleSums {
 public:
@@ -25,7 +25,7 @@ public:
     void add_products(std::span<const double> columns, const Running& running) {
         add_column_products(std::span<double>(stiffness_), columns, handles_, running);
     }
-    /// Adds a sample of weight 1, of D columns, to its cluster.
+    /// Adds a sample of weight 1 (D columns) to its cluster.
     void add_sample(std::span<const double> gradient, std::size_t cluster) {
         double* const sum = gradients_.data() + cluster * D * handles_;
         for (std::size_t n = 0; n < D * handles_; ++n) sum[n] += gradient[n];
@@ -38,7 +38,7 @@ public:
         for (auto& moment : moments_) {
             for (double& x : moment) x /= double(count);
         }
-        for (std::size_t i = 0; i < handles_; ++i) felt_.push_back(stiffness_[i * handles_ + i]);
+        for (std::size_t i = 0; i < handles_; ++i) own_stiffness_.push_back(stiffness_[i * handles_ + i]);
     }
     /// Adds a spoke: `gradient` times the handles at rest is `direction`.
     void add_spoke(std::span<const double> gradient, const Vec<double, D>& direction, std::size_t cluster,
@@ -63,27 +63,27 @@ public:
         to.moments.resize(blocks * D * D);
         for (std::size_t c = 0; c < blocks * lane_count<T>; ++c) {
             const std::size_t block = c / lane_count<T>, lane = c % lane_count<T>;
-            const bool is_there = c < to.cluster_count;
+            const bool exists = c < to.cluster_count;
             for (std::size_t n = 0; n < handles_ * D; ++n)
                 to.gradients[block * handles_ * D + n][lane] =
-                    is_there ? T(gradients_[(c * D + n % D) * handles_ + n / D]) : T(0);
+                    exists ? T(gradients_[(c * D + n % D) * handles_ + n / D]) : T(0);
             for (std::size_t n = 0; n < D * D; ++n)
-                to.moments[block * D * D + n][lane] = is_there ? T(moments_[c][n]) : T(n % (D + 1) == 0);
+                to.moments[block * D * D + n][lane] = exists ? T(moments_[c][n]) : T(n % (D + 1) == 0);
         }
         double mean = 0;
-        for (const double felt : felt_) mean += felt / double(handles_);
+        for (const double stiffness : own_stiffness_) mean += stiffness / double(handles_);
         for (std::size_t i = 0; i < handles_; ++i) {
             for (std::size_t j = 0; j <= i; ++j) to.stiffness.push_back(stiffness_[j * handles_ + i]);
-            if (!(felt_[i] > 1e-6 * mean)) to.unfelt.push_back(std::uint32_t(i));
+            if (!(own_stiffness_[i] > 1e-6 * mean)) to.weak_handles.push_back(std::uint32_t(i));
         }
     }
 
 private:
     std::size_t handles_;
-    std::vector<double> stiffness_;                  ///< its lower half
-    std::vector<double> gradients_;                  ///< D columns for each cluster
-    std::vector<std::array<double, D * D>> moments_; ///< row after row
-    std::vector<double> felt_;                       ///< the diagonal without spokes
+    std::vector<double> stiffness_;                  ///< the lower triangle
+    std::vector<double> gradients_;                  ///< D columns per cluster
+    std::vector<std::array<double, D * D>> moments_; ///< by rows
+    std::vector<double> own_stiffness_;              ///< the diagonal without spokes
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-// X(name, NAME, "description"): the enumerators here, and of C: CAGEFORM_NAME. Add new ones at the end.
+// X(name, NAME, "description"). In C the enumerators are CAGEFORM_NAME. Append new ones at the end.
 // clang-format off
 #define CAGEFORM_OUTSIDE_POINTS(X)                                                                           \
     X(extend, EXTEND, "by the coordinate type's own extension; kept in place if it has none")                \
@@ -22,32 +22,32 @@ enum class OutsidePoints : std::uint8_t {
 #undef CAGEFORM_DETAIL_OUTSIDE
 };
 
-/// Whether weights that miss Σw = 1 or Σwc = p (solvers leave a residual) are changed by the least
-/// amount, in the least-squares sense over the handles, that restores both. Affine poses are then
-/// exact; a weight near zero may become negative, by about BindReport::weight_change. Weights stay
-/// unchanged if the change would not lower the residual (BindReport::not_restored).
+/// Whether to correct weights that violate Σw = 1 or Σwc = p (solvers leave a residual), by the
+/// smallest change in the least-squares sense. Affine poses are then exact. A weight near zero may
+/// become negative, by about BindReport::weight_change. A change that would not lower the residual is
+/// not made (BindReport::not_restored).
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {
     OutsidePoints outside = OutsidePoints::extend;
     LinearPrecision linear_precision = LinearPrecision::restore;
-    /// The distance from the cage at which the displacements of points outside have faded to nothing, in
-    /// the units of the cage; 0: they do not fade. The weights of a point outside, at distance d, are
-    /// multiplied by
+    /// The distance from the cage at which displacements of points outside reach zero, in the units of
+    /// the cage; 0: no falloff. The weights of a point outside, at distance d, are multiplied by
     ///
     ///     f = (1 − x)² (1 + 2x),   x = d / falloff
     ///
-    /// and are exact zeros where x is 1 or more. Rest stays exact; affine poses are not exact outside. The
-    /// motion is as smooth at the boundary as without, up to C¹. The slope of f is up to 1.5 / falloff: the
-    /// figure may fold if points move by more than two thirds of the falloff. With nearest_boundary the
-    /// motion jumps where two parts of the cage are equally near and nearer than the falloff.
+    /// and are exactly 0 for x ≥ 1. Rest stays exact; affine poses are not exact outside. The falloff
+    /// preserves continuity at the boundary up to C¹. The slope of f is up to 1.5 / falloff: the figure
+    /// may fold if points move by more than two thirds of the falloff. With nearest_boundary, the
+    /// motion is discontinuous where two parts of the cage are equally near and nearer than the
+    /// falloff.
     ///
     /// Fails with falloff_not_supported if it is negative or not finite, or if points outside have no
-    /// weights: with keep_in_place, or with extend where the coordinates have no extension.
+    /// weights: with keep_in_place, and with extend if the coordinates have no extension.
     double falloff = 0;
 };
 
-/// The largest (or least) value found, and the point that has it.
+/// The largest (or least) value, and its point.
 struct Extreme {
     static constexpr std::size_t none = ~std::size_t{0};
 
@@ -62,7 +62,7 @@ struct Extreme {
     }
 };
 
-/// How a bind went. Lists hold indices of points in ascending order.
+/// The result of a bind. Lists contain point indices in ascending order.
 struct BindReport {
     Status status = Status::ok;
     CageReport cage;
@@ -70,23 +70,23 @@ struct BindReport {
     std::size_t points = 0; ///< given
     std::vector<std::size_t> on_boundary;
     std::vector<std::size_t> outside; ///< treated according to BindOptions::outside
-    /// Those outside that lie within BindOptions::falloff; the others outside then stay in place.
+    /// The points outside within BindOptions::falloff; the other points outside do not move.
     std::vector<std::size_t> faded;
-    std::vector<std::size_t> not_finite; ///< kept as they are in every pose
-    std::vector<std::size_t> unreached;  ///< weights do not exist or overflow; kept in place
-    /// LinearPrecision::restore has left more than rounding: the weights are so large (thin
-    /// cages) that changes would not lower the residual
+    std::vector<std::size_t> not_finite; ///< not moved by any pose
+    std::vector<std::size_t> unreached;  ///< without weights, or with overflow; kept in place
+    /// Residuals above rounding errors after LinearPrecision::restore: the weights are so large (thin
+    /// cages) that changes would not lower the residual.
     std::vector<std::size_t> not_restored;
-    /// Largest |Σw − 1| of the final weights; of points that fade, before they are multiplied by f.
+    /// Largest |Σw − 1| of the final weights, before a falloff.
     Extreme partition_error;
     /// Largest |Σwc − p| of the same weights, in the units of the cage; with
-    /// OutsidePoints::nearest_boundary p is the boundary point.
+    /// OutsidePoints::nearest_boundary, p is the boundary point.
     Extreme reproduction_error;
     Extreme weight_change;     ///< largest change of a weight in a round of LinearPrecision::restore
     Extreme residual_restored; ///< largest |Σwc − p| before it
-    Extreme least_weight;      ///< negative weights are no fault of closed forms
-    /// Largest Σ|w| of a point: a point moves by at most this if no handle moves by more than 1. It is
-    /// 1 if no weight is negative, the sum being 1.
+    Extreme least_weight;      ///< closed forms may have negative weights
+    /// Largest Σ|w| of a point: an upper bound of its displacement if no handle moves by more than 1.
+    /// It is 1 if no weight is negative.
     Extreme amplification;
     double seconds = 0; ///< wall-clock time, including the solver's
 };

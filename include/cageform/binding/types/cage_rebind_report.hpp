@@ -1,4 +1,4 @@
-// The report of binding a figure again to an edited cage.
+// The report of `rebind_cage`.
 #pragma once
 
 #include <cageform/binding/types/figure_binding.hpp>
@@ -8,13 +8,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The report of `rebind_cage`.
 struct CageRebindReport : FigureBindReport {
-    /// #handles of the edited cage: the number that each had before, or `new_handle`.
+    /// #handles of the edited cage: the old index of each, or `new_handle`.
     std::vector<std::size_t> old_handles;
 };
 
-/// Marks a handle that did not exist before an edit.
+/// The old index of a handle that did not exist before an edit.
 inline constexpr std::size_t new_handle = ~std::size_t{0};
 
 } // namespace cageform::inline CAGEFORM_ABI

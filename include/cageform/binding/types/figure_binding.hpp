@@ -11,13 +11,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The input of a figure's `bind`: `FigurePoints{points, normals, tangents}`. Tangents, or normals
-/// and tangents, can be left out. It refers to lvalue arguments and stores temporaries.
+/// The input of `bind` for a figure: `FigurePoints{points, normals, tangents}`. Tangents, or normals
+/// and tangents, may be omitted. It refers to lvalue arguments and stores temporaries.
 ///
 ///   points    as for `bind`
-///   normals   of any length, one for every point
-///   tangents  in 3D, one for every point, as for `tangents_of`. If they have four numbers, the sign of
-///             numbers, the sign of the fourth is the handedness of the texture, as glTF has it
+///   normals   of any length, one per point
+///   tangents  3D: one per point, as for `tangents_of`. With four numbers, the sign of the fourth is the
+///             handedness of the texture, as in glTF
 template <class Points, class Normals = NoVectors, class Tangents = NoVectors>
 struct FigurePoints {
     Points points;
@@ -31,8 +31,8 @@ FigurePoints(Points&&, Normals&&) -> FigurePoints<Points, Normals>;
 template <class Points, class Normals, class Tangents>
 FigurePoints(Points&&, Normals&&, Tangents&&) -> FigurePoints<Points, Normals, Tangents>;
 
-/// A bound figure, made by `bind`. `clone` moves it (clone/clone_figure.hpp); `pack` converts it to
-/// what a game ships.
+/// A bound figure, made by `bind`. `clone` deforms it (clone/clone_figure.hpp); `pack` packs it for run
+/// time.
 template <Scalar T, std::size_t D>
 class FigureBinding {
 public:
@@ -42,14 +42,14 @@ public:
     Binding<T, D> points;
     /// Unit tangents, in 3D also bitangents; empty without normals.
     std::array<Binding<T, D>, D - 1> tangents;
-    std::vector<std::int8_t> handedness; ///< #points; empty unless the figure had its own tangents
+    std::vector<std::int8_t> handedness; ///< #points; empty unless tangents were given
 
     bool has_normals() const noexcept { return tangents[0].handle_count() != 0; }
 
-    /// Sets a label for every handle, of any length; `pack` and `rebind_cage` keep them.
+    /// Sets one label per handle, of any length; `pack` and `rebind_cage` keep them.
     ///
     ///   labels   any range whose elements convert to std::string_view
-    ///   returns  labels_do_not_match; out_of_memory; the labels are then as they were
+    ///   returns  labels_do_not_match, out_of_memory (labels are then unchanged), or ok
     template <class Labels>
     Status set_labels(const Labels& labels) {
         const std::size_t count = points.handle_count();
@@ -91,7 +91,7 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> labels_; // where they begin, #handles + 1, and characters; or none
+    std::vector<std::uint32_t> labels_; // #handles + 1 begins, then characters; or empty
     std::size_t labelled_ = 0;          // #handles when they were set
 };
 

@@ -18,7 +18,7 @@ struct cageform_binding : cageform::detail::c::Object {
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Makes coordinates, which make(options, coordinates) fills, of a scalar that the options choose.
+/// Makes a coordinates object: calls make(options, coordinates) with the scalar of the options.
 template <class Make>
 cageform_status make_coordinates(std::size_t dimension, const cageform_coordinates_options* options,
                                  cageform_coordinates** coordinates, cageform_report& report,
@@ -189,7 +189,7 @@ cageform_status cageform_binding_figure(const cageform_binding* binding, cagefor
             nullptr, 0, labels.size(),
             [&](cageform_figure& made, std::byte* memory) {
                 auto view = its.view();
-                if (view.labels.begin != nullptr) { // copied, for the binding may get others
+                if (view.labels.begin != nullptr) { // a copy: the labels of the binding may change
                     const auto text = view.labels.text - reinterpret_cast<const char*>(labels.data());
                     const void* const own = std::memcpy(memory, labels.data(), labels.size());
                     view.labels = {static_cast<const std::uint32_t*>(own),

@@ -1,4 +1,4 @@
-// Declares how the C interface makes coordinates of its descriptions of cages.
+// Converts the cages of the C interface to coordinates.
 #pragma once
 
 #include <cageform/binding/any_coordinates.hpp>
@@ -45,13 +45,13 @@ template <class T, std::size_t D>
 cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordinates_options& options,
                                AnyCoordinates<T, D>& made);
 
-/// Makes coordinates of several cages, blended where they overlap.
+/// Makes coordinates of several cages, blended where cages overlap.
 template <class T, std::size_t D>
 cageform_status blend_of(std::span<const cageform_cage* const> cages,
                          const cageform_coordinates_options& options, AnyCoordinates<T, D>& made,
                          std::size_t& culprit);
 
-/// Checks a cage as coordinates of it would.
+/// Checks a cage as its coordinates do.
 template <class T, std::size_t D>
 cageform_status check_cage(const cageform_cage& cage, CageReport& report);
 

@@ -1,5 +1,5 @@
-// Makes the library's cages and coordinates of the C interface's descriptions. cages.hpp includes it, unless
-// the program links cageform::compiled.
+// Converts the cages of the C interface. cages.hpp includes this file, unless the program links
+// cageform::compiled.
 #pragma once
 
 #include <cageform/binding/make_coordinates.hpp>
@@ -7,14 +7,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Copies numbers that describe something; null is none.
+/// Copies an array; null gives an empty one.
 inline cageform_status copy_numbers(const std::uint32_t* numbers, std::size_t count,
                                     std::vector<std::size_t>& copied) {
     if (numbers == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
     if (numbers != nullptr) copied.assign(numbers, numbers + count);
     return CAGEFORM_OK;
 }
-/// Whether runs of `sizes` together are `count`; sums do not overflow, for sizes have 32 bits.
+/// Whether `sizes` sum to `count`. The sum does not overflow, since sizes have 32 bits.
 inline bool add_up(const std::vector<std::size_t>& sizes, std::size_t count) noexcept {
     std::size_t sum = 0;
     for (const std::size_t size : sizes) {
@@ -24,7 +24,7 @@ inline bool add_up(const std::vector<std::size_t>& sizes, std::size_t count) noe
     return sum == count;
 }
 
-/// Copies the vertices of the boundary, which those of cells follow.
+/// Copies the vertices of the boundary, which precede those of cells.
 template <class T, std::size_t D>
 cageform_status copy_boundary(const cageform_cage& cage, std::vector<Vec<T, D>>& vertices) {
     if (cage.cell_vertices > cage.vertices.count) return CAGEFORM_COUNTS_DO_NOT_MATCH;
@@ -185,9 +185,9 @@ CoordinateOptions<T> options_of(const cageform_coordinates_options& options) {
     return own;
 }
 
-/// Calls use(cage) with the cage that is described: of the library's class for its kind.
+/// Calls use(cage) with the cage as the library's class for its kind.
 ///
-///   kind   that of the cage; or CAGEFORM_SITES, for its vertices alone
+///   kind   the kind of the cage, or CAGEFORM_SITES for only its vertices
 template <class T, std::size_t D, class Use>
 cageform_status with_cage(const cageform_cage& cage, std::uint32_t kind, const Use& use) {
     const auto use_made = [&](cageform_status status, const auto& made) {
@@ -223,7 +223,7 @@ cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordin
     if (type == CoordinateType::green && cage.kind == CAGEFORM_CURVES) type = CoordinateType::curved_green;
     const std::uint32_t cages = facts_of(type).cages;
     if (has_cells(cage) && (cages & cage_kinds::cells) == 0) return CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED;
-    // The vertices of a polygon or a mesh serve as sites.
+    // The sites of a polygon or a mesh are its vertices.
     const bool by_sites =
         cages == cage_kinds::sites && (cage.kind == CAGEFORM_POLYGON || cage.kind == CAGEFORM_MESH);
     return with_cage<T, D>(cage, by_sites ? std::uint32_t(CAGEFORM_SITES) : cage.kind, [&](const auto& its) {

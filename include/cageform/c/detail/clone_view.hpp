@@ -1,11 +1,11 @@
-// Declares the clones of the C interface, of each scalar and dimension.
+// Declares the clone functions of the C interface, per scalar and dimension.
 #pragma once
 
 #include <cageform/c/detail/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Clones a figure: points, and normals and tangents if they are not null.
+/// Clones the points of a figure, and normals and tangents unless they are null.
 template <class T, std::size_t D>
 cageform_status clone_view(const PackedFigureView<T, D>& figure, const cageform_points& pose,
                            const cageform_output& points, const cageform_output* normals,

@@ -1,4 +1,4 @@
-// Defines the clones of the C interface. clone_view.hpp includes it, unless the program links
+// Defines the functions of clone_view.hpp, which includes this file, unless the program links
 // cageform::compiled.
 #pragma once
 

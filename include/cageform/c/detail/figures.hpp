@@ -1,4 +1,4 @@
-// Declares what the C interface does with figures, clips and samples of each scalar and dimension.
+// Declares the functions of figures, clips and samples in the C interface, per scalar and dimension.
 #pragma once
 
 #include <cageform/binding/types/pose_sample_options.hpp>
@@ -16,7 +16,7 @@ struct cageform_bytes : cageform::detail::c::Object {
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Binds points that are copied, with normals and tangents if there are any.
+/// Binds copied points, and normals and tangents if given.
 template <class T, std::size_t D>
 cageform_status bind_copied(const AnyCoordinates<T, D>& coordinates, const std::vector<Vec<T, D>>& points,
                             const cageform_points* normals, const cageform_points* tangents,

@@ -1,4 +1,5 @@
-// Defines what figures.hpp declares, which includes it, unless the program links cageform::compiled.
+// Defines the functions of figures.hpp, which includes this file, unless the program links
+// cageform::compiled.
 #pragma once
 
 #include <cageform/animate/compile.hpp>
@@ -39,7 +40,7 @@ cageform_status bind_copied(const AnyCoordinates<T, D>& coordinates, const std::
     }
 }
 
-/// Makes bytes of what has a member bytes(), which they keep.
+/// Makes a bytes object that owns `packed`, an object with a member bytes().
 template <class Packed>
 cageform_status make_bytes(Packed packed, cageform_bytes** made) {
     return make_filled(made, [&](cageform_bytes& object) {
@@ -64,7 +65,7 @@ inline std::span<const std::byte> bytes_of(const cageform_part& part) noexcept {
 template <class T, std::size_t D>
 cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pack_options& options,
                             const Running& running, cageform_bytes** packed, cageform_report& report) {
-    std::optional<WeightFormat> format; // the smallest
+    std::optional<WeightFormat> format; // none: the smallest
     switch (options.format) {
     case CAGEFORM_FORMAT_SMALLEST: break;
 #define CAGEFORM_DETAIL_FORMAT(name, NAME, ...)                                                              \

@@ -1,4 +1,4 @@
-// The reports of the C interface, with a sentence for what was refused.
+// The reports of the C interface and their messages.
 #pragma once
 
 #include <cageform/c/detail/objects.hpp>
@@ -16,7 +16,7 @@ constexpr const char* word_of(std::uint32_t element) noexcept {
     default: return "";
     }
 }
-/// A report that says nothing yet.
+/// Returns an empty report.
 inline cageform_report empty_report() noexcept {
     cageform_report report{};
     report.culprit = report.frame = CAGEFORM_NONE;
@@ -25,7 +25,7 @@ inline cageform_report empty_report() noexcept {
     return report;
 }
 
-/// Writes the sentence of a report: the status, and the culprit by its word, with its frame.
+/// Writes the message of a report: the status, and the culprit with its word and frame.
 inline void add_message(cageform_report& report, const char* word) noexcept {
     char* const at = report.message;
     constexpr std::size_t room = sizeof(report.message);
@@ -51,7 +51,7 @@ inline void add_message(cageform_report& report) noexcept {
     add_message(report, "number");
 }
 
-/// Runs f(report), which returns a code, fills the caller's report, and returns the code.
+/// Runs f(report), which returns a status code. Copies the report to the caller's and returns the code.
 template <class F>
 cageform_status reported(cageform_report* out, const char* word, const F& f) noexcept {
     if (out != nullptr && out->size < sizeof(out->size)) return CAGEFORM_SIZE_NOT_SET;

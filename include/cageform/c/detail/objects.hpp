@@ -1,4 +1,4 @@
-// The objects behind the opaque pointers of the C interface, and the checks of what C passes.
+// The objects behind the opaque pointers of the C interface, and the validation of arguments.
 #pragma once
 
 #include <cageform/c/cageform.h>
@@ -18,7 +18,7 @@ namespace cageform::inline CAGEFORM_ABI::detail::c {
 
 static_assert(CAGEFORM_NONE == ~std::size_t{0}, "indices of none are passed on");
 
-/// Returns the code of a status. A compiler warns of one without.
+/// Returns the code of a status. Compilers warn about a missing case.
 constexpr cageform_status code_of(Status status) noexcept {
     switch (status) {
 #define CAGEFORM_STATUS_CASE(code, NAME, name)                                                               \
@@ -29,8 +29,8 @@ constexpr cageform_status code_of(Status status) noexcept {
     return CAGEFORM_FAILED;
 }
 
-/// The beginning of every object. Its kind is known by a number, so that an object of another kind is
-/// refused, and mostly one that is freed.
+/// The first member of every object. Its kind is a magic number, so that objects of another kind, and
+/// most freed ones, are rejected.
 struct Object {
     enum class Kind : std::uint64_t {
         figure = 0x6366'6967'7572'6501u,
@@ -54,11 +54,11 @@ void destroy_allocated(Object* object) noexcept {
     delete static_cast<X*>(object);
 }
 
-/// The numbers of figures, clips, coordinates: one of four types X.
+/// A variant of X for both scalars and both dimensions.
 template <template <class, std::size_t> class X>
 using OfAnyType = std::variant<X<float, 2>, X<double, 2>, X<float, 3>, X<double, 3>>;
 
-/// Calls use(x) with what a variant holds.
+/// Calls use(x) with the value of a variant.
 template <class Variant, class Use>
 cageform_status with(Variant& any, const Use& use) {
     if (auto* x = std::get_if<0>(&any)) return use(*x);
@@ -72,7 +72,7 @@ template <class X>
 inline constexpr std::uint32_t scalar_code =
     std::is_same_v<typename X::scalar, float> ? CAGEFORM_FLOAT : CAGEFORM_DOUBLE;
 
-/// Calls make<T, D>(), which returns a status, for the scalar and dimension that are given.
+/// Calls make<T, D>(), which returns a status code, for a scalar and a dimension.
 template <class Make>
 cageform_status with_type(std::uint32_t scalar, std::size_t dimension, const Make& make) {
     if (scalar > CAGEFORM_DOUBLE) return CAGEFORM_CHOICE_UNKNOWN;
@@ -84,7 +84,7 @@ cageform_status with_type(std::uint32_t scalar, std::size_t dimension, const Mak
     return CAGEFORM_DIMENSION_DIFFERS;
 }
 
-/// Runs f, which returns a code; what it throws becomes a code too.
+/// Runs f, which returns a status code; exceptions become codes.
 template <class F>
 cageform_status guarded(const F& f) noexcept {
 #if defined(__cpp_exceptions)
@@ -103,7 +103,7 @@ cageform_status guarded(const F& f) noexcept {
 #endif
 }
 
-/// Checks that a pointer is an object of a kind.
+/// Checks that a pointer refers to an object of a kind.
 template <class X>
 cageform_status check_object(const X* object) noexcept {
     if (object == nullptr) return CAGEFORM_ARGUMENT_NULL;
@@ -121,7 +121,7 @@ cageform_status read_struct(const S* given, S& own) noexcept {
     std::memcpy(static_cast<void*>(&own), given, size < sizeof(S) ? size : sizeof(S));
     return CAGEFORM_OK;
 }
-/// Writes as much of a struct as the caller knows.
+/// Writes the fields of a struct that the caller's size includes.
 template <class S>
 cageform_status write_struct(S own, S* out) noexcept {
     if (out == nullptr) return CAGEFORM_ARGUMENT_NULL;
@@ -131,7 +131,7 @@ cageform_status write_struct(S own, S* out) noexcept {
     return CAGEFORM_OK;
 }
 
-/// Checks points, given or to be written, and sets the distance between them in bytes.
+/// Checks points or an output, and sets its stride if it is 0.
 template <class P>
 cageform_status check_points(const P& points, std::size_t dimension, std::size_t& stride) noexcept {
     stride = 0;
@@ -164,7 +164,7 @@ auto view_of(const P& points, cageform_status& status) noexcept {
                                     static_cast<std::ptrdiff_t>(stride));
 }
 
-/// Makes an object that fill(object), which returns a code, fills.
+/// Makes an object and calls fill(object), which returns a status code.
 template <class X, class Fill>
 cageform_status make_filled(X** made, const Fill& fill) {
     struct Guard {

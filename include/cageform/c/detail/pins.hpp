@@ -1,4 +1,4 @@
-// The object of the C interface that holds samples for pins.
+// The samples object of the C interface.
 #pragma once
 
 #include <cageform/c/detail/objects.hpp>

@@ -12,7 +12,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// The elements of a cage that the indices of a fault name.
+/// The kinds of the elements that the indices of a fault refer to.
 struct FaultElements {
     std::uint32_t a, b;
 };
@@ -114,7 +114,7 @@ inline void fill(cageform_report& report, const MakeCageReport& made) noexcept {
     report.tightest_volume = made.tightest_area;
     report.least_angle = made.least_angle;
 }
-/// Frames are counted, so that one that is not below says the rest.
+/// `frames` is the number of frames; a larger frame index means the rest pose.
 inline void fill(cageform_report& report, const SkeletonReport& fitted, std::size_t frames) noexcept {
     if (fitted.status == Status::ok || fitted.status == Status::frame_not_finite) {
         report.culprit = fitted.vertex;

@@ -1,4 +1,4 @@
-// The loop, the threads and the progress of the caller.
+// The parallel loop, threads and progress callback of the caller.
 #pragma once
 
 #include <cageform/c/detail/objects.hpp>
@@ -10,7 +10,8 @@
 #include <exception>
 #endif
 
-// mingw-w64 without posix threads and WebAssembly have none: cageform_running::threads is then not read.
+// mingw-w64 without posix threads and WebAssembly have no threads: cageform_running::threads is
+// ignored.
 #if !defined(CAGEFORM_C_RUNTIME_ONLY) && !defined(__wasi__) &&                                               \
     (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
 #define CAGEFORM_DETAIL_C_THREADS
@@ -19,8 +20,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// The loop of the caller, without memory of its own. Serial, threaded and caller's loops are of this type,
-/// so that a clone is compiled once.
+/// The caller's loop, without allocation. Serial, threaded and user loops share this type, so that a
+/// clone is compiled once.
 struct CallersFor {
     const cageform_running& running;
 
@@ -60,8 +61,8 @@ private:
 };
 
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
-/// Calls use(running) with the caller's threads and progress. An exception of a body on another thread of the
-/// caller's loop is thrown again here, for C functions are not passed by exceptions.
+/// Calls use(running) with the caller's threads and progress. Exceptions cannot pass through C
+/// functions: an exception of a body in the caller's loop is rethrown here.
 template <class Use>
 cageform_status with_running(const cageform_running* given, const Use& use) {
     cageform_running own;

@@ -15,7 +15,7 @@ struct cageform_skeleton : cageform::detail::c::Object {
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Frames that lie one after the other.
+/// A view of contiguous frames.
 template <class Points>
 struct FramesInARow {
     Points points;
@@ -25,7 +25,7 @@ struct FramesInARow {
     Points operator[](std::size_t t) const noexcept { return points.subview(t * vertices, vertices); }
 };
 
-/// Names the first face that has a vertex that is none.
+/// Reports the first face with a vertex index that is out of range.
 inline void name_face(cageform_report& report, const std::vector<std::array<std::uint32_t, 3>>& faces,
                       std::size_t vertices) noexcept {
     const auto is_bad = [&](const auto& face) {
@@ -67,7 +67,7 @@ inline cageform_status fit_skeleton_of(const cageform_points& rest, const cagefo
                                             : fit(view_of<float, 3>(frames, status));
 }
 
-/// Where numbers of each bone in each frame are written; nowhere if they are not asked for.
+/// The output for each bone in each frame; discards values if the caller passed none.
 template <std::size_t D>
 class BoneOutput {
 public:

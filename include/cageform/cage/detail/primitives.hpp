@@ -1,6 +1,7 @@
 // Segments and triangles, the facets of all cages, and the rules that decide what is inside.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/cage/detail/orientation.hpp>
 #include <cageform/cage/types/facet.hpp>
 #include <cageform/core/types/buffer.hpp>
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -217,8 +217,7 @@ std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
 template <std::size_t D, class F>
 void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     const std::size_t axis = sweep_axis(boxes);
-    std::vector<std::size_t> order(boxes.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
+    auto order = first_indices<std::size_t>(boxes.size());
     std::sort(order.begin(), order.end(),
               [&](std::size_t m, std::size_t n) { return boxes[m].lower[axis] < boxes[n].lower[axis]; });
     Buffer<Bounds<double, D>> sorted; // contiguous for the sweep

@@ -1,4 +1,4 @@
-// Evaluates many piecewise cubics at the same time; for run time, like piecewise_cubic.hpp.
+// Evaluates many piecewise cubics at once. For run time.
 #pragma once
 
 #include <cageform/clip/curves/piecewise_cubic.hpp>
@@ -16,11 +16,11 @@ template <Scalar T>
 struct BankCurve {
     std::uint32_t first_knot = 0;
     std::uint32_t knots = 0; ///< #pieces + 1
-    T low = 0, step = 0;     ///< for a curve in 16 bits: coefficient n stands for low + n · step
+    T low = 0, step = 0;     ///< for a quantised curve: integer n means low + n · step
     T end_value = 0;         ///< constant from the last knot on
 };
 
-/// The event that a curve enters a piece at a knot.
+/// At this knot, the curve enters its next piece.
 struct BankEntry {
     std::uint32_t knot, curve;
 
@@ -30,13 +30,12 @@ struct BankEntry {
 template <Scalar T>
 struct CurveBankView;
 
-/// The current pieces of all curves. Each player of a bank or a clip has its own; it is made once
-/// and used every frame.
+/// The current pieces of all curves. Create one cursor per playing instance, once.
 template <Scalar T>
 class CurveCursor {
 public:
     CurveCursor() = default;
-    /// Uses memory of the caller, which must outlive the cursor; copies share it.
+    /// Uses the caller's memory, which must outlive the cursor; copies share it.
     explicit CurveCursor(std::span<Lanes<T>> memory) noexcept
         : given_(memory) {}
     /// Allocates its own memory.
@@ -62,17 +61,19 @@ Cursor started(const Player& player, Cursor cursor) noexcept {
 
 } // namespace detail
 
-/// A view of a bank stored elsewhere: in a `CurveBank`, or in a packed clip.
+/// A non-owning view of a bank, in a `CurveBank` or in a packed clip.
 template <Scalar T>
 struct CurveBankView {
     using scalar = T;
     using Cursor = CurveCursor<T>;
 
     std::span<const BankCurve<T>> curves;
-    /// The knots of the unquantised curves, one curve after the other, then of the curves in 16 bits.
+    /// The knots of the unquantised curves, one curve after the other, then those of the quantised
+    /// curves.
     std::span<const T> knots;
     std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from each knot of an unquantised curve on
-    /// Bernstein coefficients from each knot of a curve in 16 bits on; unused at the last knot of a curve.
+    /// Bernstein coefficients from each knot of a quantised curve on; unused at the last knot of a
+    /// curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
     std::span<const BankEntry> entries; ///< one per knot, sorted by time, then by knot
 
@@ -83,7 +84,7 @@ struct CurveBankView {
     }
     std::size_t piece_count(std::size_t curve) const noexcept { return curves[curve].knots - 1; }
     bool is_quantised(std::size_t curve) const noexcept { return curves[curve].first_knot >= pieces.size(); }
-    /// Piece n of a curve; n = #pieces is the constant after the last one.
+    /// Returns piece n of a curve; n = #pieces is the constant after the last one.
     CubicPiece<T> piece(std::size_t curve, std::size_t n) const noexcept {
         return piece_at(curve, curves[curve].first_knot + n);
     }
@@ -91,24 +92,24 @@ struct CurveBankView {
     /// The size of a cursor's memory, in Lanes<T>.
     std::size_t cursor_rows() const noexcept { return rows * block_count<T>(size()); }
     Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
-    /// Uses memory of the caller, at least `cursor_rows` long; allocates nothing.
+    /// Uses the caller's memory, at least `cursor_rows` long; does not allocate.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
         return detail::started(*this, Cursor(memory));
     }
-    /// Resets a cursor, of this or another bank, to this bank and the time before all curves.
+    /// Resets a cursor of any bank to this bank, before the first knot.
     void start(Cursor& cursor) const noexcept {
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
         for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
-            for (std::size_t lane = 0; lane < lane_count<T>; ++lane) // zero beyond the last curve
+            for (std::size_t lane = 0; lane < lane_count<T>; ++lane) // zero after the last curve
                 set(block(cursor, b), lane, constant(T(0)));
         }
         for (std::size_t k = 0; k < size(); ++k) load(cursor, k, constant(piece(k, 0).c0));
         cursor.entered_ = 0;
     }
 
-    /// Writes the values of all curves at a finite time to `out` (#curves), and their derivatives
-    /// by time to `slopes` unless that is empty. Outside its range, a curve keeps its nearest
-    /// value. O(#curves), wherever the cursor was.
+    /// Writes the values of all curves at a finite time to `out` (#curves), and their derivatives by
+    /// time to `slopes` (#curves) unless it is empty. Outside its range, a curve has its nearest value.
+    /// O(#curves), wherever the cursor was.
     void sample(T x, Cursor& cursor, std::span<T> out, std::span<T> slopes = {}) const noexcept {
         CAGEFORM_ASSERT(out.size() >= size() && (slopes.empty() || slopes.size() >= size()),
                         "a place for every curve");
@@ -156,7 +157,7 @@ private:
         const auto& p = pieces[knot];
         return {knots[knot], p[0], p[1], p[2], p[3]};
     }
-    /// Decodes a piece from 16 bits. The differences are exact, since they are of integers.
+    /// Decodes a quantised piece. Differences are exact, since they are differences of integers.
     CubicPiece<T> decoded(const BankCurve<T>& c, std::size_t knot) const noexcept {
         if (knot - c.first_knot + 1 == c.knots) return constant(c.end_value);
         const auto& b = steps[knot - pieces.size()];
@@ -169,7 +170,7 @@ private:
     static void load(Cursor& cursor, std::size_t curve, const CubicPiece<T>& piece) noexcept {
         set(block(cursor, curve / lane_count<T>), curve % lane_count<T>, piece);
     }
-    /// The piece of a curve just before a knot.
+    /// Returns the piece of a curve before a knot.
     CubicPiece<T> piece_before(std::size_t curve, std::size_t knot) const noexcept {
         return knot > curves[curve].first_knot ? piece_at(curve, knot - 1)
                                                : constant(piece_at(curve, knot).c0);
@@ -179,7 +180,7 @@ private:
         std::size_t& e = cursor.entered_;
         const auto time = [&](std::size_t i) { return knots[entries[i].knot]; };
         const std::size_t count = entries.size(), most = 4 * size();
-        // For a far jump, a search in each curve is faster than visiting more than four entries per curve.
+        // For jumps over more than four entries per curve, a binary search in each curve is faster.
         const bool far_forward = e + most < count && time(e + most) <= x;
         if (far_forward || (e > most && time(e - most - 1) > x)) {
             e = time(0) <= x ? detail::last_up_to(x, count, time) + 1 : 0;
@@ -205,15 +206,15 @@ private:
     }
 };
 
-/// Many curves evaluated at the same time, such as the coordinates of a cage's vertices. They need
-/// no common knots.
+/// Many curves that are evaluated at once, such as the coordinates of a cage's vertices. Their knots
+/// may differ.
 ///
-/// A cursor holds the current piece of each curve, in rows of one cache line. The knots of all curves are
-/// sorted by time: the knots between two times show which curves enter another piece, forwards or backwards.
+/// A cursor holds the current piece of each curve, in rows of one cache line. The knots of all curves
+/// are sorted by time. The knots between two times give the curves that enter another piece, in either
+/// direction.
 ///
-///   cost    playing: a few operations and five loads per value, whole vector registers at a time,
-///           and a few nanoseconds for each curve that enters another piece; a jump: a search among
-///           the pieces of each curve
+///   cost    playing: a few vector operations and five loads per value, and a few nanoseconds for each
+///           curve that enters another piece; a jump: a binary search in each curve
 ///   memory  five scalars and two indices per piece; a cursor: five scalars per curve
 template <Scalar T>
 class CurveBank {
@@ -238,14 +239,15 @@ public:
                 add_knot(piece.begin);
                 pieces_.push_back({piece.c0, piece.c1, piece.c2, piece.c3});
             }
-            // At the end itself the last piece still counts, for its slope, unless the value jumps.
+            // At the end time the last piece still applies, for its slope, unless the value jumps
+            // there.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
             add_knot(jumps ? curve.end() : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
             pieces_.push_back({curve.end_value(), T(0), T(0), T(0)});
             curves_.push_back(made);
         }
         if (entries.empty()) return;
-        // A time and a knot occur together only once, so that every library sorts them alike.
+        // Pairs of a time and a knot are unique, so the order does not depend on the library's qsort.
         std::qsort(entries.data(), entries.size(), sizeof(Entry), [](const void* a, const void* b) {
             const auto &first = *static_cast<const Entry*>(a), &second = *static_cast<const Entry*>(b);
             if (first.time != second.time) return first.time < second.time ? -1 : 1;

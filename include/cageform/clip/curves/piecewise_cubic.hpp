@@ -1,5 +1,5 @@
-// A piecewise cubic function of time: an animation curve at run time. Needs only the standard
-// library, throws no exceptions; evaluation allocates nothing.
+// A piecewise cubic function of time: an animation curve at run time. Does not throw; evaluation does
+// not allocate.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -10,8 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The cubic c0 + u (c1 + u (c2 + u c3)) with u = x − begin. Measuring from `begin` keeps late
-/// times accurate.
+/// The cubic c0 + u (c1 + u (c2 + u c3)) with u = x − begin. Relative times keep late pieces accurate.
 template <Scalar T>
 struct CubicPiece {
     T begin, c0, c1, c2, c3;
@@ -28,8 +27,8 @@ struct CubicPiece {
 
 namespace detail {
 
-/// Binary search: the index of the last of `count` ascending times begin(0), begin(1), … that is
-/// not later than `x`; 0 if all are later. Has no branches on x.
+/// Branchless binary search: returns the index of the last of `count` ascending times begin(0),
+/// begin(1), … that is not later than `x`; 0 if all are later.
 template <Scalar T, class Begin>
 std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
     std::size_t first = 0;
@@ -45,7 +44,7 @@ std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
 
 } // namespace detail
 
-/// A view of a piecewise cubic stored elsewhere: in a `PiecewiseCubic`, or in a packed clip.
+/// A non-owning view of a piecewise cubic, in a `PiecewiseCubic` or in a packed clip.
 template <Scalar T>
 struct PiecewiseCubicView {
     using scalar = T;
@@ -57,12 +56,12 @@ struct PiecewiseCubicView {
     bool empty() const noexcept { return pieces.empty(); }
     T begin() const noexcept { return pieces.front().begin; }
 
-    /// The index of the piece at a time: the last piece that does not begin later. The curve must
-    /// not be empty. O(log #pieces).
+    /// Returns the index of the last piece that begins at or before a time, or 0. The curve must not be
+    /// empty. O(log #pieces).
     std::size_t locate(T x) const noexcept {
         return detail::last_up_to(x, pieces.size(), [begin = begins](std::size_t i) { return begin[i]; });
     }
-    /// Finds the piece in O(1) if it is `hint` or the next one, as in forward play.
+    /// As above; O(1) if the piece is `hint` or the next one, as in forward play.
     std::size_t locate(T x, std::size_t hint) const noexcept {
         if (hint < pieces.size() && pieces[hint].begin <= x) {
             if (hint + 1 == pieces.size() || x < pieces[hint + 1].begin) return hint;
@@ -73,37 +72,37 @@ struct PiecewiseCubicView {
 
     T operator()(T x) const noexcept {
         if (x >= end) return end_value;
-        const T inside = held(x);
+        const T inside = clamped(x);
         return pieces[locate(inside)](inside);
     }
-    /// `cursor` keeps the piece of the last call; it is 0 at first.
+    /// `cursor` is the piece of the last call, initially 0.
     T operator()(T x, std::size_t& cursor) const noexcept {
         if (x >= end) {
             cursor = pieces.size() - 1;
             return end_value;
         }
-        const T inside = held(x);
+        const T inside = clamped(x);
         cursor = locate(inside, cursor);
         return pieces[cursor](inside);
     }
-    /// The derivative by time; 0 where the value is constant. At the end, the one of the last piece.
+    /// Returns the derivative by time; 0 outside the range. At the end, it is that of the last piece.
     T derivative(T x) const noexcept {
         return x >= pieces.front().begin && x <= end ? pieces[locate(x)].derivative(x) : T(0);
     }
 
 private:
-    T held(T x) const noexcept { return x < begins[0] ? begins[0] : x; }
+    T clamped(T x) const noexcept { return x < begins[0] ? begins[0] : x; }
 };
 
-/// Consecutive cubic pieces, in the units of their keys; six scalars per piece. Outside its range,
-/// a curve keeps its nearest value; `Track` (clip/curves/track.hpp) extrapolates.
+/// Consecutive cubic pieces in the units of their keys; six scalars per piece. Outside its range, a
+/// curve has its nearest value; `Track` (clip/curves/track.hpp) extrapolates.
 template <Scalar T>
 class PiecewiseCubic {
 public:
     using scalar = T;
 
     PiecewiseCubic() = default;
-    /// Pieces ascend by `begin`; `end` is the end of the last, not before its begin. From `end` on
+    /// Pieces ascend by `begin`. `end` is the end of the last piece, not before its begin; from there
     /// the value is constant.
     PiecewiseCubic(std::vector<CubicPiece<T>> pieces, T end)
         : PiecewiseCubic(std::move(pieces), end, T(0)) {
@@ -129,7 +128,7 @@ public:
     std::span<const CubicPiece<T>> pieces() const noexcept { return pieces_; }
     T begin() const noexcept { return pieces_.front().begin; }
     T end() const noexcept { return end_; }
-    T end_value() const noexcept { return end_value_; } ///< from the end on
+    T end_value() const noexcept { return end_value_; } ///< at and after the end
 
     std::size_t locate(T x) const noexcept { return view().locate(x); }
     std::size_t locate(T x, std::size_t hint) const noexcept { return view().locate(x, hint); }

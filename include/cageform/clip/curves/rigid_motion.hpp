@@ -1,4 +1,4 @@
-// Rotates and moves a cage as a whole; for run time, like piecewise_cubic.hpp.
+// Rotates and translates a cage as a whole. For run time.
 #pragma once
 
 #include <cageform/clip/curves/track.hpp>
@@ -8,12 +8,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A rotation in space: x, y, z, w with w = cos of half the angle; of unit length.
+/// A rotation in 3D: a unit quaternion x, y, z, w, where w is the cosine of half the angle.
 template <Scalar T>
 using Quaternion = std::array<T, 4>;
 
-/// Interpolates between rotations along the shorter arc at constant speed; `fraction` in [0, 1] (Shoemake
-/// 1985).
+/// Interpolates between rotations along the shorter arc at constant speed (Shoemake, Animating rotation
+/// with quaternion curves, 1985); `fraction` in [0, 1].
 template <Scalar T>
 Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T fraction) noexcept {
     T cosine = 0;
@@ -23,7 +23,7 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T fraction) noexcep
         cosine = -cosine;
     }
     T of_a = 1 - fraction, of_b = fraction;
-    // Nearer rotations are interpolated linearly, then normalised below; their sine is near zero.
+    // Nearly equal rotations are interpolated linearly and normalised below, since the sine is near 0.
     constexpr T nearly_equal = T(0.9995);
     if (cosine < nearly_equal) {
         const T angle = std::acos(cosine), sine = std::sin(angle);
@@ -40,7 +40,7 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T fraction) noexcep
     return q;
 }
 
-/// A view of a rigid motion stored elsewhere: in a `RigidMotion`, or in a packed clip.
+/// A non-owning view of a rigid motion, in a `RigidMotion` or in a packed clip.
 template <Scalar T, std::size_t D>
 struct RigidMotionView {
     Vec<T, D> pivot{};
@@ -62,7 +62,7 @@ struct RigidMotionView {
     }
 
 private:
-    /// The rows of the rotation matrix.
+    /// Returns the rows of the rotation matrix.
     Vec<Vec<T, D>, D> rotation(T time) const noexcept {
         if constexpr (D == 2) {
             if (!angle_or_phase.curve.empty()) {
@@ -87,14 +87,15 @@ private:
     }
 };
 
-/// Rotates and moves a cage as a whole, after its vertices have moved. Interpolating the vertices
-/// between two rotated poses would shrink the cage in between. Tracks without pieces have no effect.
+/// Rotates and translates a cage as a whole, after its vertices have been sampled. (Interpolating
+/// vertices between two rotated poses would shrink the cage in between.) Tracks without pieces have no
+/// effect.
 template <Scalar T, std::size_t D>
 struct RigidMotion {
     Vec<T, D> pivot{};                    ///< the centre of rotation
     Track<T> angle;                       ///< 2D: radians, counter-clockwise with y up
-    std::vector<Quaternion<T>> rotations; ///< 3D: at keys
-    /// 3D: the position among the keys; 2.25 is a quarter of the arc from key 2 to key 3.
+    std::vector<Quaternion<T>> rotations; ///< 3D: one per key
+    /// 3D: the fractional key index; 2.25 is a quarter of the arc from key 2 to key 3.
     Track<T> phase;
     std::array<Track<T>, D> translation{}; ///< after the rotation
 

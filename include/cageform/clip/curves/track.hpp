@@ -1,4 +1,4 @@
-// A curve with its extrapolation; for run time, like piecewise_cubic.hpp.
+// A curve with its extrapolation. For run time.
 #pragma once
 
 #include <cageform/clip/curves/piecewise_cubic.hpp>
@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view of a track stored elsewhere: in a `Track`, or in a packed clip.
+/// A non-owning view of a track, in a `Track` or in a packed clip.
 template <Scalar T>
 struct TrackView {
     PiecewiseCubicView<T> curve;

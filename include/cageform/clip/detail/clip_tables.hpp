@@ -1,4 +1,4 @@
-// Finds and checks the tables of a packed clip.
+// Views and checks the tables of a packed clip.
 #pragma once
 
 #include <cageform/clip/clip.hpp>
@@ -11,7 +11,7 @@ inline bool is_extrapolation(std::uint32_t mode) noexcept {
     return mode <= std::uint32_t(Extrapolation::ping_pong);
 }
 
-/// Whether one of a clip's extrapolations uses slopes or rises.
+/// Whether an extrapolation uses `CageClipView::ends`.
 inline bool takes_ends(std::uint32_t before, std::uint32_t after) noexcept {
     const auto takes = [](std::uint32_t mode) {
         return mode == std::uint32_t(Extrapolation::linear) ||
@@ -20,7 +20,7 @@ inline bool takes_ends(std::uint32_t before, std::uint32_t after) noexcept {
     return takes(before) || takes(after);
 }
 
-/// Visits the tables of a packed clip: visit(offset, bytes). Tables of 0 bytes are absent.
+/// Calls visit(offset, bytes) for each table of a packed clip; absent tables have 0 bytes.
 template <Scalar T, std::size_t D, class Header, class Visit>
 void for_each_clip_array(Header& header, const Visit& visit) noexcept {
     visit(header.curve_table, header.curves * sizeof(BankCurve<T>));
@@ -77,10 +77,10 @@ bool is_finite_piece(const CubicPiece<T>& p) noexcept {
     return is_finite(p.begin) && is_finite(p.c0) && is_finite(p.c1) && is_finite(p.c2) && is_finite(p.c3);
 }
 
-/// Whether the curves of a bank share out its knots in order (unquantised curves, then quantised
-/// ones), knots ascend, and all numbers are finite, also when decoded.
+/// Whether the curves partition the knots of a bank in order (unquantised curves first), knots ascend,
+/// and all numbers are finite, also when decoded.
 template <Scalar T>
-bool is_sound(const CurveBankView<T>& bank) noexcept {
+bool is_valid(const CurveBankView<T>& bank) noexcept {
     std::array<std::size_t, 2> next{0, bank.pieces.size()}, end{bank.pieces.size(), bank.knots.size()};
     for (std::size_t k = 0; k < bank.size(); ++k) {
         const BankCurve<T>& curve = bank.curves[k];
@@ -102,7 +102,7 @@ bool is_sound(const CurveBankView<T>& bank) noexcept {
     return next == end;
 }
 
-/// Whether the entries of a valid bank are all of its knots, in order, and agree with the clip's times.
+/// Whether the entries of a valid bank are all of its knots, sorted, and agree with the clip's times.
 template <Scalar T, std::size_t D>
 bool is_in_order(const CageClipView<T, D>& clip) noexcept {
     const auto& bank = clip.bank;
@@ -122,7 +122,7 @@ bool is_in_order(const CageClipView<T, D>& clip) noexcept {
            (last == time(count - 1) || after == time(count - 1)) && clip.first_time <= last;
 }
 
-/// Whether the tracks of a motion share out its pieces in order, and their ends are finite.
+/// Whether the tracks partition the pieces of a motion in order, with finite ends.
 template <Scalar T, std::size_t D>
 bool tracks_follow(const PackedMotion<T, D>& motion, std::uint64_t pieces) noexcept {
     std::uint64_t first = 0;
@@ -137,7 +137,7 @@ bool tracks_follow(const PackedMotion<T, D>& motion, std::uint64_t pieces) noexc
 
 /// Whether the pieces of a track ascend and are finite.
 template <Scalar T>
-bool is_sound(const TrackView<T>& track) noexcept {
+bool is_valid(const TrackView<T>& track) noexcept {
     const auto pieces = track.curve.pieces;
     const T *const begins = track.curve.begins, end = track.curve.end;
     bool sound = pieces.empty() || is_finite(end - begins[0]);
@@ -148,9 +148,9 @@ bool is_sound(const TrackView<T>& track) noexcept {
     return sound;
 }
 template <Scalar T, std::size_t D>
-bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
-    bool sound = is_finite(motion.pivot) && is_sound(motion.angle_or_phase);
-    for (const TrackView<T>& track : motion.translation) sound = sound && is_sound(track);
+bool is_valid(const RigidMotionView<T, D>& motion) noexcept {
+    bool sound = is_finite(motion.pivot) && is_valid(motion.angle_or_phase);
+    for (const TrackView<T>& track : motion.translation) sound = sound && is_valid(track);
     for (const Quaternion<T>& turn : motion.rotations) {
         T square = 0;
         for (const T x : turn) square += x * x;
@@ -159,8 +159,8 @@ bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
     return sound;
 }
 
-/// Checks a header and its tables. Counts must fit in 32 bits, so that the sizes in
-/// `for_each_clip_array` stay below 2^64.
+/// Checks a header and its tables. Counts that fit in 32 bits keep the sizes in `for_each_clip_array`
+/// below 2^64.
 template <Scalar T, std::size_t D>
 Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
     bool sound = is_extrapolation(header.before) && is_extrapolation(header.after) &&
@@ -183,7 +183,7 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
         return Status::blob_malformed;
     const auto view = view_clip<T, D>(data, header);
     for (const T x : view.ends) sound = sound && is_finite(x);
-    sound = sound && is_sound(view.bank) && is_in_order(view) && is_sound(view.motion);
+    sound = sound && is_valid(view.bank) && is_in_order(view) && is_valid(view.motion);
     return sound ? Status::ok : Status::blob_malformed;
 }
 

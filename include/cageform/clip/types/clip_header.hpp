@@ -22,7 +22,7 @@ struct ClipHeader {
     std::uint32_t scalar_bytes = 0, dimension = 0;
     std::uint32_t before = 0, after = 0; ///< Extrapolation
     std::uint64_t curves = 0, pieces = 0, steps = 0;
-    double begin = 0, end = 0; ///< times, representable in T; as all of the curves' they count from `origin`
+    double begin = 0, end = 0; ///< times relative to `origin`, representable in T
     std::uint64_t curve_table = 0, knot_table = 0, piece_table = 0, step_table = 0, entry_table = 0, ends = 0;
     std::uint64_t motion = 0, tracks = 0, turns = 0; ///< tracks: #track_pieces, turns: #rotations
     std::uint64_t track_begins = 0, track_pieces = 0, rotations = 0;
@@ -30,7 +30,7 @@ struct ClipHeader {
 };
 static_assert(sizeof(ClipHeader) == 192);
 
-/// A track of a packed motion; its pieces follow those of the track before. A track without pieces
+/// A track of a packed motion. Its pieces follow those of the previous track. A track without pieces
 /// has no effect.
 template <Scalar T>
 struct PackedTrack {

@@ -1,4 +1,4 @@
-// Extrapolates curves to times outside their range; for run time, like piecewise_cubic.hpp.
+// Extrapolates curves to times outside their range. For run time.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -13,7 +13,7 @@ enum class Extrapolation : std::uint8_t {
     constant,          ///< the nearest value
     linear,            ///< a straight line with the slope at the nearest key
     cycle,             ///< repeats from the beginning
-    cycle_with_offset, ///< repeats, each time shifted to continue from the end
+    cycle_with_offset, ///< repeats, shifted each time to start where it ended
     ping_pong,         ///< back and forth
 };
 
@@ -24,14 +24,17 @@ struct FoldedTime {
     T cycles = 0; ///< for cycle_with_offset: the number of complete repetitions
     T beyond = 0; ///< for linear: the distance beyond the range, negative before it
 
-    /// The extrapolated value, from the value at `time`, the slope at the nearest end, and the rise
-    /// of the curve from its begin to its end.
+    /// Returns the extrapolated value.
+    ///
+    ///  value  the curve's value at `time`
+    ///  slope  the slope at the end of the range that is nearer to the original time
+    ///  rise   the curve's last value minus its first
     T extend(T value, T slope, T rise) const noexcept {
         return detail::multiply_add(beyond, slope, detail::multiply_add(cycles, rise, value));
     }
 };
 
-/// Maps a time into the range begin … end; a time in the range stays as it is. O(1).
+/// Maps a time into the range begin … end; times in the range are unchanged. O(1).
 template <Scalar T>
 FoldedTime<T> fold_time(T x, T begin, T end, Extrapolation before, Extrapolation after) noexcept {
     if (x >= begin && x <= end) return {x, 0, 0};

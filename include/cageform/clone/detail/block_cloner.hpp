@@ -46,9 +46,9 @@ inline constexpr std::size_t clone_grain = 256; ///< the number of blocks that j
 /// Sums the rows of blocks, completes the sums and passes them to a target, which chooses how many
 /// numbers a point has.
 template <Scalar T, std::size_t D, class Target>
-class DisplacedBlocks {
+class BlockAccumulator {
 public:
-    DisplacedBlocks(const PackedBindingView<T, D>& binding, const Target& target) noexcept
+    BlockAccumulator(const PackedBindingView<T, D>& binding, const Target& target) noexcept
         : binding_(binding)
         , target_(target) {}
 
@@ -147,7 +147,7 @@ public:
     void run(std::size_t begin, std::size_t end) const noexcept;
 
 private:
-    DisplacedBlocks<T, D, CloneTarget<T, D, Out>> blocks_;
+    BlockAccumulator<T, D, CloneTarget<T, D, Out>> blocks_;
     PoseDisplacements<T, D, Pose> displacements_;
 };
 

@@ -163,7 +163,7 @@ private:
         unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
         unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
             Register w = load_weights<Format, T>(row + b * block_bytes);
-            conceal(w); // otherwise GNU would load it again for every product
+            optimizer_barrier(w); // otherwise GNU would load it again for every product
             unroll<D>([&](auto k)
                           CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
         });

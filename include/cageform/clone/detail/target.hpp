@@ -137,7 +137,7 @@ private:
             }
         }
         Lanes<T> onto[D];
-        if (options_.onto == CloneOnto::output) {
+        if (options_.onto == CloneMode::output) {
             load(first, used, onto);
         } else {
             CAGEFORM_DETAIL_UNROLL

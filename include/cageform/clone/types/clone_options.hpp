@@ -8,7 +8,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// The points to which a clone adds its displacements.
-enum class CloneOnto : std::uint8_t {
+enum class CloneMode : std::uint8_t {
     rest, ///< the bound points
     /// The points in the output, so that clones by several bindings of the same points add up.
     output,
@@ -19,7 +19,7 @@ struct CloneOptions {
     /// A number per point, which multiplies its displacement; empty: no mask. May lie in a vertex
     /// buffer.
     StridedPoints<const T, 1> mask{nullptr, 0};
-    CloneOnto onto = CloneOnto::rest;
+    CloneMode onto = CloneMode::rest;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

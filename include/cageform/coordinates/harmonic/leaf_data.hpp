@@ -2,6 +2,7 @@
 // point of the leaf.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/cage/detail/primitives.hpp>
 #include <cageform/grid/tree/cut_tree.hpp>
 #include <cageform/grid/tree/nodes.hpp>
@@ -220,8 +221,7 @@ private:
             }
             if (cell.size > leaf_.size && state != grid::CellState::out) larger_.push_back(cell);
         }
-        std::sort(facets_.begin(), facets_.end());
-        facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
+        sort_unique(facets_);
     }
 
     std::vector<Cell> larger_;

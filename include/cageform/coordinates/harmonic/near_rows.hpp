@@ -29,9 +29,8 @@
 // S, and φ_i at the edge takes the share (1 − ρ) Σ s_n, with which it is exact for k.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/coordinates/harmonic/near_patch.hpp>
-
-#include <numeric>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -76,8 +75,7 @@ public:
     /// a row's nodes change.
     template <class Emit, class Scale>
     void flush(const Emit& emit, const Scale& scale) {
-        waiting_.resize(rows_.size());
-        std::iota(waiting_.begin(), waiting_.end(), std::uint32_t{0});
+        waiting_ = first_indices<std::uint32_t>(rows_.size());
         while (!waiting_.empty()) {
             Point middle{};
             for (const std::uint32_t r : waiting_)

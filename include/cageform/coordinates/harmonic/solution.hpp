@@ -2,11 +2,10 @@
 // by group.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/difference_gradients.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
-
-#include <numeric>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -172,8 +171,7 @@ private:
         if constexpr (requires { solver_->order(batch); }) {
             return solver().order(batch);
         } else {
-            std::vector<std::size_t> order(batch.points.blocks() * lane_count<T>);
-            std::iota(order.begin(), order.end(), std::size_t{0});
+            auto order = first_indices<std::size_t>(batch.points.blocks() * lane_count<T>);
             return order;
         }
     }

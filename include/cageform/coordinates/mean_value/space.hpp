@@ -1,6 +1,7 @@
 // The formula of mean value weights in 3D, for any number type.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
@@ -27,8 +28,7 @@ struct MeanValueTopology<3> {
         for (const auto& facet : facets) {
             for (std::size_t k = 0; k < 3; ++k) edges.push_back(opposite(facet, k));
         }
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        sort_unique(edges);
         for (const auto& facet : facets) {
             auto& numbers = edges_of_facet.push_back();
             for (std::size_t k = 0; k < 3; ++k) {

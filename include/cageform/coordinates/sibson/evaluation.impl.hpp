@@ -21,10 +21,10 @@ Evaluation SibsonCoordinates<T, D>::evaluate_gradients(BlockView<const T> points
 
 template <Scalar T, std::size_t D>
 Vec<T, D> SibsonCoordinates<T, D>::nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
-    Work work(handles_.size());
-    const auto position = neighbours_.find_on_hull(vec_cast<double>(p), work.scratch);
-    add_weights(work);
-    for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(work.row[h]);
+    Scratch scratch(handles_.size());
+    const auto position = neighbours_.find_on_hull(vec_cast<double>(p), scratch.search);
+    add_weights(scratch);
+    for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(scratch.row[h]);
     return vec_cast<T>(position);
 }
 

@@ -1,6 +1,7 @@
 // Estimates gradients at sites from the values at the sites.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/coordinates/sibson/natural_neighbours.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
 
@@ -67,8 +68,7 @@ private:
             }
         }
         for (auto& list : neighbours_) {
-            std::sort(list.begin(), list.end());
-            list.erase(std::unique(list.begin(), list.end()), list.end());
+            sort_unique(list);
         }
     }
 

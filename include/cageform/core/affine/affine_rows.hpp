@@ -1,5 +1,4 @@
-// The rows (κ, H) of a cage's handles, in terms of which linear precision is defined for points and
-// vectors.
+// The affine rows (κ, H) of a cage's handles. They define linear precision of points and vectors.
 #pragma once
 
 #include <cageform/core/types/bounds.hpp>
@@ -22,7 +21,6 @@ struct AffineFrame {
         const auto at = vec_cast<T>(handles.rest[handle]);
         return handles.is_point(handle) ? with(T(1), at - centre) : with(T(0), at);
     }
-    /// Returns (κ, v / size).
     Vec<T, D + 1> with(T kappa, const Vec<T, D>& v) const noexcept {
         Vec<T, D + 1> row{kappa};
         for (std::size_t k = 0; k < D; ++k) row[k + 1] = v[k] / size;
@@ -30,7 +28,8 @@ struct AffineFrame {
     }
 };
 
-/// Returns the frame of the points' bounds. The size is that of the longest vector if it is larger.
+/// Returns the centre and diagonal of the points' bounds. If a vector is longer than the diagonal, its
+/// length is the size.
 template <Scalar T, std::size_t D>
 AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
     std::vector<Vec<T, D>> points;

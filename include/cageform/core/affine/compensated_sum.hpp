@@ -8,11 +8,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns K sums, where add(i, sums) adds the terms of i = 0 … count − 1. Thousands of small
-/// numbers, added one by one to a large one, may all be rounded in the same direction. Therefore
-/// terms are first summed in runs, and the runs with compensation (Kahan, Further remarks on
-/// reducing truncation errors, Comm. ACM 8, 1965): the error is that of a single run, however many
-/// there are.
+/// Returns K sums: calls add(i, sums) for i = 0 … count − 1, which adds the terms of i. Sums runs of 64
+/// terms, then adds the runs with compensation. The error is that of one run, whatever the count.
+/// (Kahan, Further remarks on reducing truncation errors, Comm. ACM 8, 1965.)
 template <class N, std::size_t K, class Add>
 std::array<N, K> compensated_sums(std::size_t count, const Add& add) noexcept {
     constexpr std::size_t run = 64;

@@ -1,4 +1,4 @@
-// Forward-mode differentiation: a number that carries its gradient through any formula.
+// Forward-mode automatic differentiation.
 #pragma once
 
 #include <cageform/core/detail/number.hpp>
@@ -8,9 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The value of an expression in `D` variables and its derivatives with respect to them. `U` is a
-/// scalar or a register. A formula templated on its number type is differentiated by calling it
-/// with this type.
+/// A value that depends on `D` variables, and its gradient. `U` is a scalar or a register. To
+/// differentiate a formula that is templated on its number type, call it with this type.
 template <class U, std::size_t D>
 struct Dual {
     U value{};
@@ -73,7 +72,7 @@ struct Dual {
     }
 
 private:
-    /// Returns one derivative per variable, without a loop, so that registers stay in registers.
+    /// Returns one derivative per variable. Without a loop, so that registers are not spilled.
     template <class F>
     static constexpr Vec<U, D> slope(const F& f) noexcept {
         if constexpr (D == 2)
@@ -83,8 +82,8 @@ private:
     }
 };
 
-/// Describes the number type N of a formula: the type of its value, whether it carries a gradient,
-/// and its components: the value is component 0, the derivatives follow.
+/// Describes the number type N of a formula: the type of its value and the number of its derivatives.
+/// Component 0 is the value; the derivatives follow.
 template <class N>
 struct NumberTraits {
     using Value = N;
@@ -125,7 +124,7 @@ constexpr const auto& for_number([[maybe_unused]] const A& of_values,
         return of_values;
 }
 
-/// Makes a number from a value and its known gradient, which is dropped if N carries none.
+/// Makes a number from a value and its gradient. Discards the gradient if N has none.
 template <class N, std::size_t D>
 N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, D>& gradient) noexcept {
     if constexpr (has_gradient<N>)
@@ -134,8 +133,8 @@ N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, 
         return value;
 }
 
-/// Calls set(row, value) for the weight of handle `i` of `handles`, or for its derivatives times
-/// `scale`.
+/// Calls set(row, value) for the weight of handle `i`; or, if N has a gradient, for each derivative of
+/// the weight times `scale`.
 template <class N, class S, class Set>
 void for_each_component(const N& weight, std::size_t i, [[maybe_unused]] std::size_t handles,
                         [[maybe_unused]] S scale, const Set& set) {

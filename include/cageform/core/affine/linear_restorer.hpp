@@ -1,4 +1,4 @@
-// Restores linear precision of weights that have it only approximately.
+// Restores linear precision of approximate weights.
 #pragma once
 
 #include <cageform/core/affine/affine_rows.hpp>
@@ -10,21 +10,22 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Makes the least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of
-/// a block; or, for weights of a vector t, Σwκ = 0 and ΣwH = t.
+/// Makes the smallest change (in the 2-norm) of a block of points' weights that restores Σwκ = 1 and
+/// ΣwH = p. For weights of a vector t it restores Σwκ = 0 and ΣwH = t.
 ///
-/// The rows of A are the affine rows of the handles, and r is the residual of the row sums. With A
-/// = QR the change is Q R⁻ᵀ r, which equals A(AᵀA)⁻¹ r but does not square the condition number
-/// (one over the relative width of a thin cage). If weights are large, rounding them may exceed the
-/// residual; so a change is made only if it lowers the residual. With `local`, zero weights stay
-/// zero: the change is the least one among the other handles, Q M⁻¹ R⁻ᵀ r, where M is their share
-/// of QᵀQ.
+/// The rows of A are the affine rows of the handles; r is the residual of the row sums. With A = QR the
+/// change is Q R⁻ᵀ r. This equals A(AᵀA)⁻¹ r but does not square the condition number, which is large
+/// for thin cages. A change that would not lower the residual is discarded: for large weights, rounding
+/// may exceed the residual.
+///
+/// With `local`, zero weights stay zero. The change is then the smallest one among the other handles, Q
+/// M⁻¹ R⁻ᵀ r, where M is their part of QᵀQ.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
     struct Result {
         Lanes<T> partition, reproduction, before, change, least, sizes; ///< sizes: Σ|w|
-        Lanes<T> missed; ///< one in lanes that miss linear precision by more than rounding, else zero
+        Lanes<T> missed; ///< 1 in lanes whose residual exceeds rounding errors, else 0
     };
 
     explicit LinearRestorer(const HandleView<T, D>& handles, bool local = false)
@@ -39,8 +40,8 @@ public:
         for (std::size_t k = 0; k <= D; ++k) triangle_[k] = vec_cast<T>(orthonormal.triangle()[k]);
     }
 
-    /// Treats a block of points: `row` holds their weights; `bound` is one in lanes to treat and
-    /// zero in others. Only measures unless `restore`.
+    /// Restores a block of points. `row` holds their weights; `bound` is 1 in lanes to restore, else 0.
+    /// Without `restore` it only measures the residuals.
     Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
         Row wanted;
         wanted[0] = Simd(T(1));
@@ -49,7 +50,7 @@ public:
         return run_to(wanted, Simd(T(1)), bound, row, restore);
     }
 
-    /// Treats weights of vectors. The threshold for a change is relative to the vectors' lengths.
+    /// Restores weights of vectors. The threshold for a change is relative to the vectors' lengths.
     Result run_vectors(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
         Row wanted;
         wanted[0] = Simd(T(0));
@@ -64,11 +65,11 @@ private:
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
-    /// Makes the row sums Σ w a equal `wanted`. Residuals below a few epsilon times `unit` are
-    /// rounding.
+    /// Makes the row sums Σ w a equal `wanted`. Residuals below a few epsilon times `unit` count as
+    /// rounding errors.
     Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
-        // Residuals below 4 epsilon are left alone: a change would destroy exact zeros on edges.
+        // Keeps weights with residuals below 4 epsilon: a change would destroy exact zeros on edges.
         const Simd enough = Simd(4 * epsilon<T>) * unit, zero(T(0));
         Simd treat = restore ? Simd::load(bound) : zero;
         Result result;
@@ -114,14 +115,14 @@ private:
         for (std::size_t r = 1; r <= D; ++r) delta = delta + step[r] * Simd(basis_[handle][r]);
         return local_ ? delta * weighted(row[handle]) : delta;
     }
-    /// Returns one in lanes with a non-zero weight, else zero.
+    /// Returns 1 in lanes with a non-zero weight, else 0.
     static Simd weighted(const Lanes<T>& weight) {
         const Simd zero(T(0));
         return select<T>(zero < abs<T>(Simd::load(weight)), Simd(T(1)), zero);
     }
 
-    /// Solves M y = step by elimination, where M sums q qᵀ over the handles with a non-zero weight.
-    /// If these span too few dimensions, y is zero in the missing ones, where pivots vanish.
+    /// Solves M y = step by Gaussian elimination, where M is the sum of q qᵀ over the handles with a
+    /// non-zero weight. If M is singular, y is zero in the components whose pivots vanish.
     Row solve_among(const Lanes<T>* row, Row step) const {
         std::array<Row, D + 1> m;
         for (Row& sums : m) sums.fill(Simd(T(0)));
@@ -177,8 +178,7 @@ private:
     }
 
     Simd distance(const Row& missing) const {
-        // Squared in units of the cage: in the caller's units the square of a small error may
-        // underflow.
+        // In units of the cage's size, so that squares of small errors do not underflow.
         Simd sum(T(0));
         for (std::size_t k = 0; k < D; ++k) {
             const Simd d = missing[k + 1] + Simd(frame().centre[k] / frame().size) * missing[0];

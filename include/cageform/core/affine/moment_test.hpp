@@ -1,4 +1,4 @@
-// Tests whether weights are more than rounding errors.
+// Tests whether weights exceed rounding errors.
 #pragma once
 
 #include <cageform/core/affine/compensated_sum.hpp>
@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Outside thin cages, weights before normalisation are small differences of large numbers. If they
-/// lose their digits, they violate Σ w_i (C_i − p) = 0, which this class tests. Lengths in each
+/// Far outside thin cages, unnormalised weights are small differences of large numbers. If they lose
+/// their digits, they violate Σ w_i (C_i − p) = 0. This class tests that equation. Lengths in each
 /// direction are relative to the cage's extent in that direction.
 template <class S, std::size_t D>
 class MomentTest {
@@ -36,7 +36,7 @@ public:
         }
     }
 
-    /// Returns one in lanes that lost more than half of their digits, else zero.
+    /// Returns 1 in lanes whose weights lost more than half of their digits, else 0.
     template <class N, class X = ValueOf<N>>
     X failed(const Vec<X, D>& p, const std::vector<N>& weights, const X& sum) const noexcept {
         const X zero(S(0)), one(S(1));

@@ -1,4 +1,4 @@
-// Orthonormalises rows, so that no direction is thin.
+// Orthonormalises the columns of a matrix of rows.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -10,14 +10,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The factorisation A = QR of rows A, with orthonormal columns of Q. Directions without extent are
-/// zero in Q.
+/// The factorisation A = QR, with orthonormal columns of Q. Columns of A that depend linearly on
+/// earlier ones are zero in Q.
 template <std::size_t K>
 class OrthonormalRows {
 public:
-    /// Uses Gram–Schmidt with every column orthogonalised twice (Giraud, Langou, Rozložník, The
-    /// loss of orthogonality in the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50
-    /// (2005)).
+    /// Gram–Schmidt, each column orthogonalised twice (Giraud, Langou, Rozložník, The loss of
+    /// orthogonality in the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50 (2005)).
     explicit OrthonormalRows(Buffer<Vec<double, K>> rows)
         : q_(std::move(rows)) {
         for (std::size_t k = 0; k < K; ++k) {
@@ -41,8 +40,8 @@ public:
     }
 
     const Vec<double, K>& operator[](std::size_t row) const noexcept { return q_[row]; }
-    /// Returns Rᵀ below the diagonal and the inverses of R's diagonal on it, or zero where R has
-    /// none.
+    /// Returns Rᵀ below the diagonal; on the diagonal the inverses of R's diagonal, or 0 for a zero
+    /// column of Q.
     const Vec<Vec<double, K>, K>& triangle() const noexcept { return triangle_; }
 
 private:
@@ -56,8 +55,7 @@ private:
     Vec<Vec<double, K>, K> triangle_{};
 };
 
-/// Returns R⁻ᵀ x for a `triangle` of OrthonormalRows: the row of Q that corresponds to a row x of
-/// A.
+/// Returns R⁻ᵀ x for a `triangle` of OrthonormalRows: the row of Q for a row x of A.
 template <class X, class S, std::size_t K>
 std::array<X, K> in_basis(const Vec<Vec<S, K>, K>& triangle, const std::array<X, K>& x) noexcept {
     std::array<X, K> z;
@@ -69,7 +67,7 @@ std::array<X, K> in_basis(const Vec<Vec<S, K>, K>& triangle, const std::array<X,
     return z;
 }
 
-/// Returns R⁻¹ z: the factors of A's columns that sum to Q z; 0 for directions without extent.
+/// Returns R⁻¹ z: the coefficients of A's columns whose sum is Q z; 0 for zero columns of Q.
 template <std::size_t K>
 Vec<double, K> coefficients(const Vec<Vec<double, K>, K>& triangle, Vec<double, K> z) noexcept {
     for (std::size_t k = K; k-- > 0;) {

@@ -1,4 +1,4 @@
-// Polynomials on [0, 1] in Bernstein form: products, subdivision and extremes without loss of accuracy.
+// Polynomials on [0, 1] in Bernstein form: products, subdivision and maxima, all numerically stable.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -21,7 +21,7 @@ inline constexpr auto binomials = [] {
     return table;
 }();
 
-/// Σ c_i B_i of degree at most 15, enough for polynomials of degree 5 composed with cubics.
+/// The polynomial Σ c_i B_i. Degree 15 is that of a polynomial of degree 5 composed with a cubic.
 struct Bernstein {
     static constexpr std::size_t most = 15;
     std::size_t degree = 0;
@@ -51,9 +51,9 @@ struct Bernstein {
         return {low, high};
     }
     double largest_coefficient() const noexcept {
-        double most_of = 0;
-        for (std::size_t i = 0; i <= degree; ++i) most_of = std::fmax(most_of, std::fabs(c[i]));
-        return most_of;
+        double largest = 0;
+        for (std::size_t i = 0; i <= degree; ++i) largest = std::fmax(largest, std::fabs(c[i]));
+        return largest;
     }
 
     friend Bernstein operator*(const Bernstein& a, const Bernstein& b) noexcept {
@@ -85,8 +85,8 @@ inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
     return p;
 }
 
-/// The largest |p| on [0, 1] and its position, exact up to rounding. Subdivides until the
-/// coefficients of the derivative change sign at most once, so that there is at most one extreme.
+/// The maximum of |p| on [0, 1] and its position, exact up to rounding. Subdivides until the
+/// coefficients of the derivative change sign at most once; there is then at most one extremum.
 /// Infinite if a coefficient is not finite.
 struct LargestValue {
     double value = 0, at = 0;
@@ -96,10 +96,10 @@ inline LargestValue largest_absolute(const Bernstein& p) {
         if (!is_finite(p.c[i])) return {std::numeric_limits<double>::infinity(), 0};
     }
     LargestValue best{std::fabs(p.c[0]), 0};
-    const auto meet = [&](double value, double at) {
+    const auto consider = [&](double value, double at) {
         if (std::fabs(value) > best.value) best = {std::fabs(value), at};
     };
-    meet(p.c[p.degree], 1);
+    consider(p.c[p.degree], 1);
     struct Piece {
         Bernstein p;
         double begin, length;
@@ -107,8 +107,8 @@ inline LargestValue largest_absolute(const Bernstein& p) {
     std::array<Piece, 64> stack; // a piece is replaced by its two halves
     std::size_t count = 0;
     stack[count++] = {p, 0, 1};
-    // Bounds the rounding of repeated subdivision. With a smaller bound, rounded constants
-    // subdivide endlessly.
+    // Bounds the rounding errors of repeated subdivision. With a smaller bound, a rounded constant
+    // would be subdivided endlessly.
     const double rounding = 64 * epsilon<double> * p.largest_coefficient();
     while (count > 0) {
         const Piece piece = stack[--count];
@@ -121,7 +121,7 @@ inline LargestValue largest_absolute(const Bernstein& p) {
             if (before != 0 && (slope.c[i] > 0) != (before > 0)) ++changes;
             before = slope.c[i];
         }
-        if (changes == 0) continue; // the maximum is at an end, already seen
+        if (changes == 0) continue; // monotone: the maximum is at an end, already visited
         if (changes == 1) {
             double low = 0, high = 1, u = 0.5;
             const bool falls = before < 0;
@@ -137,15 +137,15 @@ inline LargestValue largest_absolute(const Bernstein& p) {
                 }
                 u = next;
             }
-            meet(piece.p(u), piece.begin + u * piece.length);
+            consider(piece.p(u), piece.begin + u * piece.length);
             continue;
         }
-        if (piece.length < 1e-12 || count + 2 > stack.size()) { // a double extreme: flat up to rounding
-            meet(piece.p(0.5), piece.begin + 0.5 * piece.length);
+        if (piece.length < 1e-12 || count + 2 > stack.size()) { // a multiple extremum: nearly constant
+            consider(piece.p(0.5), piece.begin + 0.5 * piece.length);
             continue;
         }
         const auto [low, high] = piece.p.split(0.5);
-        meet(high.c[0], piece.begin + 0.5 * piece.length);
+        consider(high.c[0], piece.begin + 0.5 * piece.length);
         stack[count++] = {low, piece.begin, 0.5 * piece.length};
         stack[count++] = {high, piece.begin + 0.5 * piece.length, 0.5 * piece.length};
     }

@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A complex number; R is double or a register. (Products of std::complex look for NaN.)
+/// A complex number; R is double or a register. Unlike std::complex, products do not check for NaN.
 template <class R>
 struct Complex {
     R re, im;
@@ -44,16 +44,16 @@ inline double size(const ComplexNumber& a) noexcept {
 inline ComplexNumber conjugate(const ComplexNumber& a) noexcept {
     return {a.re, -a.im};
 }
-/// Returns the root with a real part of at least 0.
+/// Returns the square root with a real part of at least 0.
 inline ComplexNumber root(const ComplexNumber& a) noexcept {
     const double length = size(a);
     if (!(length > 0)) return {0, 0};
-    // The larger part first: the other one is a quotient.
+    // The larger part is a square root, the smaller one a quotient, to avoid cancellation.
     const double larger = std::sqrt((length + std::fabs(a.re)) / 2), smaller = a.im / (2 * larger);
     return a.re >= 0 ? ComplexNumber{larger, smaller}
                      : ComplexNumber{std::fabs(smaller), std::copysign(larger, a.im)};
 }
-/// Returns a cube root, of any of the three branches.
+/// Returns one of the three cube roots.
 inline ComplexNumber cube_root(const ComplexNumber& a) noexcept {
     const double length = std::cbrt(size(a)), angle = std::atan2(a.im, a.re) / 3;
     return {length * std::cos(angle), length * std::sin(angle)};

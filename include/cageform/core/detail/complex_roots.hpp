@@ -28,13 +28,13 @@ struct Polynomial {
         for (std::size_t k = 0; k <= degree; ++k) r.c[k] = c[degree - k];
         return r;
     }
-    /// Returns the polynomial without a root at 0.
+    /// Divides by s; the constant coefficient must be 0.
     Polynomial divided_by_s() const noexcept {
         Polynomial q{degree - 1, {}};
         for (std::size_t k = 0; k < degree; ++k) q.c[k] = c[k + 1];
         return q;
     }
-    /// Returns the polynomial without a root at 1.
+    /// Divides by s − 1; 1 must be a root.
     Polynomial divided_by_s_minus_one() const noexcept {
         Polynomial q{degree - 1, {}};
         ComplexNumber sum{0, 0};
@@ -65,43 +65,43 @@ inline void add_quadratic_roots(const ComplexNumber& a, const ComplexNumber& b, 
     roots.add(h / a);
 }
 
-/// Returns the root of x³ + a x² + b x + c that is farthest from the other two, by Cardano's formula.
-inline ComplexNumber loneliest_root(const ComplexNumber& a, const ComplexNumber& b,
-                                    const ComplexNumber& c) noexcept {
+/// Returns the root of x³ + a x² + b x + c whose nearest other root is farthest, by Cardano's formula.
+inline ComplexNumber most_isolated_root(const ComplexNumber& a, const ComplexNumber& b,
+                                        const ComplexNumber& c) noexcept {
     const ComplexNumber third = (1 / 3.0) * a, p = b - a * third, q = third * (2.0 * (third * third) - b) + c;
     const ComplexNumber half = 0.5 * q, cube = (1 / 3.0) * p;
     ComplexNumber w = root(half * half + cube * cube * cube);
     if (w.re * half.re + w.im * half.im < 0) w = -w;
-    const ComplexNumber u = cube_root(-(half + w)); // of the larger one
+    const ComplexNumber u = cube_root(-(half + w)); // w has the sign that avoids cancellation
     const ComplexNumber v = norm(u) > 0 ? -(cube / u) : ComplexNumber{0, 0};
     constexpr ComplexNumber turn{-0.5, 0.86602540378443865};
     const std::array<ComplexNumber, 3> x{u + v, u * turn + v * conjugate(turn),
                                          u * conjugate(turn) + v * turn};
-    std::size_t loneliest = 0;
+    std::size_t isolated = 0;
     double most = -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const double nearest = std::fmin(norm(x[k] - x[(k + 1) % 3]), norm(x[k] - x[(k + 2) % 3]));
         if (!(nearest > most)) continue;
         most = nearest;
-        loneliest = k;
+        isolated = k;
     }
-    return x[loneliest] - third;
+    return x[isolated] - third;
 }
 
-/// Returns the roots of a polynomial whose last coefficient is not zero, and none of whose roots is 0. Only
-/// the loneliest root of a cubic is refined, and divided out: next to a double root each of the two is
-/// ill-determined, but what is left determines their sum and their product.
+/// Returns the roots of a polynomial; neither the leading nor the constant coefficient may be 0. For a
+/// cubic, only the most isolated root is refined and divided out. Two nearly equal roots are each
+/// ill-conditioned, but the remaining quadratic determines their sum and product well.
 inline PolynomialRoots roots_of(const Polynomial& of) noexcept {
     PolynomialRoots roots;
     const auto& c = of.c;
     if (of.degree == 1) roots.add(-(c[0] / c[1]));
     if (of.degree == 2) add_quadratic_roots(c[2], c[1], c[0], roots);
     if (of.degree < 3) return roots;
-    // Looks for s, or for 1/s, so that the first coefficient is not the smaller end.
+    // Solves for 1/s instead of s where that makes the leading coefficient the larger one.
     const bool inverted = norm(c[0]) > norm(c[3]);
     const Polynomial p = inverted ? of.reversed() : of;
     const ComplexNumber share = inverse(p.c[3]);
-    ComplexNumber x = loneliest_root(share * p.c[2], share * p.c[1], share * p.c[0]);
+    ComplexNumber x = most_isolated_root(share * p.c[2], share * p.c[1], share * p.c[0]);
     for (int step = 0; step < 2; ++step) {
         const ComplexNumber slope = p.slope(x);
         if (norm(slope) > 0) x = x - p.at(x) / slope;

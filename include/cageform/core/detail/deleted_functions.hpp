@@ -1,10 +1,10 @@
-// Deleted functions whose reason compilers print in the first line of an error.
+// Deleted functions whose reason appears in the first line of a compiler error.
 #pragma once
 
 #include <cageform/config.hpp>
 
 #if defined(__cpp_deleted_function)
-#if defined(__clang__) // clang warns that earlier versions of C++ do not have it
+#if defined(__clang__) // clang warns that this is a C++26 extension
 #define CAGEFORM_DETAIL_DELETE(reason)                                                                       \
     _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wc++26-extensions\"") delete (     \
         reason)_Pragma("clang diagnostic pop")
@@ -23,8 +23,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Name the reasons in the signatures of deleted functions, for compilers that do not print
-/// `delete("…")`.
+/// Reasons, named in the signatures of deleted functions, for compilers without `delete("…")`.
 struct PointTraitsNotSpecialisedForThesePoints {};
 struct PointsOfAnotherDimensionThanTheCage {};
 struct PointsThatCannotBeWritten {};

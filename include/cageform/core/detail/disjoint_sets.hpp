@@ -1,4 +1,3 @@
-// Disjoint sets of numbers.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -10,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A partition of the numbers 0, …, n − 1, at first into sets of one (a union-find forest, with paths
-/// halved). Finding and joining take O(log n) on average.
+/// A partition of the numbers 0, …, n − 1, at first into singletons: a union-find forest with path
+/// halving. O(log n) amortised per operation.
 class DisjointSets {
 public:
     explicit DisjointSets(std::size_t count)
@@ -24,7 +23,7 @@ public:
         while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
         return n;
     }
-    /// Joins the sets of two numbers. Returns false if they were in one set already.
+    /// Joins the sets of two numbers. Returns false if they were already in the same set.
     bool join(std::uint32_t a, std::uint32_t b) noexcept {
         a = find(a);
         b = find(b);

@@ -1,5 +1,5 @@
-// The vectors that serve as handles of a cage's faces: normals whose length is the edge's length in
-// 2D and the square root of the area in 3D.
+// The vector handle of a face: its normal, scaled to the edge's length in 2D and to the square root of
+// the area in 3D.
 #pragma once
 
 #include <cageform/core/types/handles.hpp>
@@ -15,8 +15,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the edge from `a` to `b` rotated by −90°, the outward normal if the inside is on the
-/// left. Linear in the pose.
+/// Returns the edge from `a` to `b` rotated by −90°: the outward normal if the inside is on the left.
+/// Linear in the pose.
 template <Scalar T>
 Vec<T, 2> edge_handle(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return {b[1] - a[1], a[0] - b[0]};
@@ -40,7 +40,7 @@ struct TriangleEdges {
     }
     /// Whether `normal` exceeds rounding errors.
     bool has_area() const noexcept {
-        constexpr T rounding = 4 * epsilon<T>; // of the sine of the angle between them
+        constexpr T rounding = 4 * epsilon<T>; // relative to the sine of the edges' angle
         return dot(normal, normal) > rounding * rounding * dot(edge[0], edge[0]) * dot(edge[1], edge[1]);
     }
 };
@@ -51,16 +51,16 @@ struct TriangleEdges {
 ///     s = √(|U|²|v|² − 2 (U·V)(u·v) + |V|²|u|²) / (√8 area),   u, v two edges at rest, U, V the
 ///     same edges posed
 ///
-/// so that a similarity transforms the handle along with the triangle. With `posed` = `rest` this
-/// is the handle at rest. Zero if a triangle has no area. Finite if coordinates are below epsilon
-/// times the largest number and the sides at rest differ by less than a factor of 1/epsilon.
+/// A similarity therefore transforms the handle in the same way as the triangle. With `posed` = `rest`
+/// this is the handle at rest. Zero if a triangle has no area. Finite if coordinates are below epsilon
+/// times the largest number and the lengths of the sides at rest differ by a factor below 1/epsilon.
 /// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
 template <Scalar T>
 Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec<T, 3>, 3>& posed) noexcept {
     const TriangleEdges<T> before(rest), now(posed);
     if (!before.has_area() || !now.has_area()) return {};
-    // Write s as a sum of squares, which stays positive for thin triangles. With u the longer edge
-    // and v = c u + a component of length q |u| across it, s² area = (q |U|² + |V − c U|² / q) / 4.
+    // Writes s as a sum of squares, which is accurate for thin triangles. With u the longer edge and v
+    // = c u + a component of length q |u| orthogonal to u, s² area = (q |U|² + |V − c U|² / q) / 4.
     const std::size_t a = before.size[0] < before.size[1] ? 1 : 0, b = 1 - a;
     const Vec<T, 3>&u = before.edge[a], &v = before.edge[b];
     const T share = before.size[b] / before.size[a] / dot(u, u);
@@ -73,9 +73,8 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
     return (size / 2 * std::sqrt(squares / dot(now.normal, now.normal))) * now.normal;
 }
 
-/// Returns the mean of a loop of `count` points, at(i) for vertex i: their sum in the order of the loop,
-/// times one over their number. Faces at rest and posed use this function, so that their means agree bit for
-/// bit.
+/// Returns the mean of a loop of `count` points, where at(i) is vertex i. Faces at rest and posed faces
+/// both use this function, so equal points give means that are equal bit for bit.
 template <class At>
 auto mean_of_loop(const std::uint32_t* loop, std::size_t count, const At& at) noexcept {
     auto sum = at(loop[0]);
@@ -84,8 +83,8 @@ auto mean_of_loop(const std::uint32_t* loop, std::size_t count, const At& at) no
     return (T(1) / T(count)) * sum;
 }
 
-/// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
-/// binding and of an output.
+/// Returns whether the point is finite and small enough that posed vectors stay finite, in the narrower
+/// of the scalars of the binding and of the output.
 template <Scalar T, class Out, std::size_t D>
 bool can_be_posed(const Vec<T, D>& p) noexcept {
     using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,
@@ -98,7 +97,7 @@ bool can_be_posed(const Vec<T, D>& p) noexcept {
     return true;
 }
 
-/// Returns a corner of a face, at(i) for handle i: a handle or the mean of a loop.
+/// Returns a corner of a face: at(i) for handle i, or the mean of a loop of handles.
 template <Scalar T, std::size_t D, class At>
 Vec<T, D> corner_of_face(const HandleView<T, D>& handles, std::uint32_t corner, const At& at) noexcept {
     if (corner < handles.count) return at(corner);
@@ -106,8 +105,8 @@ Vec<T, D> corner_of_face(const HandleView<T, D>& handles, std::uint32_t corner, 
     return mean_of_loop(handles.loops + begin[0], begin[1] - begin[0], at);
 }
 
-/// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps
-/// its handle bit for bit.
+/// Returns the vector of a face whose posed corners are in `out`. If no corner has moved, it is the
+/// vector at rest, bit for bit.
 template <Scalar T, std::size_t D, class Out>
 Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, const HandleFace<D>& face,
                        const Out& out) noexcept {

@@ -1,4 +1,4 @@
-// Switches the processor's mode that treats denormal numbers as zero.
+// Treats denormal numbers as zero.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -37,10 +37,10 @@ inline FloatMode float_mode() noexcept {
 inline void set_float_mode(FloatMode /*mode*/) noexcept {}
 #endif
 
-/// Treats denormals as zero on the constructing thread during its lifetime, then restores the mode.
-/// Far from their data, functions fall below float's smallest normal number, 1e-38. There
-/// processors may take some hundred cycles for a sum, while no tolerance sees the difference. Works
-/// on 64-bit ARM and x86 with SSE; elsewhere it does nothing.
+/// Treats denormals as zero on the constructing thread for its lifetime, then restores the previous
+/// mode. Harmonic functions fall below float's smallest normal number, 1e-38, far from their boundary
+/// data. Some processors then need hundreds of cycles per addition, for differences far below any
+/// tolerance. Supports 64-bit ARM and x86 with SSE; elsewhere it does nothing.
 class FlushDenormals {
 public:
     FlushDenormals() noexcept { set_float_mode(before_ | flushes_denormals); }

@@ -1,4 +1,4 @@
-// Turns failed allocations, and cancellation, into a status.
+// Converts failed allocations and cancellation to a Status.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -8,11 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Is thrown where a progress callback cancels work that returns no status.
+/// Thrown when a progress callback cancels a function that returns no Status.
 struct Cancelled {};
 
-/// Runs `f` and returns its status; a failed allocation becomes Status::out_of_memory, and Cancelled becomes
-/// Status::cancelled. (Without exceptions the standard library ends the program at a failed allocation.)
+/// Returns f(). std::bad_alloc becomes Status::out_of_memory, Cancelled becomes Status::cancelled.
+/// Without exceptions, a failed allocation ends the program.
 template <class F>
 Status guard_memory(F&& f) {
 #if defined(__cpp_exceptions)

@@ -1,4 +1,4 @@
-// Requests pages of 2 MB for large memory.
+// Requests huge pages (2 MB) for large arrays.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -12,10 +12,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Asks the system to back memory, not yet touched, by huge pages. The first touch of a 4 KB page
-/// costs a microsecond or two, more than most work done on it. Works on Linux with transparent huge
-/// pages (`madvise` or `always`). Does nothing elsewhere, for memory below 4 MB, or if the system
-/// has no huge pages left.
+/// Asks the system to use huge pages for memory that has not been written yet. The first write to a 4
+/// KB page costs one to two microseconds, often more than the computation on it. Works on Linux with
+/// transparent huge pages (`madvise` or `always`). Elsewhere, or below 4 MB, it does nothing.
 inline void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
     constexpr std::size_t page = std::size_t{1} << 21;
@@ -25,8 +24,8 @@ inline void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] st
 #endif
 }
 
-/// Resizes `to`, without preserving its values: elements are T() or old ones. New memory uses huge
-/// pages if the system has them.
+/// Resizes `to` without preserving its values: elements are T() or old ones. Requests huge pages for
+/// new memory.
 template <class T>
 void resize_large(std::vector<T>& to, std::size_t size) {
     if (size > to.capacity()) {

@@ -1,4 +1,4 @@
-// Gives plain scalars the functions of registers, so that one formula serves both.
+// Scalar versions of the functions of registers, so that one template serves both.
 #pragma once
 
 #include <cageform/core/detail/simd_angle.hpp>
@@ -37,7 +37,6 @@ X angle(X y, X x) noexcept {
     return std::atan2(y, x);
 }
 
-/// Returns where both comparisons hold.
 inline bool both(bool a, bool b) noexcept {
     return a && b;
 }
@@ -46,7 +45,7 @@ Mask both(const Mask& a, const Mask& b) noexcept {
     return a & b;
 }
 
-/// The scalar behind a number: a scalar itself, or the scalar of a register's lanes.
+/// The scalar type of a scalar or of a register.
 template <class X>
 struct ScalarOfNumber {
     using type = X;

@@ -17,11 +17,11 @@ constexpr std::uint64_t byte_swapped(std::uint64_t x) noexcept {
     return swapped;
 }
 
-/// Checks that memory begins with complete, undamaged packed data of a kind.
+/// Checks the prefix of packed data, its size and its checksum.
 ///
-///   expected  the kind's magic number, and the newest version that is understood
-///   header    size in bytes of the kind's header
-///   none      the status for data of another kind, or not aligned to 64 bytes
+///   expected  the magic number of the format, and the newest supported version
+///   header    size of the format's header in bytes
+///   none      the status for another magic number, or data not aligned to 64 bytes
 inline Status check_prefix(std::span<const std::byte> data, const PackedPrefix& expected, std::size_t header,
                            BlobCheck check, Status none) noexcept {
     PackedPrefix prefix;
@@ -78,7 +78,7 @@ public:
     }
     std::byte* data() noexcept { return std::as_writable_bytes(std::span(memory_)).data(); }
     std::span<const std::byte> bytes() const noexcept { return std::as_bytes(std::span(memory_)); }
-    /// Writes the checksum into the prefix, once the data is complete.
+    /// Writes the checksum into the prefix. Call it once the data is complete.
     void seal() noexcept {
         const std::uint64_t sum = hash_memory(bytes().subspan(sizeof(PackedPrefix)));
         std::memcpy(data() + offsetof(PackedPrefix, checksum), &sum, sizeof(sum));

@@ -1,5 +1,4 @@
-// One row of a block held in vector registers, with elementwise arithmetic. Light enough for run
-// time.
+// One row of a block in vector registers, with elementwise arithmetic.
 #pragma once
 
 #include <cageform/core/types/blocks.hpp>
@@ -8,13 +7,13 @@
 #include <cstring>
 #include <utility>
 
-// Builds without registers (plain scalars) are for checking, not for speed.
+// Builds without registers (scalars only) are for checking, not for speed.
 #if defined(__GNUC__) && CAGEFORM_REGISTER_BYTES != 0
 #define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
 #define CAGEFORM_DETAIL_FLATTEN __attribute__((flatten))
 #define CAGEFORM_DETAIL_NO_INLINE __attribute__((noinline))
-// Unrolls a short loop whose length is a compile-time constant. At -O2 GNU would otherwise keep the
-// loop, and keep the arrays it indexes in memory.
+// Unrolls a short loop whose length is a compile-time constant. At -O2, GCC would otherwise keep the
+// loop and the arrays it indexes in memory.
 #define CAGEFORM_DETAIL_UNROLL _Pragma("GCC unroll 16")
 #else
 #define CAGEFORM_DETAIL_INLINE
@@ -38,8 +37,8 @@ struct RegisterOf {
 };
 #endif
 
-/// Loads a number or register from unaligned bytes. In unoptimised code a memcpy would become two
-/// moves of half the size, and a read of the whole would stall on both.
+/// Loads a number or register from unaligned bytes. Without optimisation, a memcpy would become two
+/// moves of half the size, and the read that follows would stall.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R load_bytes(const void* bytes) noexcept {
 #if CAGEFORM_REGISTER_BYTES != 0
@@ -71,10 +70,10 @@ CAGEFORM_DETAIL_INLINE inline void fetch_ahead([[maybe_unused]] const void* byte
 #endif
 }
 
-/// Hides a number or register from the optimiser without changing it, at no cost in instructions.
-/// Keeps compilers from merging the operations before with those after.
+/// Hides a number or register from the optimiser, at no cost in instructions. Prevents compilers from
+/// merging operations before and after this call.
 template <class R>
-CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
+CAGEFORM_DETAIL_INLINE inline void optimizer_barrier([[maybe_unused]] R& r) noexcept {
 #if defined(__GNUC__) && defined(__SSE2__)
     __asm__("" : "+v"(r));
 #elif defined(__GNUC__) && defined(__aarch64__)
@@ -83,7 +82,7 @@ CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
     if constexpr (!std::is_arithmetic_v<R>) { // a register emulated with scalars
         for (std::size_t lane = 0; lane < sizeof(r) / sizeof(r[0]); ++lane) {
             auto x = r[lane];
-            conceal(x);
+            optimizer_barrier(x);
             r[lane] = x;
         }
     } else if constexpr (sizeof(r) == 4) {
@@ -102,7 +101,7 @@ template <class R>
 CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     R ab = a * b;
-    conceal(ab); // or compilers would fuse it with an addition, each by its own rules
+    optimizer_barrier(ab); // or compilers would fuse it with an addition, each by its own rules
     return ab;
 #else
     return a * b;

@@ -1,4 +1,4 @@
-// The angle function atan2 for registers, by arithmetic alone.
+// atan2 for registers, without table or library calls.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>

@@ -1,5 +1,5 @@
-// Register operations that compilers do not find by themselves. Only this header uses intrinsics by
-// name; it is separate because their header is large.
+// Register operations that need intrinsics. A separate header, because the headers of intrinsics are
+// large.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -46,10 +46,10 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> sqrt(Simd<T> a) noexcept {
     return a;
 }
 
-/// Whether square roots and their inverses start from hardware estimates, which is the case for
-/// 64-byte registers. There it is several times as fast as roots and quotients, for which all such
-/// processors have a single slow unit; narrower registers gain nothing. Processors of different
-/// makers may differ in the last bits of the estimate.
+/// Whether square roots and their inverses start from hardware estimates: the case for 64-byte
+/// registers. Such processors have one slow unit for roots and quotients, so estimates are several
+/// times as fast; narrower registers gain nothing. Estimates may differ in the last bits between
+/// manufacturers.
 template <class N>
 inline constexpr bool estimates_roots = false;
 

@@ -1,4 +1,4 @@
-// The natural logarithm for registers, by arithmetic alone.
+// The natural logarithm for registers, without table or library calls.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -25,8 +25,7 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> artanh_over(const Simd<T>& u) noexcept {
     }
 }
 
-/// Returns natural logarithms of positive, normal, finite numbers; the error is at most four
-/// roundings.
+/// Returns natural logarithms of positive, normal, finite numbers; the error is at most 4 ulp.
 template <Scalar T>
 Simd<T> log(const Simd<T>& a) noexcept {
     using Int = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;

@@ -1,11 +1,11 @@
-// Measures how long a computation takes, and guards it against failed allocations.
+// Measures the wall time of a computation and converts failed allocations to a Status.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
 
 #include <ctime>
-// Uses POSIX's clock where available: <chrono> costs every file a quarter of a second to compile.
-// On Windows, mingw-w64 has that clock in a separate library, which not every program links.
+// Uses POSIX's clock where available, as <chrono> takes a quarter of a second to compile. mingw-w64 has
+// that clock in a separate library, so Windows uses <chrono>.
 #if defined(CLOCK_MONOTONIC) && !defined(_WIN32)
 #define CAGEFORM_DETAIL_POSIX_CLOCK
 #else
@@ -14,8 +14,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns wall time in seconds, from a monotonic clock whose origin stays fixed while the program
-/// runs.
+/// Returns the wall time in seconds, from a monotonic clock.
 inline double seconds_now() noexcept {
 #if defined(CAGEFORM_DETAIL_POSIX_CLOCK)
     ::timespec now{};
@@ -26,8 +25,7 @@ inline double seconds_now() noexcept {
 #endif
 }
 
-/// Runs `f`, which returns a Status, under the memory guard and a stopwatch; stores both results in
-/// `report`.
+/// Runs `f`, which returns a Status, under guard_memory; stores status and seconds in `report`.
 template <class Report, class F>
 void run_into(Report& report, const F& f) {
     const double start = seconds_now();

@@ -3,8 +3,8 @@
 //
 //     block 0: row 0 of points 0…7 | row 1 of points 0…7 | …    block 1: row 0 of points 8…15 | …
 //
-// (for double; 16 points for float). For positions a row is an axis, for weights a row is a handle.
-// Binding writes and cloning reads such blocks front to back, a full vector register at a time.
+// (8 points for double, 16 for float). For positions a row is an axis, for weights a row is a handle.
+// Binding writes and cloning reads such blocks sequentially, a full vector register at a time.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -18,8 +18,8 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 inline constexpr std::size_t lane_count = 64 / sizeof(T);
 
-/// One row of a block. Deliberately left uninitialised: large arrays of rows are written once,
-/// front to back.
+/// One row of a block. Left uninitialised, because large arrays of rows are written sequentially
+/// anyway.
 template <Scalar T>
 struct alignas(64) Lanes {
     T v[lane_count<T>];

@@ -71,9 +71,9 @@ Bounds<T, D> bounds_of(std::span<const Vec<T, D>> points) noexcept {
     return b;
 }
 
-/// Returns the distance below which two points of a cage count as one: eight roundings of the
-/// larger of the largest coordinate and the diagonal. Points this close to a vertex or an edge lie
-/// on it. In the units of the cage.
+/// Returns the distance below which two points of a cage coincide, in the cage's units: 8 epsilon times
+/// the larger of the diagonal and the largest absolute coordinate. A point this close to a vertex or an
+/// edge lies on it.
 template <Scalar T, std::size_t D>
 T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
     return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());

@@ -1,8 +1,8 @@
-// A std::vector for trivially copyable types, whose growth is compiled once for all types.
+// A std::vector for trivially copyable types whose reallocation is compiled once for all types.
 //
-// A vector costs the compiler some sixty functions per type, a Buffer ten; that saves a fifth of
-// the compile time of a file that binds with a solver. Buffer is for private memory; interfaces use
-// std::vector and spans.
+// The compiler instantiates about sixty functions per vector type, ten per Buffer type. This saves a
+// fifth of the compile time of a file that binds with a solver. Buffer is for private memory;
+// interfaces use std::vector and spans.
 #pragma once
 
 #include <cageform/core/detail/huge_pages.hpp>
@@ -17,7 +17,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// The memory of a Buffer. Its functions get the elements' size and alignment as an argument.
+/// The untyped memory of a Buffer. Size and alignment of the elements are arguments.
 class RawBuffer {
 public:
     std::size_t size() const noexcept { return size_; }
@@ -41,7 +41,7 @@ protected:
         std::swap(capacity_, other.capacity_);
     }
 
-    /// Reallocates for exactly `capacity` elements, at least as many as there are.
+    /// Reallocates to exactly `capacity` elements, which must be at least `size()`.
     void move_to(std::size_t capacity, Element element) {
         if (capacity > (std::numeric_limits<std::ptrdiff_t>::max)() / element.size)
             capacity =
@@ -55,7 +55,7 @@ protected:
         data_ = moved;
         capacity_ = capacity;
     }
-    /// Makes room for `count` more elements; at least doubles the size when it grows.
+    /// Reserves memory for `count` more elements; at least doubles the size when it reallocates.
     void grow(std::size_t count, Element element) {
         if (count <= capacity_ - size_) return;
         const std::size_t most = (std::numeric_limits<std::size_t>::max)() - size_;
@@ -131,7 +131,7 @@ public:
         for (; size_ < size; ++size_) ::new (static_cast<void*>(data() + size_)) T();
         size_ = size;
     }
-    /// Adds an element and returns it. `value` may refer to an element of this buffer.
+    /// Appends an element and returns it. `value` may refer to an element of this buffer.
     T& push_back(const T& value = T()) {
         const T copy = value;
         grow(1, element());
@@ -139,7 +139,7 @@ public:
     }
     /// Appends [first, last), which must not lie in this buffer.
     void append(const T* first, const T* last) { append_raw(first, std::size_t(last - first), element()); }
-    /// Removes the elements from `first` on.
+    /// Removes the elements from `first` to the end.
     void erase_from(const T* first) noexcept { size_ = std::size_t(first - data()); }
 
 private:

@@ -1,5 +1,4 @@
-// The handles of a cage, which move a figure: points, and vectors such as scaled face normals or
-// the axes of a bone.
+// The handles of a cage: points, and vectors such as scaled face normals or the axes of a bone.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -32,27 +31,27 @@ struct Transform {
     }
 };
 
-/// The corners of a face as handle indices. An index from #handles on names a loop of the HandleView: the
-/// corner is then the mean of the loop's handles.
+/// The corners of a face as handle indices. An index i ≥ #handles refers to loop i − #handles of the
+/// HandleView: the corner is the mean of the loop's handles.
 template <std::size_t D>
 using HandleFace = std::array<std::uint32_t, D>;
 
-/// A non-owning view of a cage's handles at rest. H_i is handle i at rest, a point or a vector; κ_i says
-/// which: it is 1 for points and 0 for vectors. Weights w_i of a point p reproduce it by
+/// A non-owning view of a cage's handles at rest. Handle i is H_i, a point (κ_i = 1) or a vector (κ_i =
+/// 0). Weights w_i reproduce a point p if
 ///
 ///     Σ w_i κ_i = 1,   Σ w_i H_i = p
 ///
-/// The pair (κ_i, H_i) is the affine row of the handle, and these two sums are the row sums of p.
-/// All handles have the same unit: the vector of a face has the length of its edge in 2D, the
-/// square root of its area in 3D (core/detail/face_handles.hpp).
+/// The pair (κ_i, H_i) is the affine row of the handle; the two sums are the row sums of p. The vector
+/// of a face has the length of its edge in 2D and the square root of its area in 3D
+/// (core/detail/face_handles.hpp), so all handles have the unit of length.
 template <Scalar T, std::size_t D>
 struct HandleView {
     const Vec<T, D>* rest = nullptr; ///< #handles
     std::size_t count = 0;
     const HandleKind* kinds = nullptr;    ///< #handles; null if all are points
-    const HandleFace<D>* faces = nullptr; ///< one per vector, in order; null if vectors belong to no faces
-    /// The loops of points whose means are corners of `faces`; null if there are none. Loop l is the numbers
-    /// loops[loops[l]] to loops[loops[l + 1] − 1]; so loops[0] is one more than the number of loops.
+    const HandleFace<D>* faces = nullptr; ///< one per vector, in order; null if the vectors have no faces
+    /// Loops of points whose means are corners of `faces`; null if there are none. Loop l consists of
+    /// the elements loops[loops[l]] to loops[loops[l + 1] − 1]. loops[0] is the number of loops plus 1.
     const std::uint32_t* loops = nullptr;
 
     HandleView() = default;
@@ -80,7 +79,7 @@ struct HandleView {
         for (std::size_t i = 0; i < count; ++i) vectors += is_point(i) ? 0 : 1;
         return vectors;
     }
-    /// Returns how many numbers the table of loops has.
+    /// Returns the number of elements of `loops`.
     std::size_t loop_numbers() const noexcept { return loops == nullptr ? 0 : loops[loops[0] - 1]; }
 };
 

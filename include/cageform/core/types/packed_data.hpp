@@ -11,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 32 bytes of all packed data. The checksum covers everything after them.
+/// The first 32 bytes of all packed data. The checksum covers all bytes after them.
 struct PackedPrefix {
     std::uint64_t magic = 0;
     std::uint32_t version = 0;
@@ -24,10 +24,10 @@ static_assert(sizeof(PackedPrefix) == 32);
 /// How thoroughly a blob is checked before it is used.
 enum class BlobCheck : std::uint8_t {
     all,       ///< `structure` and the checksum, which reads every byte once
-    structure, ///< everything that could make a clone read or write out of bounds
+    structure, ///< everything that could cause reads or writes out of bounds
 };
 
-/// Computes `hash_memory` of bytes that come in pieces, such as a file that is read in blocks.
+/// Computes `hash_memory` incrementally, for instance of a file that is read in blocks.
 class MemoryHash {
 public:
     explicit MemoryHash(std::uint64_t seed = 0) noexcept {
@@ -51,7 +51,7 @@ public:
         if (held_ > 0) std::memcpy(line_, bytes.data() + i, held_);
     }
 
-    /// Returns the hash of all bytes so far; nothing is added after it.
+    /// Returns the hash of all bytes. Do not call `add` afterwards.
     std::uint64_t value() noexcept {
         add_line(line_, held_);
         std::uint64_t hash = size_ * prime;
@@ -65,7 +65,7 @@ public:
 private:
     static constexpr std::uint64_t prime = 0x9E3779B97F4A7C15u;
 
-    // Eight independent sums. Every step is invertible, so a difference is never lost on the way.
+    // Eight independent sums. Every step is invertible, so a single different word always changes the hash.
     void add_line(const std::byte* line, std::size_t bytes) noexcept {
         std::uint64_t words[8] = {};
         if (bytes > 0) std::memcpy(words, line, bytes);
@@ -81,16 +81,16 @@ private:
     std::byte line_[64];
 };
 
-/// Returns a 64-bit hash. It certainly changes if a single 8-byte word changes, and almost
-/// certainly otherwise. It does not protect against forgery. `seed` chains several pieces. About 20
-/// GB/s.
+/// Returns a 64-bit hash. Data that differ in a single 8-byte word always have different hashes, other
+/// data almost always. Not cryptographic. To hash several pieces, pass the hash of one as the `seed` of
+/// the next. About 20 GB/s.
 inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t seed = 0) noexcept {
     MemoryHash hash(seed);
     hash.add(bytes);
     return hash.value();
 }
 
-/// Hashes any contiguous values: the vertices of a cage, the faces of a figure.
+/// Hashes contiguous values, for instance the vertices of a cage.
 template <class X>
     requires std::is_trivially_copyable_v<X> std::uint64_t hash_memory(std::span<const X> values,
                                                                        std::uint64_t seed = 0)

@@ -1,14 +1,14 @@
-// How the library uses several threads: the caller passes it a loop
+// The interface for multithreading: the caller passes a loop
 //
 //     parallel_for(count, grain, body)   calls body(begin, end) for ranges that together cover
 //                                        [0, count) once
 //
-// The ranges may run on any threads in any order; `grain` is the shortest worthwhile range. Every
-// user of such a loop writes disjoint output per index, so results do not depend on the threads.
+// The ranges may run on any threads in any order; `grain` is the smallest range worth a task. Bodies
+// write disjoint output per index, so results do not depend on the threads.
 //
-// Functions that run every frame (clone/) take such a loop as their last argument. Functions that
-// may run long (binding/ and the folders it builds on) take a Running instead, which adds progress
-// and cancellation: parallel/running.hpp includes <functional>, which is too heavy for run time.
+// Functions that run every frame (clone/) take such a loop as their last argument. Functions that may
+// run long (binding/ and its dependencies) take a Running instead, which adds progress and
+// cancellation. It is a separate header, because parallel/running.hpp includes <functional>.
 #pragma once
 
 #include <cageform/config.hpp>

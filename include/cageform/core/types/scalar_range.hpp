@@ -1,4 +1,4 @@
-// Ranges of numbers that lie side by side; bind time.
+// Contiguous ranges of numbers; bind time.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -17,10 +17,10 @@ using element_t = std::remove_pointer_t<decltype(std::data(std::declval<R&>()))>
 
 } // namespace detail
 
-/// Numbers that lie side by side: a vector, an array or a span of float or double.
+/// A contiguous range of float or double: a vector, an array or a span.
 template <class R>
 concept ScalarRange = Scalar<std::remove_cv_t<detail::element_t<R>>>;
-/// A ScalarRange that a function may write to.
+/// A writable ScalarRange.
 template <class R>
 concept MutableScalarRange = ScalarRange<R> && !std::is_const_v<detail::element_t<R>>;
 

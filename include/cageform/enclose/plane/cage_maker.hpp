@@ -1,6 +1,7 @@
 // make_cage in 2D: runs the steps and measures the exact clearance of the cage.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
 #include <cageform/enclose/detail/fewest_vertices.hpp>
@@ -223,8 +224,8 @@ private:
         const auto weight = [](const CageLoop& loop) {
             return std::sqrt(std::fabs(signed_area(loop.points)) * (loop.half ? 2 : 1));
         };
-        std::vector<std::size_t> order(contours_.size()), shares(contours_.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
+        auto order = first_indices<std::size_t>(contours_.size());
+        std::vector<std::size_t> shares(contours_.size());
         std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
             return weight(contours_[i]) < weight(contours_[j]);
         });

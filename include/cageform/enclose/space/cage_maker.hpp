@@ -7,6 +7,7 @@
 #include <cageform/enclose/detail/fewest_vertices.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
+#include <cageform/enclose/parts_of_faces.hpp>
 #include <cageform/enclose/space/clearance.hpp>
 #include <cageform/enclose/space/limb_rings.hpp>
 #include <cageform/enclose/space/measure_cage.hpp>

@@ -2,6 +2,7 @@
 // Edge collapses and relaxation keep these cuts as planar closed paths of edges, the rings.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/enclose/space/part_finder.hpp>
 #include <cageform/enclose/space/shell.hpp>
 
@@ -228,8 +229,7 @@ private:
             cut.faces.push_back(f);
             cut.length += length(ends[1] - ends[0]);
         }
-        std::sort(cut.edges.begin(), cut.edges.end());
-        cut.edges.erase(std::unique(cut.edges.begin(), cut.edges.end()), cut.edges.end());
+        sort_unique(cut.edges);
         return cut;
     }
     Point place_at(std::uint32_t v, std::uint32_t w, double share) const noexcept {

@@ -1,7 +1,7 @@
 // Order, hierarchy and adjacency of the parts of a cage.
 #pragma once
 
-#include <cageform/enclose/types/cage_parts.hpp>
+#include <cageform/cage/detail/indices.hpp>
 
 #include <algorithm>
 #include <array>
@@ -31,8 +31,7 @@ std::vector<int> part_numbers(std::span<const double> areas, std::span<const std
     const auto rank = [&](std::size_t n) { // areas of images differ by rounding
         return std::round(areas[n] / total * 1e9);
     };
-    std::vector<std::size_t> order(areas.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
+    auto order = first_indices<std::size_t>(areas.size());
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t p, std::size_t q) { return rank(p) > rank(q); });
     const auto trunk = std::find_if(order.begin(), order.end(), is_trunk);
@@ -119,8 +118,7 @@ private:
                 if (back.edges > 0 && 3 * back.edges >= 2 * max_edges_[back.to]) next.push_back(back.to);
             }
         }
-        std::sort(next.begin(), next.end());
-        next.erase(std::unique(next.begin(), next.end()), next.end());
+        sort_unique(next);
         for (const std::size_t p : next) {
             Link best{0, none, p};
             for (const Link& link : adjacent_[p]) {
@@ -186,53 +184,6 @@ std::vector<std::array<std::size_t, 2>> adjacent_parts(const Faces& faces,
     }
     std::sort(pairs.begin(), pairs.end());
     return pairs;
-}
-
-/// Determines the hierarchy, vertices and joints of parts.
-///
-///   faces    lists of vertices below `vertices`, of any length
-///   numbers  #faces, never 0
-///   returns  the root is the first part in the order of part_precedes. A part qualifies for the tree if it
-///            shares enough edges with a part in the tree. Enough is two thirds of the most edges that it
-///            shares with any part. The part is attached to that part in the tree with which it shares most
-///            edges. If these are as many with n as with -n, it is attached to the parent of n. If no part
-///            qualifies, the parts that share most edges with a part in the tree are attached
-template <class Faces>
-CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
-    CageParts found;
-    found.of_face.assign(numbers.begin(), numbers.end());
-    std::vector<int> names = found.of_face;
-    std::sort(names.begin(), names.end(), part_precedes);
-    names.erase(std::unique(names.begin(), names.end()), names.end());
-    std::vector<std::size_t> part(numbers.size());
-    for (std::size_t f = 0; f < part.size(); ++f)
-        part[f] = std::size_t(std::lower_bound(names.begin(), names.end(), numbers[f], part_precedes) -
-                              names.begin());
-    constexpr std::size_t none = PartTree::none;
-    const PartTree tree(names, adjacent_parts(faces, part));
-    for (std::size_t p = 0; p < names.size(); ++p)
-        found.parts.push_back({names[p], tree.parent(p) == none ? 0 : names[tree.parent(p)], {}, {}});
-    std::vector<std::array<std::size_t, 2>> corners; // a vertex, and the part of a face there
-    for (std::size_t f = 0; f < part.size(); ++f) {
-        for (const auto v : faces[f]) corners.push_back({std::size_t(v), part[f]});
-    }
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    std::vector<std::size_t> of(vertices, none);
-    for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.common_ancestor(of[v], p);
-    // A vertex is on the joints of all parts between its own and those of its faces.
-    for (const auto& [v, p] : corners) {
-        for (std::size_t q = p; q != of[v] && tree.parent(q) != none; q = tree.parent(q)) {
-            auto& joint = found.parts[q].joint;
-            if (joint.empty() || joint.back() != v) joint.push_back(std::uint32_t(v));
-        }
-    }
-    for (std::size_t v = 0; v < vertices; ++v) {
-        const std::size_t p = of[v] == none ? 0 : of[v];
-        found.of_vertex.push_back(names.empty() ? 1 : names[p]);
-        if (!names.empty()) found.parts[p].vertices.push_back(std::uint32_t(v));
-    }
-    return found;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

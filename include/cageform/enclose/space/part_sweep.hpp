@@ -1,6 +1,7 @@
 // find_parts, step 2: extremities, and fronts that sweep the surface from them.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/part_surface.hpp>
 
@@ -47,8 +48,7 @@ inline std::vector<double> mean_distances(const PartSurface& surface) {
 inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const std::vector<double>& f,
                                               double least, std::size_t most) {
     DisjointSets sets(f.size());
-    std::vector<std::uint32_t> order(f.size());
-    std::iota(order.begin(), order.end(), std::uint32_t{0});
+    auto order = first_indices<std::uint32_t>(f.size());
     std::stable_sort(order.begin(), order.end(), [&](auto v, auto w) { return f[v] > f[w]; });
     std::vector<bool> above(f.size());
     std::vector<std::uint32_t> top(f.size()), rank(f.size()); // top per root; rank: place in order

@@ -1,6 +1,7 @@
 // make_cage in 3D: an editable triangle mesh, and a spatial hash of its faces.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/clear_test.hpp>
 
@@ -89,8 +90,7 @@ struct Shell {
                 if (w != v) all.push_back(w);
             }
         }
-        std::sort(all.begin(), all.end());
-        all.erase(std::unique(all.begin(), all.end()), all.end());
+        sort_unique(all);
         return all;
     }
     /// The other face at the edge v w; `none` on a rim.

@@ -1,4 +1,4 @@
-// Opens the parts of a packed figure, and checks that they belong together.
+// Opens the parts of a packed figure and checks their consistency.
 #pragma once
 
 #include <cageform/clip/clip_blob.hpp>
@@ -8,13 +8,13 @@ namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
 struct PackedFigureView; // in figure/figure.hpp
-struct OpenReport;       // there too
+struct OpenReport;
 
 namespace detail {
 
-/// Checks that the parts of a table lie within the figure, one after the other, with different
-/// tags. The table itself is known to lie within the figure.
-inline bool is_sound(std::span<const FigurePart> table, std::uint64_t bytes) noexcept {
+/// Checks that the parts lie within the figure, do not overlap, are in order and have different tags.
+/// The table itself must lie within the figure.
+inline bool is_valid(std::span<const FigurePart> table, std::uint64_t bytes) noexcept {
     std::uint64_t end = sizeof(FigureHeader) + table.size_bytes();
     for (std::size_t n = 0; n < table.size(); ++n) {
         const FigurePart& part = table[n];
@@ -29,7 +29,7 @@ inline bool is_sound(std::span<const FigurePart> table, std::uint64_t bytes) noe
     return true;
 }
 
-/// Returns whether the handles at rest are the same, to the bit.
+/// Returns whether the handles at rest are equal bit for bit.
 template <Scalar T, std::size_t D>
 bool same_handles(const HandleView<T, D>& a, const HandleView<T, D>& b) noexcept {
     const auto same = []<class X>(const X* p, const X* q, std::size_t count) {
@@ -40,7 +40,7 @@ bool same_handles(const HandleView<T, D>& a, const HandleView<T, D>& b) noexcept
            same(a.loops, b.loops, a.loop_numbers());
 }
 
-/// Opens the bindings of a figure whose table is sound.
+/// Opens the bindings of a figure whose table is valid.
 template <Scalar T, std::size_t D>
 Status open_bindings(Result<PackedFigureView<T, D>, OpenReport>& opened,
                      const BlobExpectation& expected) noexcept {
@@ -100,7 +100,7 @@ Status open_tables(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept 
     return Status::ok;
 }
 
-/// Checks that a clip poses the vertices of a cage: all handles, or those that are points.
+/// Checks that a clip has one vertex per handle, or one per point handle.
 template <Scalar T, std::size_t D>
 Status check_clip_of(const Result<CageClipView<T, D>, OpenClipReport>& clip,
                      const HandleView<T, D>& handles) noexcept {
@@ -122,7 +122,7 @@ Status open_clips(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept {
     if (count > (bytes.size() - sizeof(count)) / sizeof(FigureClip)) return Status::blob_malformed;
     opened.value.clips = {reinterpret_cast<const FigureClip*>(bytes.data() + sizeof(count)),
                           static_cast<std::size_t>(count)};
-    std::uint64_t end = sizeof(count) + count * sizeof(FigureClip); // clips lie one after the other
+    std::uint64_t end = sizeof(count) + count * sizeof(FigureClip); // clips do not overlap and are in order
     for (const FigureClip& clip : opened.value.clips) {
         if (clip.name > bytes.size() || clip.name_bytes > bytes.size() - clip.name || clip.offset < end ||
             clip.offset > bytes.size() || clip.bytes > bytes.size() - clip.offset)
@@ -141,7 +141,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
                                                               const BlobExpectation& expected,
                                                               bool may_have_levels) noexcept;
 
-/// Opens the levels. They are figures of the same handles, without levels of their own.
+/// Opens the levels: figures of the same handles that have no levels themselves.
 template <Scalar T, std::size_t D>
 Status open_levels(Result<PackedFigureView<T, D>, OpenReport>& opened, bool may_have_levels) noexcept {
     for (std::size_t n = 1; n <= FigureTags::most_levels; ++n) {
@@ -177,7 +177,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
         return refused(Status::blob_malformed);
     opened.value.data = data.data();
     opened.value.table = {reinterpret_cast<const FigurePart*>(data.data() + sizeof(header)), header.parts};
-    if (!is_sound(opened.value.table, header.bytes)) return refused(Status::blob_malformed);
+    if (!is_valid(opened.value.table, header.bytes)) return refused(Status::blob_malformed);
     status = open_bindings(opened, expected);
     if (status == Status::ok) status = open_tables(opened);
     if (status == Status::ok && header.version > 1) status = open_clips(opened);

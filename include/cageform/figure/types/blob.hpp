@@ -113,7 +113,7 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
 
 /// Checks that a table of `numbers` numbers holds loops, none of them empty, of handles that are points.
 template <Scalar T, std::size_t D>
-bool has_sound_loops(const HandleView<T, D>& handles, std::uint64_t numbers) noexcept {
+bool has_valid_loops(const HandleView<T, D>& handles, std::uint64_t numbers) noexcept {
     const std::uint32_t* const table = handles.loops;
     if (table == nullptr) return true;
     if (numbers < 2 || table[0] < 2 || table[0] > numbers) return false;
@@ -136,7 +136,7 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
     for (std::size_t i = 0; handles.kinds != nullptr && i < handles.count; ++i) {
         if (handles.kinds[i] > HandleKind::vector) return Status::blob_malformed;
     }
-    if (handles.vector_count() != vectors || !has_sound_loops(handles, loop_numbers))
+    if (handles.vector_count() != vectors || !has_valid_loops(handles, loop_numbers))
         return Status::blob_malformed;
     const std::size_t loops = handles.loops != nullptr ? handles.loops[0] - 1 : 0;
     for (std::size_t n = 0; handles.faces != nullptr && n < vectors; ++n) {

@@ -76,7 +76,7 @@ struct FigurePartData {
     std::span<const std::byte> bytes;
 };
 
-/// A clip of a figure. Offsets are from the beginning of the part.
+/// A clip of a figure. Offsets are from the beginning of the CLPS part.
 struct FigureClip {
     std::uint64_t offset = 0, bytes = 0; ///< of the packed clip
     std::uint32_t name = 0, name_bytes = 0;

@@ -1,4 +1,4 @@
-// Marks vectors that a figure lacks.
+// A placeholder for absent normals or tangents.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Stands for normals or tangents that a figure lacks or that the caller does not want.
+/// Passed instead of normals or tangents that are absent or not wanted.
 struct NoVectors {};
 
 namespace detail {

@@ -8,6 +8,7 @@
 // interpolation error of each function.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
 #include <cageform/core/types/buffer.hpp>
 #include <cageform/grid/corners/cage_corners.hpp>
@@ -60,8 +61,7 @@ public:
         for (const auto& corner : corners_) {
             nodes.insert(nodes.end(), corner.defects.nodes.begin(), corner.defects.nodes.end());
         }
-        std::sort(nodes.begin(), nodes.end());
-        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        detail::sort_unique(nodes);
         return nodes;
     }
     /// Replaces the nodes by their indices in Block::source: slots[node].

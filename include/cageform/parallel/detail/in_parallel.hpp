@@ -1,4 +1,4 @@
-// Loops that run in parallel, with progress and cancellation, as a Running says.
+// Parallel loops with progress and cancellation.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -12,13 +12,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns an address that differs for every thread.
+/// Returns an address that is unique to the calling thread.
 inline const void* this_thread() noexcept {
     static thread_local char position;
     return &position;
 }
 
-/// Calls the caller's parallel_for, or the serial loop if none was given.
+/// Calls `running.parallel`, or a serial loop if it is empty.
 template <class Body>
 void in_parallel(const Running& running, std::size_t count, std::size_t grain, const Body& body) {
     if (running.parallel) {
@@ -28,22 +28,22 @@ void in_parallel(const Running& running, std::size_t count, std::size_t grain, c
     }
 }
 
-/// Reports the progress of work that returns no status. Throws Cancelled where the callback cancels. (Without
-/// exceptions it does nothing.)
+/// Reports progress in functions that return no Status. Throws Cancelled if the callback cancels;
+/// without exceptions it does nothing.
 inline void report_progress([[maybe_unused]] const Running& running, [[maybe_unused]] double done) {
 #if defined(__cpp_exceptions)
     if (!running.keep_going(done)) throw Cancelled{};
 #endif
 }
 
-/// Divides [0, count) into runs, whose lengths do not depend on the threads, and returns what was made for
-/// each run, in order.
+/// Divides [0, count) into runs whose lengths do not depend on the threads. Returns the result of each
+/// run, in order.
 ///
-///   least    the shortest run, but for the last; runs are longer if there would be more than 256
-///   work_of  work_of(): a work; work(begin, end, part) fills the part of a run. The loop makes
-///            one work for all runs that it calls together
-///   fails    throws Cancelled where the progress callback cancels, which is called after each run of the
-///            calling thread. (Without exceptions the work goes on.)
+///  least    the length of a run; it is larger if there would be more than 256 runs
+///  work_of  work_of() returns a function object: work(begin, end, part) writes the result of a run
+///           to `part`. Each call of the loop's body makes one object for all of its runs
+///  fails    throws Cancelled if the progress callback cancels. The calling thread calls it after each
+///           of its runs. Without exceptions, cancellation is ignored
 template <class Part, class WorkOf>
 std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t least,
                           const WorkOf& work_of) {
@@ -71,8 +71,9 @@ std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t
     return parts;
 }
 
-/// Runs body(first, last) over `blocks` (or pieces) in parallel. With a progress callback it takes steps of
-/// about a quarter of a second and reports after each. Returns Status::cancelled if the callback cancels.
+/// Runs body(first, last) over `blocks` in parallel. With a progress callback, it runs in steps of
+/// about a quarter of a second and reports after each. Returns Status::cancelled if the callback
+/// cancels.
 template <class Body>
 Status for_each_block(std::size_t blocks, const Running& running, const Body& body) {
     constexpr std::size_t grain = 16;

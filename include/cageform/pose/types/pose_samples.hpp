@@ -39,7 +39,7 @@ struct PoseSamples {
     std::vector<double> stiffness; ///< K: its lower triangle, row after row
     /// Handles that hardly a sample feels: those whose diagonal entry of K, without spokes, is below 1e-6 of
     /// the mean.
-    std::vector<std::uint32_t> unfelt;
+    std::vector<std::uint32_t> weak_handles;
 
     std::size_t handle_count() const noexcept { return rest_handles.size(); }
     HandleView<T, D> handle_view() const noexcept {

@@ -56,16 +56,16 @@ struct PoseSolverReport {
     Status status = Status::ok;
     std::size_t culprit = none; ///< the target or the held handle that the status names
     std::size_t iterations = 0;
-    double rigid_energy = 0;    ///< of the samples and spokes
-    double pin_energy = 0;      ///< Σ μ m |miss|² / L², with turns
-    double miss = 0;            ///< the largest distance of a pin from its target …
-    std::size_t missed = none;  ///< … and which pin that is
-    double step = 0;            ///< the farthest that a handle moved in this frame
-    bool settled = false;       ///< whether that is less than PoseOptions::settled_step allows
-    std::size_t unfelt = 0;     ///< the number of PoseSamples::unfelt
-    std::size_t folded = 0;     ///< how many clusters are turned inside out, in the mean of their samples
-    double least_stretch = 1;   ///< the least singular value of such means
-    double largest_stretch = 1; ///< the largest singular value of such means
+    double rigid_energy = 0;      ///< of the samples and spokes
+    double pin_energy = 0;        ///< Σ μ m |miss|² / L², with turns
+    double miss = 0;              ///< the largest distance of a pin from its target …
+    std::size_t missed = none;    ///< … and which pin that is
+    double step = 0;              ///< the farthest that a handle moved in this frame
+    bool settled = false;         ///< whether that is less than PoseOptions::settled_step allows
+    std::size_t weak_handles = 0; ///< the number of PoseSamples::weak_handles
+    std::size_t folded = 0;       ///< how many clusters are turned inside out, in the mean of their samples
+    double least_stretch = 1;     ///< the least singular value of such means
+    double largest_stretch = 1;   ///< the largest singular value of such means
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -2,6 +2,7 @@
 // rigging from mesh sequences, ACM TOG 33(4), 2014, sec. 4).
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/skeleton/detail/bone_fit.hpp>
 
@@ -114,8 +115,7 @@ private:
             links[pair.second].push_back({pair.first, shared});
         }
         parents.assign(bones, none);
-        std::vector<std::uint32_t> heaviest(bones);
-        std::iota(heaviest.begin(), heaviest.end(), std::uint32_t{0});
+        auto heaviest = first_indices<std::uint32_t>(bones);
         std::stable_sort(heaviest.begin(), heaviest.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return masses_[a] > masses_[b]; });
         std::vector<bool> seen(bones, false);

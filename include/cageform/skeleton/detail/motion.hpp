@@ -1,6 +1,7 @@
 // The input motion in the layout of the fit.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/core/types/bounds.hpp>
 #include <cageform/core/vec.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
@@ -63,8 +64,8 @@ private:
             }
             return std::lexicographical_compare(path(a), path(a) + 3 * lanes, path(b), path(b) + 3 * lanes);
         };
-        std::vector<std::uint32_t> order(vertices), first(vertices);
-        std::iota(order.begin(), order.end(), std::uint32_t{0});
+        auto order = first_indices<std::uint32_t>(vertices);
+        std::vector<std::uint32_t> first(vertices);
         std::sort(order.begin(), order.end(),
                   [&](std::uint32_t a, std::uint32_t b) { return before(a, b) || (!before(b, a) && a < b); });
         for (std::size_t n = 0; n < vertices; ++n)
@@ -128,8 +129,7 @@ private:
                 edges.push_back({b, a});
             }
         }
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        sort_unique(edges);
         first_neighbour.assign(vertices + 1, 0);
         for (const auto& edge : edges) {
             ++first_neighbour[edge[0] + 1];

@@ -1,6 +1,7 @@
 // Fits a skeleton to a motion: clusters, rounds of weights and bones, relocation of idle bones.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/skeleton/detail/bone_fit.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -72,8 +73,7 @@ public:
         if (fit_.bones() < bones) tried_.assign(motion_.vertices, false);
         if (!rounds(2)) return false;
         weights(true, smoothing_);
-        std::vector<std::size_t> order(fit_.bones());
-        std::iota(order.begin(), order.end(), std::size_t{0});
+        auto order = first_indices<std::size_t>(fit_.bones());
         std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
             return fit_.removals()[a] < fit_.removals()[b];
         });
@@ -141,8 +141,7 @@ private:
     }
     /// Clusters vertices that move together: bisects the clusters with the largest errors.
     bool begin(std::size_t bones) {
-        std::vector<std::uint32_t> all(motion_.vertices);
-        std::iota(all.begin(), all.end(), std::uint32_t{0});
+        auto all = first_indices<std::uint32_t>(motion_.vertices);
         fit_.add_bone(all, true, running_);
         fit_.fit_weights({1, 0, false}, running_);
         while (fit_.bones() < bones) {
@@ -164,8 +163,7 @@ private:
             clusters[j].push_back(i);
             errors[j] += fit_.errors()[i];
         }
-        std::vector<std::size_t> order(had);
-        std::iota(order.begin(), order.end(), std::size_t{0});
+        auto order = first_indices<std::size_t>(had);
         std::stable_sort(order.begin(), order.end(),
                          [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
         for (const std::size_t j : order) {

@@ -1,6 +1,7 @@
 // Optimal weights of a vertex for fixed bones.
 #pragma once
 
+#include <cageform/cage/detail/indices.hpp>
 #include <cageform/skeleton/detail/motion.hpp>
 #include <cageform/skeleton/detail/simplex_weights.hpp>
 
@@ -125,8 +126,7 @@ private:
         for (std::size_t n = i * width; n < (i + 1) * width; ++n) {
             if (before_.weights[n] > 0) take(before_.joints[n], before_.weights[n]);
         }
-        order_.resize(own_.size());
-        std::iota(order_.begin(), order_.end(), std::uint32_t{0});
+        order_ = first_indices<std::uint32_t>(own_.size());
         const std::size_t few = (std::min)(nearest, order_.size());
         std::partial_sort(order_.begin(), order_.begin() + std::ptrdiff_t(few), order_.end(),
                           [&](std::uint32_t a, std::uint32_t b) {

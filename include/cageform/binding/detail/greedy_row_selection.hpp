@@ -1,4 +1,4 @@
-// Decides which weights of a block to keep, and changes them so that its points move as before.
+// Chooses the weights of a block to keep, and fits them so that points move as before.
 #pragma once
 
 #include <cageform/binding/detail/moments.hpp>
@@ -15,10 +15,10 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 ///
 ///     K = mean over poses of m mᵀ + ν² I + α A Aᵀ
 ///
-/// The vector m holds the handles' displacements in a pose minus their best affine fit; A holds the
-/// affine rows. The second term stands for movements of single handles, with a size ν that is a
-/// share of the mean displacement: without it weights would be fitted to the given poses alone. The
-/// third term stands for affine movements, of the mean size.
+/// The vector m contains the handles' displacements in a pose minus their best affine fit; A contains
+/// the affine rows. The second term accounts for movements of single handles; without it, weights would
+/// fit only the given poses. ν is a fraction of the mean displacement. The third term accounts for
+/// affine movements of mean size.
 template <std::size_t D>
 class SquareLoss {
 public:
@@ -33,9 +33,9 @@ public:
         }
         const double mean = trace / double(loss.poses()) / double(handles_);
         for (double& x : poses_) x /= double(loss.poses());
-        // A tenth of the mean displacement, chosen on bench_clone's figures. A third of this saves up to
-        // a third of the bytes but doubles the distances in other kinds of poses; three times as much
-        // needs up to two thirds more bytes. Displacements below a millionth of the cage are rounding.
+        // Chosen on bench_clone's figures. A third of this ν saves up to a third of the bytes but
+        // doubles the distances in other kinds of poses; three times this ν needs up to two thirds more
+        // bytes. Displacements below a millionth of the cage's size count as rounding errors.
         constexpr double share = 0.1, least = 1e-6;
         noise_ = (std::max)(share * share * mean, least * least);
         affine_ = (std::max)(mean, least * least);
@@ -51,7 +51,7 @@ public:
                      (poses_.empty() ? 0 : poses_[handle * handles_ + h]);
         out[handle] += noise_;
     }
-    /// A lower bound for the pivots of any Schur complement.
+    /// A lower bound of the pivots of any Schur complement.
     double least_pivot() const { return noise_; }
     double diagonal(std::size_t handle) const {
         return affine_ * dot(moments_[handle], moments_[handle]) + noise_ +
@@ -81,22 +81,22 @@ private:
     double noise_ = 1, affine_ = 1;
 };
 
-/// Ranks the handles of a block: `add` appends one, and `best` proposes the next. `solution(n)` keeps
-/// the first n handles and returns new weights for them: of all weights with the row sums Σ wκ and
-/// Σ wH of the binding (κ, H: core/types/handles.hpp), those with the least square loss. The
-/// method is orthogonal least squares (Chen, Billings, Luo, Int. J. Control 50 (1989)), on a Cholesky
-/// factorisation of K that grows by a row with every handle.
+/// Ranks the handles of a block: `best` returns the next handle, and `add` appends it. `solution(n)`
+/// returns new weights for the first n handles: those with the least square loss among all weights with
+/// the row sums Σ wκ and Σ wH of the binding (κ, H: core/types/handles.hpp). Orthogonal least squares
+/// (Chen, Billings, Luo, Int. J. Control 50 (1989)), on a Cholesky factorisation of K that grows by one
+/// row per handle.
 ///
-///   L     points of the block
+///   L     number of points of the block
 ///   cost  O(#handles · (count + L)) for the next handle, and for a solution O(count² · L)
 template <std::size_t D, std::size_t L>
-class RowPursuit {
+class GreedyRowSelection {
 public:
     using Column = typename Moments<D>::Column;
     using Row = std::array<double, L>;
 
     /// Starts with no handles. `weights` are #handles rows of L numbers.
-    RowPursuit(const SquareLoss<D>& loss, std::span<const double> weights)
+    GreedyRowSelection(const SquareLoss<D>& loss, std::span<const double> weights)
         : loss_(loss)
         , weights_(weights)
         , is_candidate_(loss.handles(), 0)
@@ -125,12 +125,12 @@ public:
         }
     }
 
-    std::size_t candidates() const { return candidates_; } ///< handles with a weight that is not 0
+    std::size_t candidates() const { return candidates_; } ///< the number of handles with a non-zero weight
     std::span<const std::uint32_t> order() const { return order_; }
 
-    /// Returns the handle with the largest weighted gain. The gain of a point is how far a row for the
-    /// handle would lower its square loss, without regard to row sums. Its weight is its present
-    /// square loss, so the points that are worst off count most.
+    /// Returns the handle with the largest sum of gains. The gain of a point is the decrease of its
+    /// square loss by a row for the handle, ignoring row sums, times its present square loss. So points
+    /// with large losses count most.
     std::uint32_t best() const {
         double most = -1;
         std::uint32_t best = 0;
@@ -148,7 +148,7 @@ public:
         return best;
     }
 
-    /// Adds a row for a candidate that has not been added before.
+    /// Adds a row for a candidate that is not yet added.
     void add(std::uint32_t handle) {
         const std::size_t handles = loss_.handles(), count = order_.size();
         factor_.resize((count + 1) * handles);
@@ -179,7 +179,7 @@ public:
         is_candidate_[handle] = 0;
     }
 
-    /// Returns the weights of the first `count` handles that were added.
+    /// Returns the weights of the first `count` added handles.
     std::vector<Row> solution(std::size_t count) const {
         std::vector<Row> x(count);
         if (count == candidates_) { // nothing is dropped
@@ -200,7 +200,7 @@ public:
     }
 
 private:
-    /// Adds the multipliers of the row sums to the right-hand side Lᵀ x of the weights.
+    /// Adds the Lagrange multipliers of the row sums to the right-hand side Lᵀ x.
     void restore_sums(std::vector<Row>& x) const {
         typename Moments<D>::Matrix square{};
         for (std::size_t j = 0; j < x.size(); ++j)
@@ -218,7 +218,7 @@ private:
     std::span<const double> weights_;
     std::vector<char> is_candidate_;
     std::vector<double> pivots_;  // the diagonal of K's Schur complement
-    std::vector<Row> gradients_;  // half the gradient of the loss, with the sign of the weights
+    std::vector<Row> gradients_;  // K w minus the part of the added handles
     std::vector<double> scratch_; // #handles
     std::size_t candidates_ = 0;
     std::array<Column, L> sums_{};
