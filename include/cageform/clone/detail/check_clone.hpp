@@ -8,9 +8,7 @@
 
 #include <array>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns the view of a binding; a view is returned as it is.
 template <class B>
@@ -58,6 +56,4 @@ Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out
     return check_clone(views[0], pose, out);
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

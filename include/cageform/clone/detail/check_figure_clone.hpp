@@ -7,9 +7,7 @@
 
 #include <cstdint>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 template <class V>
 inline constexpr bool is_figure_view = false;
@@ -58,6 +56,4 @@ Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose
     return check_clone(figure.points, pose, out.points);
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

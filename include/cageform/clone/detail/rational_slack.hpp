@@ -6,9 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Sums max(−w, 0) for the points of a block, given their weights one handle after the other.
 template <Scalar T>
@@ -83,6 +81,4 @@ T largest_slack(const PackedBindingView<T, D>& binding) noexcept {
     return most;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail
