@@ -1,5 +1,5 @@
-// Harmonic weights in space next to the skin: the near field that takes the kinks of the data out of equations and
-// samples, and errors against walks on spheres.
+// Harmonic weights in space next to the skin: the near field that takes the kinks of the data out of
+// equations and samples, and errors against walks on spheres.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/fingers.hpp"
@@ -333,9 +333,9 @@ TEST_CASE("the quick solid angle of a face is within 1e-10 of the exact one",
         const auto place = corners[0] + (2 * numbers.next() - 0.5) * (corners[1] - corners[0]);
         const auto x = place + std::pow(10.0, -8 * numbers.next()) * random_direction(numbers);
         const Vec<cageform::detail::Simd<double>, 3> p{x[0], x[1], x[2]};
-        look_at_corners(frame, p, seen);
+        find_corners(frame, p, seen);
         for (std::size_t e = 0; e < frame.edges.size(); ++e)
-            cageform::detail::look_at_edge<false>(frame.edges[e], 0.0, seen, seen.edges[e]);
+            cageform::detail::find_edge<false>(frame.edges[e], 0.0, seen, seen.edges[e]);
         for (const auto& face : frame.faces) {
             cageform::Lanes<double> quick, exact;
             cageform::detail::FaceIntegrals<double, true>(face, frame, seen, 0.0).angle.store(quick);

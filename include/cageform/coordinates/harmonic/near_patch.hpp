@@ -383,9 +383,9 @@ private:
             for (const std::uint32_t e : frame_.faces[f].edge) is_edge_used_[e] = 1;
         }
         if (!any) return;
-        look_at_corners(frame_, p, seen_);
+        find_corners(frame_, p, seen_);
         for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
-            if (is_edge_used_[e] != 0) look_at_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
+            if (is_edge_used_[e] != 0) find_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
         }
         constexpr double full = 4 * std::numbers::pi;
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {

@@ -1,5 +1,4 @@
-// Defines what MeanValueCoordinates compute. mean_value.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of MeanValueCoordinates. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/mean_value/polygons.hpp>

@@ -1,5 +1,4 @@
-// Defines what SibsonCoordinates compute. sibson.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of SibsonCoordinates. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/sibson.hpp>
