@@ -16,8 +16,7 @@ enum class CloneOnto : std::uint8_t {
 
 template <Scalar T>
 struct CloneOptions {
-    /// A number per point, which multiplies its displacement; empty: no mask. May lie in a vertex
-    /// buffer.
+    /// A factor of each point's displacement; empty: no mask. May be part of a vertex buffer.
     StridedPoints<const T, 1> mask{nullptr, 0};
     CloneOnto onto = CloneOnto::rest;
 };

@@ -1,4 +1,4 @@
-// The rotations nearest to matrices, a register of matrices at a time, and one by one.
+// The rotations nearest to matrices, for a register of matrices or a single matrix.
 #pragma once
 
 #include <cageform/core/detail/simd_instructions.hpp>
@@ -19,15 +19,15 @@ inline Lanes8 sum_of_squares(const Lanes8* x, std::size_t count) noexcept {
     return sum;
 }
 
-/// Replaces `turn`, a rotation minus the identity, by R − 1 for the rotation R nearest to J: it makes
-/// tr(Rᵀ J) largest. Lanes where J determines none (a reflection, or zero) keep what `turn` holds. A
-/// symmetric J without negative eigenvalues gives exact zeros.
+/// Replaces `turn`, a rotation minus the identity, by R − 1 for the rotation R nearest to J, which maximises
+/// tr(Rᵀ J). Lanes where J determines no rotation (a reflection or zero) keep `turn`. A symmetric J without
+/// negative eigenvalues gives exact zeros.
 inline void nearest_rotation(const LinearMap<Lanes8, 2>& j, LinearMap<Lanes8, 2>& turn) noexcept {
     const Lanes8 along = j.at[0][0] + j.at[1][1], across = j.at[1][0] - j.at[0][1];
     const Lanes8 square = multiply_add(along, along, across * across);
     const auto is_open = square <= Lanes8(1e-24) * sum_of_squares(&j.at[0][0], 4);
     const Lanes8 size = select<double>(is_open, Lanes8(1), sqrt(square));
-    // cos − 1 without cancellation where the angle is below a right one.
+    // cos − 1, without cancellation for angles below 90 degrees.
     const Lanes8 is_ahead = (max)(along, Lanes8(0)) + size;
     const Lanes8 cosine = select<double>(along < Lanes8(0), along / size - Lanes8(1),
                                          Lanes8(0) - across / size * (across / is_ahead));
@@ -38,9 +38,8 @@ inline void nearest_rotation(const LinearMap<Lanes8, 2>& j, LinearMap<Lanes8, 2>
     turn.at[0][1] = select<double>(is_open, turn.at[0][1], Lanes8(0) - sine);
 }
 
-/// The largest eigenvalue of a symmetric 4 × 4 matrix of trace 0, and its eigenvector: the unit quaternion
-/// of Horn (Closed-form solution of absolute orientation using unit quaternions, J. Opt. Soc. Am. A 4
-/// (1987)).
+/// The eigenvector of the largest eigenvalue of a symmetric 4 × 4 matrix of trace 0: the unit quaternion of
+/// Horn (Closed-form solution of absolute orientation using unit quaternions, J. Opt. Soc. Am. A 4 (1987)).
 class RotationQuaternion {
 public:
     /// j  a matrix whose squares sum to 1
@@ -61,7 +60,7 @@ public:
         }
         find_value(a);
         find_vector();
-        // One step with the Rayleigh quotient of the vector makes both exact to rounding.
+        // One step with the Rayleigh quotient makes eigenvalue and eigenvector exact to rounding.
         value_ = Lanes8(0);
         for (std::size_t r = 0; r < 4; ++r) {
             Lanes8 row = n_[r][0] * q[0];
@@ -72,10 +71,10 @@ public:
     }
 
     Lanes8 q[4];      ///< w, x, y, z
-    Lanes8 certainty; ///< 0 where two eigenvalues are equal
+    Lanes8 certainty; ///< 0 for a double eigenvalue
 
 private:
-    /// Newton's method from a bound above all eigenvalues.
+    /// Computes the eigenvalue by Newton's method from an upper bound.
     void find_value(const Lanes8 (&a)[3][3]) noexcept {
         const Lanes8 determinant = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
                                    a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
@@ -101,7 +100,7 @@ private:
         }
     }
 
-    /// Sets the cofactors of N − value. They are those of a symmetric matrix.
+    /// Sets the cofactors of the symmetric matrix N − value.
     void set_cofactors(Lanes8 (&to)[4][4]) const noexcept {
         Lanes8 m[4][4];
         for (std::size_t r = 0; r < 4; ++r) {
@@ -129,7 +128,7 @@ private:
         }
     }
 
-    /// Takes the row of the adjugate with the largest diagonal entry.
+    /// Sets q to the normalised row of the adjugate with the largest diagonal entry.
     void find_vector() noexcept {
         Lanes8 cofactors[4][4];
         set_cofactors(cofactors);
@@ -176,7 +175,7 @@ inline void nearest_rotation(const LinearMap<Lanes8, 3>& j, LinearMap<Lanes8, 3>
     set(2, 1, y * z + w * x);
 }
 
-/// As above, for one matrix.
+/// The same for a single matrix.
 template <std::size_t D>
 void nearest_rotation(const LinearMap<double, D>& j, LinearMap<double, D>& turn) noexcept {
     LinearMap<Lanes8, D> many, turns;
