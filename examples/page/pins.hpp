@@ -120,7 +120,7 @@ void for_each_list(Samples& samples, const F& f) {
     f(samples.gradients);
     f(samples.moments);
     f(samples.stiffness);
-    f(samples.unfelt);
+    f(samples.weak_handles);
 }
 constexpr std::size_t numbers_for(std::size_t bytes) {
     return (bytes + sizeof(double) - 1) / sizeof(double);

@@ -9,7 +9,7 @@
 namespace clone_packed_tests {
 
 using namespace cageform_tests;
-using cageform::CloneOnto;
+using cageform::CloneMode;
 using cageform::CloneOptions;
 using cageform::epsilon;
 using cageform::StridedPoints;
@@ -140,7 +140,7 @@ TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add u
     vertex[0][1] = 0;
     const CloneOptions<T> masked{.mask = {&vertex[0][1], points, sizeof(vertex[0])}};
     CloneOptions<T> added = masked;
-    added.onto = CloneOnto::output;
+    added.mode = CloneMode::add;
     const auto [packed, report] = cageform::pack(binding, {.largest = 8});
     const auto full_packed = cloned(packed.view(), pose);
     const auto check = [&](const auto& view, const auto& whole) {

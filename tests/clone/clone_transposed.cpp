@@ -13,7 +13,7 @@
 namespace clone_transposed_tests {
 
 using namespace cageform_tests;
-using cageform::CloneOnto;
+using cageform::CloneMode;
 using cageform::CloneOptions;
 using cageform::epsilon;
 using cageform::StridedMatrices;
@@ -84,9 +84,9 @@ struct Adjoint {
         Random random(seed + 2);
         for (std::size_t i = 0; masked && i < view.points; ++i) mask.push_back(T(random.uniform(-1, 1)));
         options.mask = {mask.data(), mask.size()};
-        options.onto = CloneOnto::output; // onto zeros: displacements, without the rounding of the points
+        options.mode = CloneMode::add; // onto zeros: displacements, without the rounding of the points
         REQUIRE(cageform::clone(view, pose, moved, options) == Status::ok);
-        options.onto = CloneOnto::rest;
+        options.mode = CloneMode::replace;
         REQUIRE(cageform::clone_transposed(view, gradients, pulled, options) == Status::ok);
     }
 };
@@ -116,7 +116,8 @@ void check_adjoint(const PackedBindingView<T, D>& view, bool masked, std::uint64
 TEMPLATE_TEST_CASE("a transposed clone is the adjoint of the clone, whatever format, order and mask",
                    "[clone][transposed]", CAGEFORM_SCALARS) {
     using T = TestType;
-    // 32 kB hold the sums of 170 handles in space, 256 in the plane; blocks are read by threes, fours and sixes.
+    // 32 kB hold the sums of 170 handles in space, 256 in the plane; blocks are read by threes, fours and
+    // sixes.
     const std::size_t handles = GENERATE(4u, 12u, 171u, 260u);
     const std::size_t points = GENERATE(1u, 15u, 16u, 100u, effort(333u, 47u));
     const auto check = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {
@@ -232,7 +233,7 @@ TEMPLATE_TEST_CASE("gradients replace what the output holds or are added to it, 
     const auto gradients = random_points<T, 3>(37, 1, 82), before = random_points<T, 3>(20, 1, 83);
     std::vector<Vec<T, 3>> expected(20), added = before;
     REQUIRE(cageform::clone_transposed(binding, gradients, expected) == Status::ok);
-    REQUIRE(cageform::clone_transposed(binding, gradients, added, {.onto = CloneOnto::output}) == Status::ok);
+    REQUIRE(cageform::clone_transposed(binding, gradients, added, {.mode = CloneMode::add}) == Status::ok);
     for (std::size_t h = 0; h < 20; ++h)
         CHECK(distance(added[h], before[h] + expected[h]) <= 4 * double(epsilon<T>));
     // x x x … y y y … z z z … of the other scalar, read and written
@@ -324,9 +325,9 @@ TEST_CASE("transposed clones of Jacobians add up those of their columns", "[clon
         REQUIRE(cageform::clone_jacobians_transposed(columns, gradients, pulled) == Status::ok);
         for (std::size_t k = 0; k < D; ++k)
             REQUIRE(cageform::clone_transposed(columns[k], gradients.column(k), sum,
-                                               {.onto = CloneOnto::output}) == Status::ok);
+                                               {.mode = CloneMode::add}) == Status::ok);
         for (std::size_t h = 0; h < 10; ++h) CHECK(distance(sum[h], pulled[h]) <= 1e-14);
-        REQUIRE(cageform::clone_jacobians_transposed(columns, gradients, added, CloneOnto::output) ==
+        REQUIRE(cageform::clone_jacobians_transposed(columns, gradients, added, CloneMode::add) ==
                 Status::ok);
         for (std::size_t h = 0; h < 10; ++h) CHECK(distance(added[h], pose[h] + pulled[h]) <= 1e-14);
         check_directions<double, D>(pose, pulled, 1e-8, 106, [&](const std::vector<Vec<double, D>>& h) {
@@ -366,10 +367,10 @@ TEST_CASE("gradients of normals agree with central differences", "[clone][transp
             const auto each = [](std::size_t count, std::size_t, const auto& body) {
                 for (std::size_t i = 0; i < count; ++i) body(i, i + 1);
             };
-            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, threaded, CloneOnto::rest,
-                                                       each) == Status::ok);
+            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, threaded,
+                                                       CloneMode::replace, each) == Status::ok);
             CHECK(threaded == pulled);
-            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, added, CloneOnto::output) ==
+            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, added, CloneMode::add) ==
                     Status::ok);
             for (std::size_t h = 0; h < handles; ++h) CHECK(distance(added[h], pose[h] + pulled[h]) <= 1e-12);
             check_directions<double, D>(pose, pulled, 1e-6, 114, [&](const std::vector<Vec<double, D>>& h) {

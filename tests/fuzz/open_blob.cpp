@@ -1,5 +1,5 @@
-// Feeds bytes to open_blob, open_figure, open_clip and open_pose_samples, and whatever opens to clones, players
-// and solvers, in buffers exactly as long as promised: for libFuzzer.
+// Feeds bytes to open_blob, open_figure, open_clip and open_pose_samples, and whatever opens to clones,
+// players and solvers, in buffers exactly as long as promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
@@ -119,7 +119,7 @@ void pose_vertices(const cageform::PackedBindingView<T, D>& binding) {
 
 template <class T, std::size_t D>
 void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
-    using cageform::CloneOnto;
+    using cageform::CloneMode;
     using cageform::StridedPoints;
     const std::size_t points = binding.point_count(), handles = binding.handle_count();
     if (points > most || handles > most) return;
@@ -129,15 +129,15 @@ void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
     const Array<Vec<T, D>> out(points, Vec<T, D>{});
     clone_with(binding, pose, out, {});
     clone_with(binding, pose, out, {.mask = masked});
-    clone_with(binding, pose, out, {.onto = CloneOnto::output});
-    clone_with(binding.in_order(), pose, out, {.mask = masked, .onto = CloneOnto::output});
+    clone_with(binding, pose, out, {.mode = CloneMode::add});
+    clone_with(binding.in_order(), pose, out, {.mask = masked, .mode = CloneMode::add});
 
     const Array<T> numbers(points * D, T(0)); // all x, all y, …
     const StridedPoints<T, D> apart(numbers.data(), points, sizeof(T), std::ptrdiff_t(points * sizeof(T)));
     clone_with(binding, pose, apart, {});
     clone_with(binding.in_order(), pose, apart, {.mask = masked});
     const Array<Vec<double, D>> converted(points, Vec<double, D>{});
-    clone_with(binding, pose, converted, {.onto = CloneOnto::output});
+    clone_with(binding, pose, converted, {.mode = CloneMode::add});
     pose_vertices(binding);
 
     if (points > 0) { // one place too few is told before anything is written
@@ -442,7 +442,7 @@ std::vector<std::byte> packed_samples(Numbers& numbers) {
     for (std::size_t i = 0; i < handles; ++i) {
         for (std::size_t j = 0; j <= i; ++j)
             samples.stiffness.push_back(i == j ? double(handles) : 0.9 * random());
-        if (numbers.below(4) == 0) samples.unfelt.push_back(std::uint32_t(i));
+        if (numbers.below(4) == 0) samples.weak_handles.push_back(std::uint32_t(i));
     }
     for (std::size_t s = 1 + numbers.below(40); s > 0; --s) {
         samples.points.push_back({T(random()), T(random())});

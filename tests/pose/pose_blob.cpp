@@ -32,7 +32,7 @@ void check_same(const PoseSamples<T, D>& a, const PoseSamples<T, D>& b, bool wit
     CHECK(same_bits(a.gradients, b.gradients));
     CHECK(same_bits(a.moments, b.moments));
     CHECK(same_bits(a.stiffness, b.stiffness));
-    CHECK(same_bits(a.unfelt, b.unfelt));
+    CHECK(same_bits(a.weak_handles, b.weak_handles));
     CHECK(same_bits(b.points, with_points ? a.points : decltype(a.points){}));
     CHECK(same_bits(b.clusters, with_points ? a.clusters : decltype(a.clusters){}));
     CHECK(same_bits(b.centres, with_points ? a.centres : decltype(a.centres){}));
@@ -62,7 +62,7 @@ PoseSamples<float, 2> small_samples() {
     std::vector<Vec<float, 2>> cage;
     for (const auto& p : cat_cage()) cage.push_back(cageform::vec_cast<float>(p));
     auto samples = sampled(GreenCoordinates(cage), {.samples = 60, .rotations = 9});
-    samples.unfelt = {3, 7};
+    samples.weak_handles = {3, 7};
     return samples;
 }
 Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectation& expected = {}) {
@@ -204,7 +204,7 @@ TEST_CASE("every contradiction in packed samples is found though their checksum 
         for (const std::uint64_t count :
              {std::uint64_t(0), std::uint64_t(1), std::uint64_t(1) << 20, std::uint64_t(1) << 32,
               std::uint64_t(1) << 60, ~std::uint64_t(0)}) {
-            if (at != offsetof(PoseBlobHeader, unfelt_count) || count != 1) // one of them less is sound
+            if (at != offsetof(PoseBlobHeader, weak_handle_count) || count != 1) // one of them less is sound
                 refused(at, count);
         }
     }
@@ -237,10 +237,10 @@ TEST_CASE("every contradiction in packed samples is found though their checksum 
             refused(std::size_t(part) + 4, x);
         }
     };
-    indices(header.unfelt, std::uint32_t(header.handles));
+    indices(header.weak_handles, std::uint32_t(header.handles));
     indices(header.sample_clusters, std::uint32_t(header.clusters));
     indices(header.centres, std::uint32_t(header.samples));
-    refused(std::size_t(header.unfelt), std::uint32_t(7)); // not ascending
+    refused(std::size_t(header.weak_handles), std::uint32_t(7)); // not ascending
 }
 
 TEST_CASE("samples that could not be read are not packed", "[pose][blob][status]") {
@@ -258,7 +258,7 @@ TEST_CASE("samples that could not be read are not packed", "[pose][blob][status]
     CHECK(refused([](auto& s) { s.cluster_count += 16; }) == Status::input_malformed);
     CHECK(refused([](auto& s) { s.handle_kinds.pop_back(); }) == Status::input_malformed);
     CHECK(refused([](auto& s) { s.stiffness.push_back(0); }) == Status::input_malformed);
-    CHECK(refused([](auto& s) { s.unfelt = {7, 3}; }) == Status::input_malformed);
+    CHECK(refused([](auto& s) { s.weak_handles = {7, 3}; }) == Status::input_malformed);
     CHECK(refused([](auto& s) { s.stiffness[3] = std::nan(""); }) == Status::input_malformed);
     CHECK(refused([](auto& s) { s.centres.pop_back(); }) == Status::ok);
     CHECK(refused([](auto& s) { s.centres.pop_back(); }, true) == Status::input_malformed);

@@ -1,4 +1,5 @@
-// The gradient of the energy of a pose by transposed clones: of the Jacobians of samples, of the spokes, of pins.
+// The gradient of the energy of a pose by transposed clones: of the Jacobians of samples, of the spokes, of
+// pins.
 #include "../support/pins.hpp"
 
 #include <cageform/clone/clone_transposed.hpp>
@@ -6,7 +7,7 @@
 namespace pose_gradient_tests {
 
 using namespace cageform_tests;
-using cageform::CloneOnto;
+using cageform::CloneMode;
 using cageform::GreenCoordinates;
 using cageform::HarmonicCoordinates;
 using cageform::MeanValueCoordinates;
@@ -14,8 +15,8 @@ using cageform::StridedMatrices;
 
 namespace {
 
-/// The energy's gradient, put together of what a program has: bindings and their transposed clones. Its rotations
-/// are those of SampledEnergy; the energy is least in them, so that they count as constant.
+/// The energy's gradient, put together of what a program has: bindings and their transposed clones. Its
+/// rotations are those of SampledEnergy; the energy is least in them, so that they count as constant.
 template <class C>
 class TransposedGradient {
 public:
@@ -68,13 +69,13 @@ public:
             pulled[spoke.handle] = pulled[spoke.handle] + gradient;
             if (spoke.is_point) of_ends[spoke.cluster] = of_ends[spoke.cluster] - gradient;
         }
-        REQUIRE(clone_transposed(centres_, of_ends, pulled, {.onto = CloneOnto::output}) == Status::ok);
+        REQUIRE(clone_transposed(centres_, of_ends, pulled, {.mode = CloneMode::add}) == Status::ok);
         // Pins.
         std::vector<Point> places(targets.size());
         REQUIRE(clone(figure_.binding, pose, places) == Status::ok);
         const double factor = figure_.options.pin_weight / (figure_.size() * figure_.size());
         for (std::size_t n = 0; n < targets.size(); ++n) places[n] = 2 * factor * (places[n] - targets[n]);
-        REQUIRE(clone_transposed(figure_.binding, places, pulled, {.onto = CloneOnto::output}) == Status::ok);
+        REQUIRE(clone_transposed(figure_.binding, places, pulled, {.mode = CloneMode::add}) == Status::ok);
         for (auto& g : pulled) g = figure_.size() * g;
         return pulled;
     }
@@ -117,7 +118,8 @@ void check_gradient(const C& coordinates, const Places<C::dimension>& pins,
     CAPTURE(worst, largest);
     CHECK(largest > 1);
     CHECK(worst <= 1e-6 * largest);
-    // The end of the solver is where this gradient vanishes. Pins of weight 1e4 amplify roundings of the pose.
+    // The end of the solver is where this gradient vanishes. Pins of weight 1e4 amplify roundings of the
+    // pose.
     figure.solve(targets, 150);
     double left = 0;
     for (const auto& g : gradient(energy, targets)) left += dot(g, g);

@@ -52,7 +52,7 @@ TEST_CASE("pins at rest leave the pose at rest, to the bit", "[pose]") {
         CHECK(report.miss == 0);
         CHECK(report.settled);
         CHECK(report.folded == 0);
-        CHECK(report.unfelt == 0);
+        CHECK(report.weak_handles == 0);
         CHECK(report.least_stretch > 1 - 1e-14);
         CHECK(report.largest_stretch < 1 + 1e-14);
     });

@@ -71,9 +71,9 @@ template <class T, std::size_t D>
 void check_transposed(const cageform::PackedBindingView<T, D>& view, const std::vector<Vec<T, D>>& pose,
                       const std::vector<Vec<T, D>>& gradients, const std::vector<T>& mask) {
     std::vector<Vec<T, D>> pulled(view.handles), moved(view.points, Vec<T, D>{});
-    cageform::CloneOptions<T> options{{mask.data(), view.points}, cageform::CloneOnto::output};
+    cageform::CloneOptions<T> options{{mask.data(), view.points}, cageform::CloneMode::add};
     expect(cageform::clone(view, pose, moved, options) == Status::ok, "displacements");
-    options.onto = cageform::CloneOnto::rest;
+    options.mode = cageform::CloneMode::replace;
     expect(cageform::clone_transposed(view, gradients, pulled, options, made_up::Backwards{}) == Status::ok,
            "a transposed clone");
     double of_points = 0, of_handles = 0;
@@ -90,7 +90,7 @@ void check_transposed(const cageform::PackedBindingView<T, D>& view, const std::
 /// Blobs opened from memory, cloned onto the rest and onto the output, with a mask, in ranges cut anywhere.
 template <class T, std::size_t D>
 void check_blobs() {
-    using cageform::CloneOnto;
+    using cageform::CloneMode;
     constexpr std::size_t points = 100, handles = 11;
     const auto pose = made_up::points<T, D>(handles, 2);
     const auto from = made_up::points<T, D>(points, 3);
@@ -106,7 +106,7 @@ void check_blobs() {
             const auto& view = opened.value;
             std::vector<Vec<T, D>> out(points), masked(from);
             expect(cageform::clone(view, pose, out) == Status::ok, "clone of a packed binding");
-            const cageform::CloneOptions<T> options{{mask.data(), points}, CloneOnto::output};
+            const cageform::CloneOptions<T> options{{mask.data(), points}, CloneMode::add};
             expect(cageform::clone(view, pose, masked, options, made_up::Backwards{}) == Status::ok,
                    "with a mask");
             for (std::size_t place = 0; place < points; ++place) {

@@ -214,7 +214,7 @@ std::string PinnedCage<T, D>::report() const {
         text << "largest miss: " << last_.miss << ", " << name_of(pins_, last_.missed) << '\n';
     text << "stretch: " << last_.least_stretch << " to " << last_.largest_stretch
          << " in the mean of a cluster, " << last_.folded << " folded\n";
-    if (last_.unfelt > 0) text << "handles with negligible stiffness: " << last_.unfelt << '\n';
+    if (last_.weak_handles > 0) text << "handles with negligible stiffness: " << last_.weak_handles << '\n';
     return text.str();
 }
 

@@ -88,8 +88,8 @@ Status clone_rational(const B& binding, const Pose& pose, std::span<const typena
     const PackedBindingView<T, D> packed(view);
     const Vec<T, D> middle = detail::middle_of<T, D>(pose, view.handle_count());
     const CloneOptions<T> options;
-    const detail::DisplacedBlocks<T, D, Target> blocks(packed,
-                                                       {{packed, options, target}, packed.rest, middle});
+    const detail::BlockAccumulator<T, D, Target> blocks(packed,
+                                                        {{packed, options, target}, packed.rest, middle});
     const detail::RationalDisplacements<T, D, Pose> displacements{
         {view.rest_handles, pose}, weights.data(), range.least, middle};
     parallel_for(block_count<T>(view.point_count()), detail::clone_grain,

@@ -18,7 +18,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                     vector that is not finite propagates to handles, including some of weight 0
 ///   handle_gradients  out, any MutablePointRange of at least #handles vectors; may not overlap the other
 ///                     arguments
-///   options           the mask of the clone; CloneOnto::output adds to `handle_gradients`
+///   options           the mask of the clone; CloneMode::add adds to `handle_gradients`
 ///   parallel_for      see core/types/parallel_for.hpp; threads share out the handles; no effect on the
 ///                     result
 ///   returns           output_too_small, too_few_gradients, mask_too_small (`handle_gradients` is then
@@ -40,7 +40,7 @@ Status clone_transposed(const B& binding, const Gradients& point_gradients, Out&
     using Source = std::remove_cvref_t<decltype(source)>;
     const detail::GivenGradients<T, D, Source> gradients{
         {detail::PointRows<T, D, Source>(PackedBindingView<T, D>(views[0]), source, options.mask)}};
-    detail::transpose(views, gradients, handle_gradients, options.onto, parallel_for);
+    detail::transpose(views, gradients, handle_gradients, options.mode, parallel_for);
     return Status::ok;
 }
 
@@ -49,7 +49,7 @@ Status clone_transposed(const B& binding, const Gradients& point_gradients, Out&
 ///   columns             as for `clone_jacobians`
 ///   jacobian_gradients  at least #points matrices ∂f/∂J: column k is the gradient of column k
 ///   handle_gradients    as for `clone_transposed`
-///   onto                CloneOnto::output adds to `handle_gradients`
+///   mode                CloneMode::add adds to `handle_gradients`
 ///   returns             bindings_differ, output_too_small, too_few_gradients (`handle_gradients` is then
 ///                       untouched), or ok
 ///   cost                D transposed clones; no allocation
@@ -57,7 +57,7 @@ template <AnyBinding B, std::size_t D, class S, MutablePointRangeIn<D> Out, clas
     requires(B::dimension == D)
 Status clone_jacobians_transposed(const std::array<B, D>& columns,
                                   const StridedMatrices<S, D>& jacobian_gradients, Out&& handle_gradients,
-                                  CloneOnto onto = CloneOnto::rest, const Parallel& parallel_for = {})
+                                  CloneMode mode = CloneMode::replace, const Parallel& parallel_for = {})
 noexcept {
     using T = typename B::scalar;
     const auto views = detail::views_of(columns);
@@ -73,7 +73,7 @@ noexcept {
         const std::array sources{jacobian_gradients.column(K)...};
         const detail::GivenGradients<T, D, Source, D> gradients{
             {Rows(PackedBindingView<T, D>(views[K]), sources[K], {nullptr, 0})...}};
-        detail::transpose(views, gradients, handle_gradients, onto, parallel_for);
+        detail::transpose(views, gradients, handle_gradients, mode, parallel_for);
         return Status::ok;
     }
     (std::make_index_sequence<D>{});
@@ -84,7 +84,7 @@ noexcept {
 ///   tangents, pose    as for `clone_normals`
 ///   normal_gradients  at least #points vectors ∂f/∂n'
 ///   handle_gradients  as for `clone_transposed`
-///   onto              CloneOnto::output adds to `handle_gradients`
+///   mode              CloneMode::add adds to `handle_gradients`
 ///   degenerate        gradients are zero where `clone_normals` returns the normal at rest
 ///   returns           bindings_differ, output_too_small, too_few_gradients, pose_size_differs,
 ///                     pose_not_finite (`handle_gradients` is then untouched), or ok
@@ -96,7 +96,7 @@ template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, PointRan
 // NOLINTNEXTLINE(readability-function-size): one parameter more than clone_normals
 Status clone_normals_transposed(const std::array<B, K>& tangents, const Pose& pose,
                                 const Gradients& normal_gradients, Out&& handle_gradients,
-                                CloneOnto onto = CloneOnto::rest, const Parallel& parallel_for = {})
+                                CloneMode mode = CloneMode::replace, const Parallel& parallel_for = {})
 noexcept {
     using T = typename B::scalar;
     constexpr std::size_t D = B::dimension;
@@ -108,7 +108,7 @@ noexcept {
     using Rows = detail::PointRows<T, D, std::remove_cvref_t<decltype(source)>>;
     const detail::NormalGradients<std::remove_cvref_t<decltype(views[0])>, Pose, Rows> gradients{
         views, pose, Rows(PackedBindingView<T, D>(views[0]), source, {nullptr, 0})};
-    detail::transpose(views, gradients, handle_gradients, onto, parallel_for);
+    detail::transpose(views, gradients, handle_gradients, mode, parallel_for);
     return Status::ok;
 }
 

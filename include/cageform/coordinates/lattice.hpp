@@ -88,11 +88,11 @@ public:
                         const Running& running = {}) const {
         return detail::evaluate_blocks<T>(report_, handles_.size(), {points, weights, states}, running,
                                           [&](std::size_t begin, std::size_t end) {
-                                              Work work(*this);
+                                              Scratch scratch(*this);
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, false, work);
-                                                  multiply(functions_of(work.value), weights.block(b));
-                                                  fade(work, weights.block(b));
+                                                  look(b, points, states, false, scratch);
+                                                  multiply(functions_of(scratch.value), weights.block(b));
+                                                  fade(scratch, weights.block(b));
                                               }
                                           });
     }
@@ -106,11 +106,11 @@ public:
                                   std::span<PointState> states, const Running& running = {}) const {
         return detail::evaluate_blocks<T>(report_, D * handles_.size(), {points, gradients, states}, running,
                                           [&](std::size_t begin, std::size_t end) {
-                                              Work work(*this);
-                                              work.rows.resize((D + 1) * handles_.size());
+                                              Scratch scratch(*this);
+                                              scratch.rows.resize((D + 1) * handles_.size());
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, true, work);
-                                                  differentiate(work, gradients.block(b));
+                                                  look(b, points, states, true, scratch);
+                                                  differentiate(scratch, gradients.block(b));
                                               }
                                           });
     }
@@ -169,8 +169,8 @@ private:
     using Fault = CageFaultKind;
 
     /// The functions of the axes at the points of a block.
-    struct Work {
-        explicit Work(const LatticeCoordinates& lattice) {
+    struct Scratch {
+        explicit Scratch(const LatticeCoordinates& lattice) {
             for (std::size_t k = 0; k < D; ++k) {
                 value[k].resize(lattice.axes_[k].points());
                 slope[k].resize(lattice.axes_[k].points());
@@ -267,20 +267,20 @@ private:
     ///
     ///   sloped   whether the slopes of the functions are wanted
     void look(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
-              Work& work) const noexcept {
-        const bool all_inside = place(b, points, states, work);
+              Scratch& scratch) const noexcept {
+        const bool all_inside = place(b, points, states, scratch);
         for (std::size_t k = 0; k < D; ++k)
-            axes_[k].evaluate(work.place[k], sloped || !all_inside, work.value[k].data(),
-                              work.slope[k].data());
+            axes_[k].evaluate(scratch.place[k], sloped || !all_inside, scratch.value[k].data(),
+                              scratch.slope[k].data());
         if (!(falloff_ > 0)) return;
-        Simd(T(1)).store(work.kept);
-        for (auto& lanes : work.kept_gradient) Simd(T(0)).store(lanes);
-        for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) fade_at(lane, work);
+        Simd(T(1)).store(scratch.kept);
+        for (auto& lanes : scratch.kept_gradient) Simd(T(0)).store(lanes);
+        for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) fade_at(lane, scratch);
     }
     /// Sets the positions u and the states of a block's points. Returns whether all are inside, off the
     /// faces.
     bool place(std::size_t b, BlockView<const T> points, std::span<PointState> states,
-               Work& work) const noexcept {
+               Scratch& scratch) const noexcept {
         std::array<Simd, D> from_origin;
         for (std::size_t k = 0; k < D; ++k)
             from_origin[k] = Simd::load(points.block(b)[k]) - Simd(box_.translation[k]);
@@ -288,7 +288,7 @@ private:
         for (std::size_t k = 0; k < D; ++k) {
             Simd u = Simd(inverse_[k][0]) * from_origin[0];
             for (std::size_t axis = 1; axis < D; ++axis) u += Simd(inverse_[k][axis]) * from_origin[axis];
-            u.store(work.place[k]);
+            u.store(scratch.place[k]);
             const auto is_inside = (Simd(on_face_[k]) < u) & (u < Simd(1 - on_face_[k]));
             inside = detail::select<T>(is_inside, inside, Simd(T(0)));
         }
@@ -305,10 +305,10 @@ private:
                 continue;
             }
             Vec<T, D> u{};
-            for (std::size_t k = 0; k < D; ++k) u[k] = work.place[k][lane];
+            for (std::size_t k = 0; k < D; ++k) u[k] = scratch.place[k][lane];
             if (state != PointState::not_finite) state = state_at(u);
             const bool counts = state != PointState::not_finite && state != PointState::unreached;
-            for (std::size_t k = 0; k < D; ++k) work.place[k][lane] = counts ? u[k] : T(0);
+            for (std::size_t k = 0; k < D; ++k) scratch.place[k][lane] = counts ? u[k] : T(0);
         }
         return count == lane_count<T>;
     }
@@ -348,16 +348,16 @@ private:
         return result;
     }
     /// Sets the falloff at a point.
-    void fade_at(std::size_t lane, Work& work) const noexcept {
+    void fade_at(std::size_t lane, Scratch& scratch) const noexcept {
         Vec<T, D> u{};
-        for (std::size_t k = 0; k < D; ++k) u[k] = work.place[k][lane];
+        for (std::size_t k = 0; k < D; ++k) u[k] = scratch.place[k][lane];
         const auto from_box = distance_at(u);
         if (!(from_box.distance > 0)) return;
         const T t = (std::min)(static_cast<T>(from_box.distance) / falloff_, T(1));
-        work.kept[lane] = 1 - t * t * (3 - 2 * t);
+        scratch.kept[lane] = 1 - t * t * (3 - 2 * t);
         const double rate = double(-6 * t * (1 - t) / falloff_);
         for (std::size_t axis = 0; axis < D; ++axis)
-            work.kept_gradient[axis][lane] = static_cast<T>(rate * from_box.gradient[axis]);
+            scratch.kept_gradient[axis][lane] = static_cast<T>(rate * from_box.gradient[axis]);
     }
 
     using Functions = std::array<const std::vector<Lanes<T>>*, D>; ///< by axis
@@ -382,41 +382,41 @@ private:
         }
     }
     /// Applies the falloff to weights, and sets those of the still handles.
-    void fade(const Work& work, Lanes<T>* row) const noexcept {
+    void fade(const Scratch& scratch, Lanes<T>* row) const noexcept {
         if (!(falloff_ > 0)) return;
-        const Simd kept = Simd::load(work.kept), lost = Simd(T(1)) - kept;
+        const Simd kept = Simd::load(scratch.kept), lost = Simd(T(1)) - kept;
         for (std::size_t n = 0; n < points_; ++n) (kept * Simd::load(row[n])).store(row[n]);
         Simd rest(T(1));
         for (std::size_t k = 0; k < D; ++k) {
-            const Simd u = Simd::load(work.place[k]);
+            const Simd u = Simd::load(scratch.place[k]);
             rest -= u;
             (lost * u).store(row[points_ + 1 + k]);
         }
         (lost * rest).store(row[points_]);
     }
-    void differentiate(Work& work, Lanes<T>* gradients) const noexcept {
+    void differentiate(Scratch& scratch, Lanes<T>* gradients) const noexcept {
         const std::size_t count = handles_.size();
-        Lanes<T>* const weights = work.rows.data();
-        multiply(functions_of(work.value), weights);
+        Lanes<T>* const weights = scratch.rows.data();
+        multiply(functions_of(scratch.value), weights);
         for (std::size_t k = 0; k < D; ++k) {
-            auto of = functions_of(work.value);
-            of[k] = &work.slope[k];
-            multiply(of, work.rows.data() + (k + 1) * count);
+            auto of = functions_of(scratch.value);
+            of[k] = &scratch.slope[k];
+            multiply(of, scratch.rows.data() + (k + 1) * count);
         }
-        const Simd kept = Simd::load(work.kept), lost = Simd(T(1)) - kept;
+        const Simd kept = Simd::load(scratch.kept), lost = Simd(T(1)) - kept;
         for (std::size_t axis = 0; axis < D; ++axis) {
             Lanes<T>* const to = gradients + axis * count;
-            const Simd change = Simd::load(work.kept_gradient[axis]);
+            const Simd change = Simd::load(scratch.kept_gradient[axis]);
             for (std::size_t n = 0; n < points_; ++n) {
                 Simd sum(T(0));
                 for (std::size_t k = 0; k < D; ++k)
-                    sum += Simd(inverse_[k][axis]) * Simd::load(work.rows[(k + 1) * count + n]);
+                    sum += Simd(inverse_[k][axis]) * Simd::load(scratch.rows[(k + 1) * count + n]);
                 (kept * sum + change * Simd::load(weights[n])).store(to[n]);
             }
             if (!(falloff_ > 0)) continue;
             Simd rest(T(1)), rest_slope(T(0));
             for (std::size_t k = 0; k < D; ++k) {
-                const Simd u = Simd::load(work.place[k]), slope(inverse_[k][axis]);
+                const Simd u = Simd::load(scratch.place[k]), slope(inverse_[k][axis]);
                 rest -= u;
                 rest_slope -= slope;
                 (lost * slope - change * u).store(to[points_ + 1 + k]);

@@ -126,12 +126,12 @@ private:
     using Matrix = std::array<Vec<double, D>, D>; ///< row k: derivatives along axis k
 
     /// A row of weights, or of their derivatives along every axis, with scratch memory.
-    struct Work {
+    struct RowBuilder {
         typename Neighbours::Scratch scratch;
         std::vector<double> row;
         std::vector<std::uint32_t> touched;
 
-        explicit Work(std::size_t rows)
+        explicit RowBuilder(std::size_t rows)
             : row(rows, 0) {}
         void add(std::size_t n, double x) {
             row[n] += x;
@@ -169,13 +169,13 @@ private:
         const std::size_t rows = (gradients ? D : 1) * handles_.size();
         return detail::evaluate_blocks(report_, rows, batch, running,
                                        [&](std::size_t begin, std::size_t end) {
-                                           Work work(rows);
+                                           RowBuilder builder(rows);
                                            for (std::size_t b = begin; b < end; ++b)
-                                               evaluate_block<gradients>(batch, b, work);
+                                               evaluate_block<gradients>(batch, b, builder);
                                        });
     }
     template <bool gradients>
-    void evaluate_block(const Batch<T>& batch, std::size_t b, Work& work) const {
+    void evaluate_block(const Batch<T>& batch, std::size_t b, RowBuilder& builder) const {
         Lanes<T>* const rows = batch.rows.block(b);
         for (std::size_t n = 0; n < batch.rows.rows; ++n) std::fill_n(rows[n].v, lane_count<T>, T(0));
         const std::size_t first = b * lane_count<T>;
@@ -184,32 +184,32 @@ private:
             PointState& state = batch.states[first + lane];
             if (state == PointState::not_finite) continue;
             const auto p = vec_cast<double>(block_point<D>(batch.points, first + lane));
-            work.scratch.gradients = gradients;
-            state = neighbours_.find(p, work.scratch);
+            builder.scratch.gradients = gradients;
+            state = neighbours_.find(p, builder.scratch);
             if (state == PointState::outside) continue;
             if constexpr (gradients) {
-                find_gradients(p, state, work);
-                add_gradients(work);
+                find_gradients(p, state, builder);
+                add_gradients(builder);
             } else {
-                add_weights(work);
+                add_weights(builder);
             }
             bool finite = true;
-            for (const std::uint32_t n : work.touched) {
-                rows[n][lane] = static_cast<T>(work.row[n]);
+            for (const std::uint32_t n : builder.touched) {
+                rows[n][lane] = static_cast<T>(builder.row[n]);
                 finite = finite && is_finite(rows[n][lane]);
             }
-            for (const std::uint32_t n : work.touched) work.row[n] = 0;
-            work.touched.clear();
+            for (const std::uint32_t n : builder.touched) builder.row[n] = 0;
+            builder.touched.clear();
             if (!finite) state = PointState::unreached;
         }
     }
 
     // ---- weights --------------------------------------------------------------------------------
 
-    void add_weights(Work& work) const {
-        const auto& found = work.scratch.found;
+    void add_weights(RowBuilder& builder) const {
+        const auto& found = builder.scratch.found;
         if (options_.degree == 1) {
-            for (const auto& n : found) work.add(n.site, n.weight);
+            for (const auto& n : found) builder.add(n.site, n.weight);
             return;
         }
         double s = 0;
@@ -219,29 +219,31 @@ private:
             m = m + (n.weight * n.weight) * n.away;
         }
         for (const auto& n : found) {
-            work.add(n.site, n.weight * (1 + n.weight - s));
-            add_slope(n.site, (0.5 * n.weight) * ((s - 1 - n.weight) * n.away - m), 0, work);
+            builder.add(n.site, n.weight * (1 + n.weight - s));
+            add_slope(n.site, (0.5 * n.weight) * ((s - 1 - n.weight) * n.away - m), 0, builder);
         }
     }
     /// Adds the product of the gradient at a site with `v` to the rows from `offset` on.
-    void add_slope(std::uint32_t site, const Vec<double, D>& v, std::size_t offset, Work& work) const {
+    void add_slope(std::uint32_t site, const Vec<double, D>& v, std::size_t offset,
+                   RowBuilder& builder) const {
         if (options_.frames) {
             for (std::size_t k = 0; k < D; ++k) {
                 const std::size_t handle = site_count_ + D * site + k;
                 const double x = v[k] / (double(handles_[handle][k]) - double(handles_[site][k]));
-                work.add(offset + handle, x);
-                work.add(offset + site, -x);
+                builder.add(offset + handle, x);
+                builder.add(offset + site, -x);
             }
         } else {
-            for (const auto& term : gradients_.row(site)) work.add(offset + term.site, dot(v, term.vector));
+            for (const auto& term : gradients_.row(site))
+                builder.add(offset + term.site, dot(v, term.vector));
         }
     }
 
     // ---- gradients ------------------------------------------------------------------------------
 
     /// Where gradients do not exist at `p`, finds the neighbours of a point slightly inside.
-    void find_gradients(const Vec<double, D>& p, PointState state, Work& work) const {
-        auto& scratch = work.scratch;
+    void find_gradients(const Vec<double, D>& p, PointState state, RowBuilder& builder) const {
+        auto& scratch = builder.scratch;
         if (state == PointState::inside && !scratch.at_site) return;
         if (scratch.at_site && options_.degree == 3) return;
         for (const double fraction : {0x1p-20, 0x1.8p-20}) {
@@ -249,12 +251,12 @@ private:
             if (!scratch.at_site) return;
         }
     }
-    void add_gradients(Work& work) const {
-        const auto& found = work.scratch.found;
+    void add_gradients(RowBuilder& builder) const {
+        const auto& found = builder.scratch.found;
         const std::size_t handles = handles_.size();
         if (options_.degree == 1) {
             for (const auto& n : found) {
-                for (std::size_t k = 0; k < D; ++k) work.add(k * handles + n.site, n.gradient[k]);
+                for (std::size_t k = 0; k < D; ++k) builder.add(k * handles + n.site, n.gradient[k]);
             }
             return;
         }
@@ -272,11 +274,11 @@ private:
             const double u = n.weight;
             const auto bracket = (s - 1 - u) * n.away - m;
             for (std::size_t k = 0; k < D; ++k) {
-                work.add(k * handles + n.site, n.gradient[k] * (1 + 2 * u - s) - u * ds[k]);
+                builder.add(k * handles + n.site, n.gradient[k] * (1 + 2 * u - s) - u * ds[k]);
                 auto v =
                     (0.5 * n.gradient[k]) * bracket + (0.5 * u) * ((ds[k] - n.gradient[k]) * n.away - dm[k]);
                 v[k] += 0.5 * u * (1 + u);
-                add_slope(n.site, v, k * handles, work);
+                add_slope(n.site, v, k * handles, builder);
             }
         }
     }

@@ -45,9 +45,9 @@ inline constexpr std::size_t clone_grain = 256; ///< blocks per thread, at least
 
 /// Sums the rows of blocks and passes the completed sums to a target, with Target::columns numbers a point.
 template <Scalar T, std::size_t D, class Target>
-class DisplacedBlocks {
+class BlockAccumulator {
 public:
-    DisplacedBlocks(const PackedBindingView<T, D>& binding, const Target& target) noexcept
+    BlockAccumulator(const PackedBindingView<T, D>& binding, const Target& target) noexcept
         : binding_(binding)
         , target_(target) {}
 
@@ -145,7 +145,7 @@ public:
     void run(std::size_t begin, std::size_t end) const noexcept;
 
 private:
-    DisplacedBlocks<T, D, CloneTarget<T, D, Out>> blocks_;
+    BlockAccumulator<T, D, CloneTarget<T, D, Out>> blocks_;
     PoseDisplacements<T, D, Pose> displacements_;
 };
 

@@ -135,17 +135,17 @@ private:
                 for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
         }
-        Lanes<T> onto[D];
-        if (options_.onto == CloneOnto::output) {
-            load(first, used, onto);
+        Lanes<T> base[D];
+        if (options_.mode == CloneMode::add) {
+            load(first, used, base);
         } else {
             CAGEFORM_DETAIL_UNROLL
-            for (std::size_t k = 0; k < D; ++k) onto[k] = rest_[block * D + k];
+            for (std::size_t k = 0; k < D; ++k) base[k] = rest_[block * D + k];
         }
         Simd<T> moved[D];
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < D; ++k) {
-            const Simd<T> from = Simd<T>::load(onto[k]), to = from + Simd<T>::load(sums[k]);
+            const Simd<T> from = Simd<T>::load(base[k]), to = from + Simd<T>::load(sums[k]);
             // Keeps the bits of unmoved points: −0 + 0 would be +0.
             moved[k] = select<T>((to <= from) & (from <= to), from, to);
         }

@@ -67,7 +67,7 @@ public:
 
     /// Writes the gradients of handles [begin, end).
     template <class Out>
-    void run(Out& out, CloneOnto onto, std::size_t begin, std::size_t end) const noexcept;
+    void run(Out& out, CloneMode mode, std::size_t begin, std::size_t end) const noexcept;
 
 private:
     static constexpr std::size_t handles_at_once = Gradients::bytes_of_sums / (D * sizeof(Lanes<T>));
@@ -144,7 +144,7 @@ private:
     }
 
     template <class Out>
-    void write(Out& out, CloneOnto onto, std::size_t handle, Vec<double, D> sum) const noexcept {
+    void write(Out& out, CloneMode mode, std::size_t handle, Vec<double, D> sum) const noexcept {
         for (std::size_t n = 0; n < N; ++n) {
             if (bindings_[n].affine_fit == nullptr) continue;
             for (std::size_t r = 0; r <= D; ++r) {
@@ -153,7 +153,7 @@ private:
                                                   affine_[n][r][k], sum[k]);
             }
         }
-        if (onto == CloneOnto::output) sum = to_vec<double>(out[handle]) + sum;
+        if (mode == CloneMode::add) sum = to_vec<double>(out[handle]) + sum;
         store_point(out, handle, sum);
     }
 
@@ -166,7 +166,7 @@ private:
 // Not inline, see BlockCloner::run.
 template <class View, std::size_t N, class Gradients>
 template <class Out>
-void TransposedClone<View, N, Gradients>::run(Out& out, CloneOnto onto, std::size_t begin,
+void TransposedClone<View, N, Gradients>::run(Out& out, CloneMode mode, std::size_t begin,
                                               std::size_t end) const noexcept {
     HandleSums<T, D, handles_at_once> sums;
     const std::size_t parts = (end - begin + handles_at_once - 1) / handles_at_once;
@@ -179,7 +179,7 @@ void TransposedClone<View, N, Gradients>::run(Out& out, CloneOnto onto, std::siz
                        add(sums, reader, n, from, to);
                    },
                    [&] { sums.add_lanes_to_totals(); });
-        for (std::size_t h = first; h < last; ++h) write(out, onto, h, sums.total(h));
+        for (std::size_t h = first; h < last; ++h) write(out, mode, h, sums.total(h));
     }
 }
 
@@ -192,10 +192,10 @@ using StridedTransposed =
 
 #if defined(CAGEFORM_COMPILED) // optimised in the library, even if the program is not
 #define CAGEFORM_DETAIL_TRANSPOSED(T, D)                                                                     \
-    extern template void StridedTransposed<BindingView<T, D>>::run(StridedPoints<T, D>&, CloneOnto,          \
+    extern template void StridedTransposed<BindingView<T, D>>::run(StridedPoints<T, D>&, CloneMode,          \
                                                                    std::size_t, std::size_t) const noexcept; \
     extern template void StridedTransposed<PackedBindingView<T, D>>::run(                                    \
-        StridedPoints<T, D>&, CloneOnto, std::size_t, std::size_t) const noexcept;
+        StridedPoints<T, D>&, CloneMode, std::size_t, std::size_t) const noexcept;
 CAGEFORM_DETAIL_TRANSPOSED(float, 2)
 CAGEFORM_DETAIL_TRANSPOSED(float, 3)
 CAGEFORM_DETAIL_TRANSPOSED(double, 2)
@@ -206,11 +206,11 @@ CAGEFORM_DETAIL_TRANSPOSED(double, 3)
 /// Runs a transposed clone on the caller's threads.
 template <class View, std::size_t N, class Gradients, class Out, class Parallel>
 void transpose(const std::array<View, N>& bindings, const Gradients& gradients, Out& handle_gradients,
-               CloneOnto onto, const Parallel& parallel_for) noexcept {
+               CloneMode mode, const Parallel& parallel_for) noexcept {
     auto&& out = as_strided<typename View::scalar, View::dimension>(handle_gradients);
     const TransposedClone<View, N, Gradients> clone(bindings, gradients);
     parallel_for(bindings[0].handle_count(), clone.grain(),
-                 [&](std::size_t begin, std::size_t end) { clone.run(out, onto, begin, end); });
+                 [&](std::size_t begin, std::size_t end) { clone.run(out, mode, begin, end); });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

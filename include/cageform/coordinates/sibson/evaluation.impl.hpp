@@ -20,10 +20,10 @@ Evaluation SibsonCoordinates<T, D>::evaluate_gradients(BlockView<const T> points
 
 template <Scalar T, std::size_t D>
 Vec<T, D> SibsonCoordinates<T, D>::nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
-    Work work(handles_.size());
-    const auto position = neighbours_.find_on_hull(vec_cast<double>(p), work.scratch);
-    add_weights(work);
-    for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(work.row[h]);
+    RowBuilder builder(handles_.size());
+    const auto position = neighbours_.find_on_hull(vec_cast<double>(p), builder.scratch);
+    add_weights(builder);
+    for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(builder.row[h]);
     return vec_cast<T>(position);
 }
 

@@ -39,15 +39,15 @@ public:
             const std::size_t at = steps_ % history_;
             Lanes<double>*const dg = row(2 + 2 * at), *const df = row(3 + 2 * at);
             for (std::size_t b = 0; b < blocks_; ++b) {
-                const Lanes8 f = Lanes8::load(g[b]) - Lanes8::load(x[b]);
-                (Lanes8::load(g[b]) - Lanes8::load(last_g[b])).store(dg[b]);
-                (f - Lanes8::load(last_f[b])).store(df[b]);
+                const DoubleLanes f = DoubleLanes::load(g[b]) - DoubleLanes::load(x[b]);
+                (DoubleLanes::load(g[b]) - DoubleLanes::load(last_g[b])).store(dg[b]);
+                (f - DoubleLanes::load(last_f[b])).store(df[b]);
             }
             ++steps_;
         }
         has_last_ = true;
         for (std::size_t b = 0; b < blocks_; ++b) {
-            (Lanes8::load(g[b]) - Lanes8::load(x[b])).store(last_f[b]);
+            (DoubleLanes::load(g[b]) - DoubleLanes::load(x[b])).store(last_f[b]);
             last_g[b] = g[b];
             x[b] = g[b];
         }
@@ -56,21 +56,21 @@ public:
         if (count == 0 || !find_factors(count, theta)) return;
         for (std::size_t j = 0; j < count; ++j) {
             const Lanes<double>* const dg = row(2 + 2 * j);
-            const Lanes8 factor(theta[j]);
+            const DoubleLanes factor(theta[j]);
             for (std::size_t b = 0; b < blocks_; ++b)
-                (Lanes8::load(x[b]) - factor * Lanes8::load(dg[b])).store(x[b]);
+                (DoubleLanes::load(x[b]) - factor * DoubleLanes::load(dg[b])).store(x[b]);
         }
     }
 
 private:
-    using Lanes8 = Simd<double>;
+    using DoubleLanes = Simd<double>;
 
     Lanes<double>* row(std::size_t n) noexcept { return memory_.data() + n * blocks_; }
 
     double product(std::size_t m, std::size_t n) noexcept {
-        Lanes8 sum(0);
+        DoubleLanes sum(0);
         for (std::size_t b = 0; b < blocks_; ++b)
-            sum = multiply_add(Lanes8::load(row(m)[b]), Lanes8::load(row(n)[b]), sum);
+            sum = multiply_add(DoubleLanes::load(row(m)[b]), DoubleLanes::load(row(n)[b]), sum);
         Lanes<double> parts;
         sum.store(parts);
         double total = 0;

@@ -268,7 +268,7 @@ void PoseSolver<T, D>::finish(PoseSolverReport& report) noexcept {
     }
     report.step = samples_.size * std::sqrt(square);
     report.settled = !(report.step > options_.settled_step * samples_.size);
-    report.unfelt = samples_.unfelt.size();
+    report.weak_handles = samples_.weak_handles.size();
     remember_pose();
 }
 

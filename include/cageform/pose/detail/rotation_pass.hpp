@@ -110,7 +110,7 @@ private:
     /// Rotates eight clusters. Returns their energy.
     static double turn(const Lanes<T>* change, const Lanes<T>* moments, Lanes<T>* turns,
                        std::size_t first) noexcept {
-        LinearMap<Lanes8, D> d, m, j, r;
+        LinearMap<DoubleLanes, D> d, m, j, r;
         for (std::size_t n = 0; n < D * D; ++n) {
             d.at[n / D][n % D] = load_lanes<double>(change[n], first);
             m.at[n / D][n % D] = load_lanes<double>(moments[n], first);
@@ -118,11 +118,11 @@ private:
             j.at[n / D][n % D] = m.at[n / D][n % D] + d.at[n / D][n % D];
         }
         nearest_rotation(j, r);
-        Lanes8 energy(0);
+        DoubleLanes energy(0);
         for (std::size_t a = 0; a < D; ++a) {
             for (std::size_t b = 0; b < D; ++b) {
                 store_lanes(r.at[a][b], turns[a * D + b], first);
-                Lanes8 stressed = Lanes8(-2) * d.at[a][b]; // row a of (R − 1) M − 2 d Gᵀ
+                DoubleLanes stressed = DoubleLanes(-2) * d.at[a][b]; // row a of (R − 1) M − 2 d Gᵀ
                 for (std::size_t c = 0; c < D; ++c) stressed = multiply_add(r.at[a][c], m.at[c][b], stressed);
                 energy = multiply_add(stressed, r.at[a][b], energy);
             }

@@ -11,7 +11,7 @@
 //     gradients        B × #handles × D × L × T
 //     moments          B × D × D × L × T
 //     stiffness        #handles (#handles + 1) / 2 × double
-//     unfelt           #unfelt × uint32, ascending; absent if empty
+//     weak_handles     #weak_handles × uint32, ascending; absent if empty
 //     points           #samples × D × T          this and the following are optional:
 //     sample_clusters  #samples × uint32         not needed for frames
 //     centres          #clusters × uint32
@@ -36,12 +36,13 @@ struct PoseBlobHeader {
     std::uint64_t bytes = 0;    ///< size of the whole blob, a multiple of 64
     std::uint64_t checksum = 0; ///< `hash_memory` of all bytes after this field
     std::uint32_t scalar_bytes = 0, dimension = 0;
-    std::uint64_t handles = 0, clusters = 0, unfelt_count = 0;
+    std::uint64_t handles = 0, clusters = 0, weak_handle_count = 0;
     std::uint64_t samples = 0; ///< 0: the arrays by sample are absent
     std::uint64_t cage_hash = 0;
     double centre[3] = {}; ///< PoseSamples::centre, padded by 0 in 2D
     double size = 0;
-    std::uint64_t rest_handles = 0, handle_kinds = 0, gradients = 0, moments = 0, stiffness = 0, unfelt = 0;
+    std::uint64_t rest_handles = 0, handle_kinds = 0, gradients = 0, moments = 0, stiffness = 0,
+                  weak_handles = 0;
     std::uint64_t points = 0, sample_clusters = 0, centres = 0;
     std::uint64_t padding = 0;
 };
@@ -79,7 +80,7 @@ void for_each_pose_array(Header& header, Samples& samples, const Visit& visit) {
     visit(header.gradients, samples.gradients, blocks * handles * D);
     visit(header.moments, samples.moments, blocks * (D * D));
     visit(header.stiffness, samples.stiffness, handles * (handles + 1) / 2);
-    visit(header.unfelt, samples.unfelt, header.unfelt_count);
+    visit(header.weak_handles, samples.weak_handles, header.weak_handle_count);
     visit(header.points, samples.points, header.samples);
     visit(header.sample_clusters, samples.clusters, header.samples);
     visit(header.centres, samples.centres, header.samples == 0 ? 0 : header.clusters);
@@ -101,9 +102,9 @@ bool is_sound(const PoseSamples<T, D>& samples) noexcept {
         }
     }
     for (const double x : samples.stiffness) sound = sound && is_finite(x);
-    for (std::size_t n = 0; n < samples.unfelt.size(); ++n)
-        sound = sound && samples.unfelt[n] < samples.handle_count() &&
-                (n == 0 || samples.unfelt[n - 1] < samples.unfelt[n]);
+    for (std::size_t n = 0; n < samples.weak_handles.size(); ++n)
+        sound = sound && samples.weak_handles[n] < samples.handle_count() &&
+                (n == 0 || samples.weak_handles[n - 1] < samples.weak_handles[n]);
     for (const auto& p : samples.points) sound = sound && is_finite(p);
     for (const std::uint32_t c : samples.clusters) sound = sound && c < samples.cluster_count;
     for (const std::uint32_t s : samples.centres) sound = sound && s < samples.points.size();
@@ -117,7 +118,7 @@ Status pack_pose_samples(const PoseSamples<T, D>& samples, const PosePackOptions
     header.dimension = D;
     header.handles = samples.handle_count();
     header.clusters = samples.cluster_count;
-    header.unfelt_count = samples.unfelt.size();
+    header.weak_handle_count = samples.weak_handles.size();
     header.samples = options.keep_points ? samples.points.size() : 0;
     header.cage_hash = options.cage_hash;
     for (std::size_t k = 0; k < D; ++k) header.centre[k] = samples.centre[k];
@@ -151,7 +152,8 @@ template <Scalar T, std::size_t D>
 Status read_pose_samples(const std::byte* data, const PoseBlobHeader& header, PoseSamples<T, D>& samples) {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
     bool sound = header.handles > 0 && header.handles <= samples.most_handles && header.clusters > 0 &&
-                 header.clusters <= most && header.unfelt_count <= header.handles && header.samples <= most;
+                 header.clusters <= most && header.weak_handle_count <= header.handles &&
+                 header.samples <= most;
     if (!sound) return Status::blob_malformed;
     for_each_pose_array<T, D>(
         header, samples, [&](std::uint64_t offset, const auto& part, std::uint64_t count) {

@@ -38,7 +38,7 @@ struct PoseSamples {
     std::vector<Lanes<T>> moments;
     std::vector<double> stiffness; ///< K: its lower triangle by rows
     /// Handles with negligible stiffness: a diagonal entry of K, without spokes, below 1e-6 of the mean.
-    std::vector<std::uint32_t> unfelt;
+    std::vector<std::uint32_t> weak_handles;
 
     std::size_t handle_count() const noexcept { return rest_handles.size(); }
     HandleView<T, D> handle_view() const noexcept {

@@ -56,16 +56,16 @@ struct PoseSolverReport {
     Status status = Status::ok;
     std::size_t culprit = none; ///< the target or held handle that caused the status
     std::size_t iterations = 0;
-    double rigid_energy = 0;    ///< of samples and spokes
-    double pin_energy = 0;      ///< Σ μ m |miss|² / L², including turns
-    double miss = 0;            ///< largest distance of a pin from its target
-    std::size_t missed = none;  ///< the pin with that distance
-    double step = 0;            ///< largest distance that a handle moved in this frame
-    bool settled = false;       ///< whether `step` is within PoseOptions::settled_step
-    std::size_t unfelt = 0;     ///< size of PoseSamples::unfelt
-    std::size_t folded = 0;     ///< number of clusters whose mean deformation is inverted
-    double least_stretch = 1;   ///< least singular value of the clusters' mean deformations
-    double largest_stretch = 1; ///< largest singular value of the clusters' mean deformations
+    double rigid_energy = 0;      ///< of samples and spokes
+    double pin_energy = 0;        ///< Σ μ m |miss|² / L², including turns
+    double miss = 0;              ///< largest distance of a pin from its target
+    std::size_t missed = none;    ///< the pin with that distance
+    double step = 0;              ///< largest distance that a handle moved in this frame
+    bool settled = false;         ///< whether `step` is within PoseOptions::settled_step
+    std::size_t weak_handles = 0; ///< size of PoseSamples::weak_handles
+    std::size_t folded = 0;       ///< number of clusters whose mean deformation is inverted
+    double least_stretch = 1;     ///< least singular value of the clusters' mean deformations
+    double largest_stretch = 1;   ///< largest singular value of the clusters' mean deformations
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -263,16 +263,16 @@ private:
     std::size_t row(std::size_t bone, std::size_t column, std::size_t axis) const noexcept {
         return ((4 * bone + column) * 3 + axis) * motion_->lanes;
     }
-    static Lanes8 load(const double* from) noexcept {
+    static DoubleLanes load(const double* from) noexcept {
         Lanes<double> numbers;
         for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
-        return Lanes8::load(numbers);
+        return DoubleLanes::load(numbers);
     }
     /// Right sides of a bone minus the contributions of other bones, by column and axis, in the frames of a
     /// group that starts at `at`.
-    std::array<std::array<Lanes8, 3>, 4> residual_of(std::size_t bone, std::size_t at,
-                                                     const Couplings& couplings) const noexcept {
-        std::array<std::array<Lanes8, 3>, 4> left;
+    std::array<std::array<DoubleLanes, 3>, 4> residual_of(std::size_t bone, std::size_t at,
+                                                          const Couplings& couplings) const noexcept {
+        std::array<std::array<DoubleLanes, 3>, 4> left;
         for (std::size_t c = 0; c < 4; ++c) {
             for (std::size_t r = 0; r < 3; ++r)
                 left[c][r] = load(couplings.right_sides[bone].data() + row(0, c, r) + at);
@@ -280,11 +280,11 @@ private:
         if (couplings.others.empty()) return left;
         for (const auto& [other, sum] : couplings.others[bone]) {
             for (std::size_t r = 0; r < 3; ++r) {
-                Lanes8 map[4];
+                DoubleLanes map[4];
                 for (std::size_t c = 0; c < 4; ++c) map[c] = load(maps_.data() + row(other, c, r) + at);
                 for (std::size_t c = 0; c < 4; ++c) {
                     for (std::size_t d = 0; d < 4; ++d)
-                        left[c][r] = multiply_add(Lanes8(-sum[product_of[c][d]]), map[d], left[c][r]);
+                        left[c][r] = multiply_add(DoubleLanes(-sum[product_of[c][d]]), map[d], left[c][r]);
                 }
             }
         }
@@ -306,7 +306,7 @@ private:
                 spread[r][c] = own[product_of[r][c]] - mass * centre[r] * centre[c];
         }
         const double size = (std::fmax)(spread[0][0] + spread[1][1] + spread[2][2], 0.0);
-        LinearMap<Lanes8, 3> j, turn, pulled;
+        LinearMap<DoubleLanes, 3> j, turn, pulled;
         const auto turn_row = [&](std::size_t r, std::size_t c) {
             return rotations_.data() + ((3 * bone + r) * 3 + c) * motion_->lanes + at;
         };
@@ -314,26 +314,26 @@ private:
         const double pull = 1e-4 * size + 1e-9 * mass;
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) {
-                j.at[r][c] = left[c][r] - Lanes8(centre[c]) * left[3][r];
+                j.at[r][c] = left[c][r] - DoubleLanes(centre[c]) * left[3][r];
                 turn.at[r][c] = load(turn_row(r, c));
-                pulled.at[r][c] =
-                    j.at[r][c] + Lanes8(pull) * (r == c ? turn.at[r][c] + Lanes8(1) : turn.at[r][c]);
+                pulled.at[r][c] = j.at[r][c] + DoubleLanes(pull) *
+                                                   (r == c ? turn.at[r][c] + DoubleLanes(1) : turn.at[r][c]);
             }
         }
         nearest_rotation(pulled, turn);
-        LinearMap<Lanes8, 3> linear = turn;
-        for (std::size_t r = 0; r < 3; ++r) linear.at[r][r] += Lanes8(1);
+        LinearMap<DoubleLanes, 3> linear = turn;
+        for (std::size_t r = 0; r < 3; ++r) linear.at[r][r] += DoubleLanes(1);
         if (kind_ == BoneKind::similar) scale(linear, j, size, pull);
         if (kind_ == BoneKind::stretched) stretch(linear, j, spread, size + 1e-9 * mass);
-        const auto store = [&](const Lanes8& x, double* to) {
+        const auto store = [&](const DoubleLanes& x, double* to) {
             Lanes<double> numbers;
             x.store(numbers);
             for (std::size_t n = 0; n < Motion::group; ++n) to[n] = at + n < motion_->frames ? numbers[n] : 0;
         };
         for (std::size_t r = 0; r < 3; ++r) {
-            Lanes8 shift = Lanes8(1 / mass) * left[3][r];
+            DoubleLanes shift = DoubleLanes(1 / mass) * left[3][r];
             for (std::size_t c = 0; c < 3; ++c) {
-                shift -= linear.at[r][c] * Lanes8(centre[c]);
+                shift -= linear.at[r][c] * DoubleLanes(centre[c]);
                 store(linear.at[r][c], maps_.data() + row(bone, c, r) + at);
                 store(turn.at[r][c], turn_row(r, c));
             }
@@ -341,19 +341,20 @@ private:
         }
     }
     /// Multiplies a rotation by the scale that fits J best.
-    static void scale(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j, double size, double pull) {
-        Lanes8 along(pull);
+    static void scale(LinearMap<DoubleLanes, 3>& turn, const LinearMap<DoubleLanes, 3>& j, double size,
+                      double pull) {
+        DoubleLanes along(pull);
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) along = multiply_add(turn.at[r][c], j.at[r][c], along);
         }
-        const Lanes8 factor = (max)(along / Lanes8(size + pull), Lanes8(1e-3));
+        const DoubleLanes factor = (max)(along / DoubleLanes(size + pull), DoubleLanes(1e-3));
         for (auto& line : turn.at) {
-            for (Lanes8& x : line) x *= factor;
+            for (DoubleLanes& x : line) x *= factor;
         }
     }
     /// Replaces a rotation by the affine map that fits J best. The rotation is kept in directions without
     /// extent.
-    static void stretch(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j,
+    static void stretch(LinearMap<DoubleLanes, 3>& turn, const LinearMap<DoubleLanes, 3>& j,
                         const double (&spread)[3][3], double size) {
         const double hold = 1e-3 * size / 3;
         double a[3][3];
@@ -369,13 +370,13 @@ private:
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) inverse[r][c] = minor(c, r) / determinant;
         }
-        LinearMap<Lanes8, 3> result;
+        LinearMap<DoubleLanes, 3> result;
         for (std::size_t r = 0; r < 3; ++r) {
             for (std::size_t c = 0; c < 3; ++c) {
-                result.at[r][c] = Lanes8(0);
+                result.at[r][c] = DoubleLanes(0);
                 for (std::size_t k = 0; k < 3; ++k) {
-                    const Lanes8 right = multiply_add(Lanes8(hold), turn.at[r][k], j.at[r][k]);
-                    result.at[r][c] = multiply_add(right, Lanes8(inverse[k][c]), result.at[r][c]);
+                    const DoubleLanes right = multiply_add(DoubleLanes(hold), turn.at[r][k], j.at[r][k]);
+                    result.at[r][c] = multiply_add(right, DoubleLanes(inverse[k][c]), result.at[r][c]);
                 }
             }
         }
