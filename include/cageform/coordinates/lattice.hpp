@@ -90,7 +90,7 @@ public:
                                           [&](std::size_t begin, std::size_t end) {
                                               Scratch scratch(*this);
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, false, scratch);
+                                                  evaluate_axes(b, points, states, false, scratch);
                                                   multiply(functions_of(scratch.value), weights.block(b));
                                                   fade(scratch, weights.block(b));
                                               }
@@ -109,7 +109,7 @@ public:
                                               Scratch scratch(*this);
                                               scratch.rows.resize((D + 1) * handles_.size());
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, true, scratch);
+                                                  evaluate_axes(b, points, states, true, scratch);
                                                   differentiate(scratch, gradients.block(b));
                                               }
                                           });
@@ -266,8 +266,8 @@ private:
     /// Sets the states of a block's points, the functions of each axis, and the falloff.
     ///
     ///   sloped   whether the slopes of the functions are wanted
-    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
-              Scratch& scratch) const noexcept {
+    void evaluate_axes(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
+                       Scratch& scratch) const noexcept {
         const bool all_inside = place(b, points, states, scratch);
         for (std::size_t k = 0; k < D; ++k)
             axes_[k].evaluate(scratch.place[k], sloped || !all_inside, scratch.value[k].data(),
