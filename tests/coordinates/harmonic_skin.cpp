@@ -358,7 +358,7 @@ TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its 
         Vec<double, 3> foot;
         const auto value = nearest_boundary_value(mesh, p, foot);
         const auto x = boundary.in_units(p);
-        REQUIRE(patch.look(x, 0.2 / boundary.unit()));
+        REQUIRE(patch.set_viewpoint(x, 0.2 / boundary.unit()));
         patch.evaluate(std::span(&x, 1), 0);
         double all = 0;
         for (std::size_t v = 0; v < patch.vertices().size(); ++v) {
