@@ -9,8 +9,6 @@
 #include <cageform/pose/detail/rotation_pass.hpp>
 #include <cageform/pose/types/pose_blob.hpp>
 
-#include <utility>
-
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Finds poses of a cage that keep its inside as rigid as possible while pinned points follow targets. The

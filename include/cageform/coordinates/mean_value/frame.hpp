@@ -6,7 +6,6 @@
 #include <cageform/core/affine/compensated_sum.hpp>
 #include <cageform/core/affine/dual.hpp>
 
-#include <array>
 #include <type_traits>
 #include <vector>
 
