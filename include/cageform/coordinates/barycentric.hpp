@@ -36,7 +36,6 @@ public:
         const Status status = detail::guard_memory([&] {
             for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
             prepare();
-            return Status::ok;
         });
         if (status != Status::ok) report_ = {status, {}};
     }

@@ -36,10 +36,7 @@ public:
 
     explicit BlendedCoordinates(std::vector<C> components)
         : components_(std::move(components)) {
-        const Status status = detail::guard_memory([&] {
-            join_components();
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { join_components(); });
         if (status != Status::ok) report_ = {status, {}};
     }
 

@@ -109,10 +109,7 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
     const auto value = nearest_boundary_value(cage, p, position);
     std::fill(row.begin(), row.end(), T(0));
     const auto add = [&](std::uint32_t handle, double weight) { row[handle] += static_cast<T>(weight); };
-    const Status status = detail::guard_memory([&] {
-        data.for_each_weight(value, add);
-        return Status::ok;
-    });
+    const Status status = detail::guard_memory([&] { data.for_each_weight(value, add); });
     if (status != Status::ok) // out of memory: linear on the point's facet
         detail::LinearBoundaryData<Cage::dimension>::for_each_weight(value, add);
     return position;

@@ -46,10 +46,7 @@ public:
 
     explicit CurvedGreenCoordinates(CurvedPolygon<T> cage, const CurvedGreenOptions<T>& options = {})
         : cage_(std::move(cage)) {
-        const Status status = detail::guard_memory([&] {
-            prepare(options);
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { prepare(options); });
         if (status != Status::ok) report_ = {status, {}};
     }
 

@@ -210,10 +210,8 @@ private:
 
     static std::shared_ptr<const Problem> make_problem(Cage cage, const Options& options, Solver solver) {
         std::shared_ptr<const Problem> problem;
-        const Status status = detail::guard_memory([&] {
-            problem = std::make_shared<const Problem>(std::move(cage), options, std::move(solver));
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory(
+            [&] { problem = std::make_shared<const Problem>(std::move(cage), options, std::move(solver)); });
         if (status == Status::ok) return problem;
         static const Problem none(Status::out_of_memory);
         return {std::shared_ptr<void>(), &none};

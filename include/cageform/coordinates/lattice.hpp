@@ -48,10 +48,7 @@ public:
                                 T falloff = 0)
         : box_(box)
         , falloff_(falloff) {
-        const Status status = detail::guard_memory([&] {
-            prepare(axes);
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { prepare(axes); });
         if (status != Status::ok) report_ = {status, {}};
     }
 

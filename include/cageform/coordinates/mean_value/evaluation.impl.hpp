@@ -20,11 +20,7 @@ MeanValueEvaluation<Cage>::evaluate_gradients(BlockView<const scalar> points, Bl
 
 template <class Cage>
 Status MeanValueEvaluation<Cage>::prepare() {
-    if (report_.status != Status::ok) return report_.status;
-    report_.status = guard_memory([&] {
-        fill_tables();
-        return Status::ok;
-    });
+    if (report_.status == Status::ok) report_.status = guard_memory([&] { fill_tables(); });
     return report_.status;
 }
 
