@@ -163,7 +163,7 @@ void fit(benchmark::State& state) {
             auto ahead = rest;
             add(ahead, 1, way);
             std::fill(moves.begin(), moves.end(), Vec<T, 3>{});
-            if (clone(bound.value, ahead, moves, {.onto = cageform::CloneMode::output}) != Status::ok)
+            if (clone(bound.value, ahead, moves, {.mode = cageform::CloneMode::add}) != Status::ok)
                 state.SkipWithError("not cloned");
             const double square = product(moves, moves);
             if (!(square > 0)) break;

@@ -57,7 +57,7 @@ int main() {
         // gives the displacements of the points.
         Points ahead = cage, moves(points.size(), Point{});
         add(ahead, 1, way);
-        if (clone(binding, ahead, moves, {.onto = cageform::CloneMode::output}) != cageform::Status::ok)
+        if (clone(binding, ahead, moves, {.mode = cageform::CloneMode::add}) != cageform::Status::ok)
             return 1;
         const double length = size / product(moves, moves);
         add(pose, length, way);

@@ -1,4 +1,4 @@
-// The clone operator: the rest pose, affine poses, linearity, and what a frame may not do.
+// The clone operator: the rest pose, affine poses, linearity, and guarantees of a frame.
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/bindings.hpp"
@@ -96,7 +96,7 @@ bool same_bits(T a, T b) {
     return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-/// Whether a range holds `expected`, whatever its points are.
+/// Whether a range of any point type equals `expected`.
 template <class R, class T, std::size_t D>
 bool are_equal(const R& range, const std::vector<Vec<T, D>>& expected) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -107,7 +107,7 @@ bool are_equal(const R& range, const std::vector<Vec<T, D>>& expected) {
 
 } // namespace
 
-// Each family, scalar and dimension, but not every combination: those are binding's to test.
+// All types, scalars and dimensions, but not all combinations, which the tests of binding cover.
 #define CAGEFORM_TEST_TYPES                                                                                  \
     (Bary<double, 1>), (Bary<float, 2>), (Bary<double, 3>), (Mean<double>), (Harmonic<float>)
 
@@ -192,14 +192,14 @@ TEMPLATE_TEST_CASE("clones are linear in the displacement of the pose", "[clone]
         std::vector<T> row;
         for (std::size_t h = 0; h < binding.handle_count(); ++h) row.push_back(binding.weight(i, h));
         CAPTURE(i);
-        // Displacements up to four sizes, two of them scaled by up to two: some ten roundings of each.
+        // Displacements are up to four sizes, two of them scaled by up to two: some ten roundings of each.
         CHECK(distance(of_both[i], expected) <= 64 * double(epsilon<T>) * size * absolute_sum(row));
     }
 }
 
 TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clone][oracle]",
                    CAGEFORM_SCALARS) {
-    // Handles are taken in groups of 256, points in blocks of 8 or 16, blocks in tiles.
+    // Handles are processed in groups of 256, points in blocks of 8 or 16, blocks in tiles.
     using T = TestType;
     const std::size_t handles = GENERATE(1u, 3u, 4u, 17u, 255u, 256u, 257u, 511u, 512u, 513u, 1000u);
     const std::size_t points = GENERATE(0u, 1u, 7u, 8u, 9u, 15u, 16u, 17u, 100u, 391u);
@@ -212,7 +212,7 @@ TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clo
         double worst = 0;
         for (std::size_t i = 0; i < points; ++i)
             worst = cageform_tests::larger(worst, distance(moved[i], by_definition(binding, pose, i)));
-        // Sums stay below 40; each of the additions rounds, in random directions, terms of 20 / #handles.
+        // Sums stay below 40. Each addition of a term of 20 / #handles rounds in a random direction.
         CHECK(worst <=
               8 * double(epsilon<T>) * 40 * std::sqrt(double(D) * std::max(1.0, double(handles) / 16)));
     };
@@ -257,7 +257,7 @@ TEMPLATE_TEST_CASE("a pose that does not fit leaves the output untouched", "[clo
     CHECK(small == few);
     CHECK(cageform::clone(binding, pose, std::span<Vec<T, 2>>{}) == Status::output_too_small);
 
-    CHECK(cageform::clone(binding, pose, out) == Status::ok); // all was well but for the one thing
+    CHECK(cageform::clone(binding, pose, out) == Status::ok); // valid without the fault
     CHECK(out != untouched);
 }
 
@@ -308,7 +308,7 @@ TEST_CASE("a clone allocates nothing and never throws", "[clone][frame]") {
     CHECK(of_view == Status::ok);
     CHECK(refused == Status::output_too_small);
 
-    const std::vector<int> counted_indeed(3); // or the count above means nothing
+    const std::vector<int> counted_indeed(3); // proves that allocations are counted
     CHECK(allocations > after);
 }
 
@@ -347,7 +347,7 @@ TEMPLATE_TEST_CASE("poses and outputs lie in memory in any way", "[clone][ranges
     CHECK(cageform::clone(binding, pose, std::span(arrays)) == Status::ok);
     CHECK(is_expected(arrays));
 
-    std::vector<T> interleaved(points * 5, T(7)); // x y z and two things of another kind
+    std::vector<T> interleaved(points * 5, T(7)); // x y z and two other numbers
     const cageform::StridedPoints<T, 3> strided(interleaved.data(), points, 5 * sizeof(T));
     CHECK(cageform::clone(binding, pose, strided) == Status::ok);
     CHECK(is_expected(strided));

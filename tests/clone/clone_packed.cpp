@@ -1,5 +1,5 @@
-// Clones by packed bindings: every format and layout against its documentation, and what they share with
-// plain ones.
+// Clones by packed bindings: every format and layout against its documentation, and laws shared with dense
+// bindings.
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
 #include "../support/packed.hpp"
@@ -40,7 +40,7 @@ TEST_CASE("a view in order clones points in the order of the binding", "[clone][
 
 TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whatever its format and size",
                    "[clone][packed][oracle]", CAGEFORM_SCALARS) {
-    // Handles fit into a table up to 512, dense rows come in groups of 256, blocks are of 8 or 16 points.
+    // A table holds up to 512 handles; dense rows come in groups of 256; blocks have 8 or 16 points.
     using T = TestType;
     const std::size_t handles = GENERATE(5u, 6u, 17u, 256u, 257u, 513u, 600u);
     const std::size_t points = GENERATE(1u, 7u, 8u, 9u, 16u, 17u, effort(100u, 33u));
@@ -69,11 +69,11 @@ TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whate
                 worst = cageform_tests::larger(worst, distance(moved[i], p));
                 reach = cageform_tests::larger(reach, sum);
             }
-            // Terms of at most `reach` in all; each addition rounds.
+            // The terms sum to at most `reach`; each addition rounds.
             CHECK(worst <= 2 * double(epsilon<T>) * reach * std::sqrt(double(D * handles)));
         }
     };
-    // Formats are read in the same way whatever the dimension, so one scalar is enough for one of them.
+    // Reading of formats does not depend on the dimension, so one scalar suffices for one dimension.
     if constexpr (std::is_same_v<T, float>) {
         check(std::integral_constant<std::size_t, 1>{});
         check(std::integral_constant<std::size_t, 2>{});
@@ -135,12 +135,12 @@ TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add u
     const auto pose = random_points<T, 3>(20, 10, 26);
     const auto full = cageform_tests::cloned(binding, pose);
     Random random(27);
-    std::vector<std::array<T, 2>> vertex(points); // the mask is the second number of each
+    std::vector<std::array<T, 2>> vertex(points); // the mask is the second number of each vertex
     for (auto& v : vertex) v = {T(7), T(random.uniform(0, 1))};
     vertex[0][1] = 0;
     const CloneOptions<T> masked{.mask = {&vertex[0][1], points, sizeof(vertex[0])}};
     CloneOptions<T> added = masked;
-    added.onto = CloneMode::output;
+    added.mode = CloneMode::add;
     const auto [packed, report] = cageform::pack(binding, {.largest = 8});
     const auto full_packed = cloned(packed.view(), pose);
     const auto check = [&](const auto& view, const auto& whole) {

@@ -1,4 +1,4 @@
-// The rational clone against its definition, and what it refuses.
+// The rational clone: its definition and refusals.
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/bindings.hpp"
@@ -26,7 +26,7 @@ using cageform::WeightFormat;
 
 namespace {
 
-/// Points that listen to `heard` handles each, by weights that are not negative and sum to one.
+/// Points with `heard` handles each; weights are non-negative and sum to one.
 template <class T, std::size_t D>
 Binding<T, D> convex_binding(std::size_t points, std::size_t handles, std::size_t heard, std::uint64_t seed) {
     Random random(seed);
@@ -39,7 +39,7 @@ Binding<T, D> convex_binding(std::size_t points, std::size_t handles, std::size_
         const auto shares = random_shares(heard, random);
         Vec<long double, D> sum{};
         for (std::size_t n = 0; n < heard; ++n) {
-            const std::size_t h = (i / 40 + n * 7) % handles; // neighbours in memory share handles
+            const std::size_t h = (i / 40 + n * 7) % handles; // points nearby in memory share handles
             w(i, h) += T(shares[n]);
             sum = sum + static_cast<long double>(T(shares[n])) * cageform::vec_cast<long double>(places[h]);
         }
@@ -92,16 +92,16 @@ void check_laws(std::uint64_t seed) {
         drawn =
             std::max(drawn, distance(out[i], weighted_mean(binding, pose, std::vector<T>(handles, 1), i)));
     }
-    CHECK(drawn > 0.1); // weights do something
+    CHECK(drawn > 0.1); // weights have an effect
 
-    auto scaled = weights; // by a power of two: the same bits; by others: to rounding
+    auto scaled = weights; // by powers of two: bitwise equal; by other factors: to rounding
     for (T& w : scaled) w *= T(8);
     CHECK(rational(binding, pose, scaled) == out);
     for (T& w : scaled) w *= T(1e-3);
     const auto close = rational(binding, pose, scaled);
     for (std::size_t i = 0; i < points; ++i) CHECK(distance(close[i], out[i]) <= error);
 
-    auto heavy = weights; // draws all who listen to it, and no others
+    auto heavy = weights; // attracts the points of this handle, and no others
     heavy[5] = T(1e9);
     const auto to_it = rational(binding, pose, heavy);
     for (std::size_t i = 0; i < points; ++i) {
@@ -204,7 +204,7 @@ TEMPLATE_TEST_CASE("points kept in place stay under any weights", "[clone][ratio
     REQUIRE(report.status == Status::ok);
     const auto out = rational(binding, cage, std::vector<T>{1, 2, 3, 4});
     CHECK(out[1] == points[1]);
-    CHECK(distance(out[0], points[0]) > 0.1); // nothing has moved but towards the heavier corners
+    CHECK(distance(out[0], points[0]) > 0.1); // moved towards the heavier corners only
 }
 
 TEST_CASE("a heavier site among five draws a point by as much as exact computation says",
@@ -259,7 +259,7 @@ TEST_CASE("a rational clone refuses what it cannot do, and leaves the output alo
     CHECK(status(with(std::nan(""), 0)) == Status::weight_not_finite);
     CHECK(rational_view(with(-2, 2)).status() == Status::binding_weights_negative);
 
-    // Little of them passes, until weights are such that it counts.
+    // Small negative weights pass until handle weights are extreme.
     auto little = convex_binding<double, 2>(20, 6, 3, 50);
     const auto handles = binding_handles(little);
     auto [rows, rest] = std::move(little).release();
@@ -269,7 +269,7 @@ TEST_CASE("a rational clone refuses what it cannot do, and leaves the output alo
     weights = {10, 1, 1, 1, 1, 1};
     CHECK(status(little) == Status::ok);
     out = before;
-    weights[0] = 100; // 1.01 − 0.01 · 100 = 0.01: next to nothing to divide by
+    weights[0] = 100; // 1.01 − 0.01 · 100 = 0.01: the divisor nearly vanishes
     CHECK(status(little) == Status::weights_too_far_apart);
 
     const std::vector<Vec<double, 2>> two_legs{{0, 0},   {4, 0},   {4, 4},   {2.1, 4},

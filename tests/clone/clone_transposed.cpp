@@ -1,4 +1,4 @@
-// Transposed clones: the law of the adjoint for every format, differences of what clones compute, threads.
+// Transposed clones: the law of the adjoint for every format, finite differences of clones, threads.
 #include "../support/allocation_count.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
@@ -33,8 +33,7 @@ long double product_sum(const A& a, const B& b) {
     return sum;
 }
 
-/// Sizes of the terms that a clone adds up: those of the stored numbers and of the residuals, which may
-/// cancel. [point][handle]
+/// The sizes of the terms of a clone, [point][handle]: stored numbers and residuals, which may cancel.
 template <class T, std::size_t D>
 std::vector<std::vector<double>> sizes_of_terms(const PackedBindingView<T, D>& view) {
     constexpr std::size_t lanes = cageform::lane_count<T>;
@@ -54,8 +53,8 @@ std::vector<std::vector<double>> sizes_of_terms(const PackedBindingView<T, D>& v
     return sizes;
 }
 
-/// Calls check(packed view) for a binding in all formats, with all rows and with some of them, and
-/// in the order of the binding.
+/// Calls check(packed view) for a binding in all formats, with all rows and with some rows, and in the order
+/// of the binding.
 template <class T, std::size_t D>
 void for_packed(const cageform::Binding<T, D>& binding, std::size_t largest,
                 const std::function<void(const PackedBindingView<T, D>&)>& check) {
@@ -84,9 +83,9 @@ struct Adjoint {
         Random random(seed + 2);
         for (std::size_t i = 0; masked && i < view.points; ++i) mask.push_back(T(random.uniform(-1, 1)));
         options.mask = {mask.data(), mask.size()};
-        options.onto = CloneMode::output; // onto zeros: displacements, without the rounding of the points
+        options.mode = CloneMode::add; // added to zeros: displacements without the rounding of points
         REQUIRE(cageform::clone(view, pose, moved, options) == Status::ok);
-        options.onto = CloneMode::rest;
+        options.mode = CloneMode::replace;
         REQUIRE(cageform::clone_transposed(view, gradients, pulled, options) == Status::ok);
     }
 };
@@ -116,7 +115,8 @@ void check_adjoint(const PackedBindingView<T, D>& view, bool masked, std::uint64
 TEMPLATE_TEST_CASE("a transposed clone is the adjoint of the clone, whatever format, order and mask",
                    "[clone][transposed]", CAGEFORM_SCALARS) {
     using T = TestType;
-    // 32 kB hold the sums of 170 handles in space, 256 in the plane; blocks are read by threes, fours and sixes.
+    // 32 kB hold the sums of 170 handles in 3D, 256 in 2D. Blocks are processed in groups of three, four or
+    // six.
     const std::size_t handles = GENERATE(4u, 12u, 171u, 260u);
     const std::size_t points = GENERATE(1u, 15u, 16u, 100u, effort(333u, 47u));
     const auto check = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {
@@ -137,7 +137,7 @@ TEMPLATE_TEST_CASE("each gradient is the sum of the weights in effect, of many p
                    "[clone][transposed][oracle]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr std::size_t D = 3;
-    const std::size_t points = effort(7000u, 3300u), handles = 11; // sums are put into double twice or more
+    const std::size_t points = effort(7000u, 3300u), handles = 11; // sums move to double at least twice
     const auto binding = random_binding<T, D>(points, handles, 51);
     for_packed<T, D>(binding, 5, [&](const PackedBindingView<T, D>& view) {
         const Adjoint<T, D> adjoint(view, false, 52);
@@ -160,7 +160,7 @@ TEMPLATE_TEST_CASE("each gradient is the sum of the weights in effect, of many p
 }
 
 TEST_CASE("gradients agree with central differences of a function of the clone", "[clone][transposed]") {
-    // f is a sum of quartic and mixed terms, so that its gradient differs from point to point.
+    // f is a sum of quartic and mixed terms, so its gradient varies between points.
     using T = double;
     const auto check = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {
         const auto binding = random_binding<T, D>(41, 9, 61 + D);
@@ -232,10 +232,10 @@ TEMPLATE_TEST_CASE("gradients replace what the output holds or are added to it, 
     const auto gradients = random_points<T, 3>(37, 1, 82), before = random_points<T, 3>(20, 1, 83);
     std::vector<Vec<T, 3>> expected(20), added = before;
     REQUIRE(cageform::clone_transposed(binding, gradients, expected) == Status::ok);
-    REQUIRE(cageform::clone_transposed(binding, gradients, added, {.onto = CloneMode::output}) == Status::ok);
+    REQUIRE(cageform::clone_transposed(binding, gradients, added, {.mode = CloneMode::add}) == Status::ok);
     for (std::size_t h = 0; h < 20; ++h)
         CHECK(distance(added[h], before[h] + expected[h]) <= 4 * double(epsilon<T>));
-    // x x x … y y y … z z z … of the other scalar, read and written
+    // x x x … y y y … z z z … of the other scalar, read and written.
     using S = std::conditional_t<std::is_same_v<T, float>, double, float>;
     std::vector<S> numbers(3 * 37), result(3 * 25, S(7));
     for (std::size_t i = 0; i < 37; ++i) {
@@ -284,8 +284,7 @@ TEMPLATE_TEST_CASE("lanes without a point are not read, and a gradient that is n
 
 namespace {
 
-/// Checks gradients of a function of a pose in random directions against central differences. `value(pose)`
-/// computes it.
+/// Checks gradients of a function of a pose, `value(pose)`, in random directions against central differences.
 template <class T, std::size_t D, class Value>
 void check_directions(const std::vector<Vec<T, D>>& pose, const std::vector<Vec<T, D>>& gradients,
                       double tolerance, std::uint64_t seed, const Value& value) {
@@ -324,9 +323,9 @@ TEST_CASE("transposed clones of Jacobians add up those of their columns", "[clon
         REQUIRE(cageform::clone_jacobians_transposed(columns, gradients, pulled) == Status::ok);
         for (std::size_t k = 0; k < D; ++k)
             REQUIRE(cageform::clone_transposed(columns[k], gradients.column(k), sum,
-                                               {.onto = CloneMode::output}) == Status::ok);
+                                               {.mode = CloneMode::add}) == Status::ok);
         for (std::size_t h = 0; h < 10; ++h) CHECK(distance(sum[h], pulled[h]) <= 1e-14);
-        REQUIRE(cageform::clone_jacobians_transposed(columns, gradients, added, CloneMode::output) ==
+        REQUIRE(cageform::clone_jacobians_transposed(columns, gradients, added, CloneMode::add) ==
                 Status::ok);
         for (std::size_t h = 0; h < 10; ++h) CHECK(distance(added[h], pose[h] + pulled[h]) <= 1e-14);
         check_directions<double, D>(pose, pulled, 1e-8, 106, [&](const std::vector<Vec<double, D>>& h) {
@@ -345,7 +344,7 @@ TEST_CASE("transposed clones of Jacobians add up those of their columns", "[clon
 
 TEST_CASE("gradients of normals agree with central differences", "[clone][transposed][normals]") {
     const auto check = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {
-        const std::size_t points = 700, handles = 12; // three tiles of the tangents
+        const std::size_t points = 700, handles = 12; // three tiles of tangents
         std::array<cageform::Binding<double, D>, D - 1> dense;
         std::array<cageform::PackedBinding<double, D>, D - 1> packed;
         std::vector<std::uint32_t> order(points);
@@ -366,10 +365,10 @@ TEST_CASE("gradients of normals agree with central differences", "[clone][transp
             const auto each = [](std::size_t count, std::size_t, const auto& body) {
                 for (std::size_t i = 0; i < count; ++i) body(i, i + 1);
             };
-            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, threaded, CloneMode::rest,
-                                                       each) == Status::ok);
+            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, threaded,
+                                                       CloneMode::replace, each) == Status::ok);
             CHECK(threaded == pulled);
-            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, added, CloneMode::output) ==
+            REQUIRE(cageform::clone_normals_transposed(tangents, pose, gradients, added, CloneMode::add) ==
                     Status::ok);
             for (std::size_t h = 0; h < handles; ++h) CHECK(distance(added[h], pose[h] + pulled[h]) <= 1e-12);
             check_directions<double, D>(pose, pulled, 1e-6, 114, [&](const std::vector<Vec<double, D>>& h) {
@@ -387,7 +386,7 @@ TEST_CASE("gradients of normals agree with central differences", "[clone][transp
 
 TEST_CASE("tangents of very different sizes, and nearly parallel ones, have gradients of normals too",
           "[clone][transposed][normals]") {
-    // One handle of weight 1 and its tangent in each of D - 1 bindings, posed by itself: the pose is the
+    // One handle of weight 1 and its tangent in each of D − 1 bindings, posed separately. The pose is the
     // tangent, so the gradients are known.
     const auto tangent = [](const Vec<double, 3>& rest, std::size_t handle) {
         std::vector<cageform::Lanes<double>> weights(2), place(3);
@@ -401,12 +400,12 @@ TEST_CASE("tangents of very different sizes, and nearly parallel ones, have grad
     const std::array bound{tangent({1, 0, 0}, 0), tangent({0, 1, 0}, 1)};
     const std::vector<Vec<double, 3>> gradient{{0.3, -0.5, 0.7}};
     std::vector<Vec<double, 3>> pulled(2);
-    // t' = size (1, 0, 0) and b' = (0, 1, 0): n turns by g_z' as t' rises: dn = (-dz/size, …).
+    // t' = size (1, 0, 0) and b' = (0, 1, 0): a change dz of t' changes n by (−dz/size, …).
     for (const double size : {1.0, 1e-3, 1e-11, 1e12}) {
         const std::vector<Vec<double, 3>> pose{{size - 1, 0, 0}, {0, 0, 0}};
         REQUIRE(cageform::clone_normals_transposed(bound, pose, gradient, pulled) == Status::ok);
         CAPTURE(size);
-        const double moved = (size - 1) + 1; // as the clone rounds it
+        const double moved = (size - 1) + 1; // rounded as by the clone
         CHECK(std::fabs(pulled[0][2] * moved + 0.3) <= 1e-12);
         CHECK(std::fabs(pulled[1][2] - 0.5) <= 1e-12);
         for (const std::size_t h : {0u, 1u}) {
@@ -421,7 +420,7 @@ TEST_CASE("tangents of very different sizes, and nearly parallel ones, have grad
     // dn = (−b'_y dt_z, b'_x dt_z …) / tilt: for t'_z, c moves by (−tilt, 1, 0) dz.
     CHECK(std::fabs(pulled[0][2] - (-0.3 - 0.5 / tilt)) <= 1e-5);
     CHECK(std::fabs(pulled[1][2] - 0.5 / tilt) <= 1e-5);
-    // On one line, or none at all: the normal is that at rest, whatever moves.
+    // Parallel or zero tangents: the normal is that at rest and has no gradient.
     for (const Vec<double, 3>& second : {Vec<double, 3>{2, -1, 0}, Vec<double, 3>{0, -1, 0}}) {
         REQUIRE(cageform::clone_normals_transposed(bound, std::vector<Vec<double, 3>>{{0, 0, 0}, second},
                                                    gradient, pulled) == Status::ok);

@@ -1,4 +1,4 @@
-// Folds: determinants and singular values against their definitions, and steps against bisection.
+// Folds: determinants and singular values against their definitions, steps against bisection.
 #include "../support/allocation_count.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
@@ -42,7 +42,7 @@ Eigen::Matrix<double, int(D), int(D)> eigen(const Columns<D>& m) {
     return result;
 }
 
-/// A mesh whose cells fill a box, `n` cubes (squares) along each axis, shaken a little at rest.
+/// A mesh whose cells fill a box of `n` cubes (squares) per axis, slightly perturbed at rest.
 template <std::size_t D>
 struct Box {
     std::vector<Vec<double, D>> rest;
@@ -58,7 +58,7 @@ struct Box {
                 p[k] = (double(rest_of % side) + random.uniform(-0.1, 0.1)) / double(n);
             rest.push_back(p);
         }
-        // A cube falls into as many simplices as there are orders of the axes.
+        // A cube splits into one simplex per permutation of the axes.
         std::array<std::size_t, D> axes{}, step{};
         for (std::size_t k = 0; k < D; ++k) {
             axes[k] = k;
@@ -97,7 +97,7 @@ struct Box {
     }
 };
 
-/// The box bent about an axis, `turn` radians in all, and shaken.
+/// The box bent around an axis by `turn` radians in total, and perturbed.
 template <std::size_t D>
 std::vector<Vec<double, D>> bent(const std::vector<Vec<double, D>>& rest, double turn, double shake,
                                  std::uint64_t seed) {
@@ -156,7 +156,7 @@ TEMPLATE_TEST_CASE_SIG("singular values are those of Eigen, near singular matric
         const auto expected = eigen<D>(m).jacobiSvd().singularValues();
         CAPTURE(n, flat, scale);
         CHECK(std::fabs(values.largest - expected(0)) <= 1e-14 * expected(0));
-        // The matrix's rounding takes 1e-16 of the largest.
+        // Rounding of the matrix changes singular values by 1e-16 of the largest.
         CHECK(std::fabs(values.least - expected(D - 1)) <= 1e-14 * expected(0));
     }
     CHECK(cageform::detail::singular_values(Columns<D>{}).largest == 0);
@@ -185,7 +185,7 @@ TEMPLATE_TEST_CASE_SIG("the first fold along a line is the first root, known fro
         std::sort(roots.begin(), roots.end());
         bool apart = std::fabs(first - 1) > 1e-6;
         for (std::size_t k = 1; k < D; ++k) apart = apart && roots[k] - roots[k - 1] > 1e-3;
-        if (!apart) continue; // two roots that meet may be none
+        if (!apart) continue; // a double root may be missed
         CAPTURE(n, first);
         const double fold = cageform::detail::DeterminantAlong<D>(a, b, 1 / volume, 0).first_fold();
         if (first < 1) {
@@ -196,7 +196,7 @@ TEMPLATE_TEST_CASE_SIG("the first fold along a line is the first root, known fro
         }
     }
     CHECK(found > effort(3000, 300));
-    // Lower degrees: no change, and one axis alone.
+    // Lower degrees: no change, and a single axis.
     Columns<D> one{}, change{};
     for (std::size_t k = 0; k < D; ++k) one[k][k] = 1;
     CHECK(cageform::detail::DeterminantAlong<D>(one, change, 1, 0).first_fold() == 2);
@@ -220,7 +220,7 @@ TEMPLATE_TEST_CASE_SIG("cells that fold are those whose volume turns over", "[fo
     std::size_t at = 0;
     for (std::size_t c = 0; c < box.cells.size(); ++c) {
         const double ratio = box.volume_ratio(c, posed);
-        REQUIRE(std::fabs(ratio - threshold) > 1e-9); // or rounding would decide
+        REQUIRE(std::fabs(ratio - threshold) > 1e-9); // rounding must not decide
         if (ratio <= threshold) folded.push_back(c);
         if (ratio < least) {
             least = ratio;
@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE_SIG("cells that fold are those whose volume turns over", "[fo
     CHECK(std::fabs(report.least_determinant - least) <= 1e-10);
     CHECK(report.least_determinant_at == at);
     CHECK(report.skipped == 0);
-    // The ratios do not change with the size of both, nor if the cells are turned over at rest.
+    // Ratios depend neither on the size of rest and pose nor on the orientation of cells at rest.
     auto larger_rest = box.rest;
     auto larger_pose = posed;
     for (auto* points : {&larger_rest, &larger_pose}) {
@@ -249,7 +249,7 @@ TEMPLATE_TEST_CASE_SIG("cells that fold are those whose volume turns over", "[fo
         CHECK(again.largest_stretch_at == report.largest_stretch_at);
         CHECK(std::fabs(again.least_stretch - report.least_stretch) <= 1e-9);
     }
-    // At rest nothing has changed.
+    // The pose at rest has no folds.
     const FoldReport still = report_folds(box.rest, box.rest, box.cells);
     CHECK(still.count == 0);
     for (const double one : {still.least_determinant, still.largest_stretch, still.least_stretch})
@@ -285,7 +285,7 @@ TEMPLATE_TEST_CASE_SIG("the largest step of cells is that of bisection, and leav
             report_folds(box.rest, between(from, to, report.step * (1 + 1e-6)), box.cells, {threshold});
         CHECK(over.count > 0);
     }
-    // Back from where cells are folded: not a step.
+    // From a folded pose, the step is 0.
     const auto folded = report_folds(box.rest, to, box.cells, {threshold});
     if (folded.count == 0) return;
     const StepReport back = largest_step(box.rest, to, from, box.cells, {threshold});
@@ -360,14 +360,14 @@ TEMPLATE_TEST_CASE("folds at points, and the step to them, by bound Jacobians", 
     }
     CHECK(std::fabs(step.step - std::min(expected, 1.0)) <= (sizeof(T) == 4 ? 1e-3 : 1e-6));
     CHECK((step.culprit == StepReport::nowhere) == (step.step == 1));
-    // At the step nothing folds, as the library computes it.
+    // At the step nothing folds, as computed by the library.
     std::vector<Vec<double, 2>> there;
     for (std::size_t h = 0; h < dragged.rest.size(); ++h) {
         const auto a = cageform::vec_cast<double>(dragged.rest[h]);
         there.push_back(a + step.step * (cageform::vec_cast<double>(dragged.pose[h]) - a));
     }
     CHECK(report_folds(columns, there).count == 0);
-    // Packed, in an order of its own, which places do not depend on.
+    // Packed with reordered points: places do not depend on the order.
     std::array<cageform::PackedBinding<T, 2>, 2> packed;
     std::array<PackedBindingView<T, 2>, 2> views;
     std::vector<std::uint32_t> order(dragged.points.size());
@@ -387,7 +387,7 @@ TEST_CASE("three axes in space: cubics by bound Jacobians", "[folds][step]") {
         CAPTURE(seed);
         std::array<cageform::Binding<double, 3>, 3> columns;
         for (std::size_t k = 0; k < 3; ++k) {
-            // The k-th axis at rest, and weights at random.
+            // Axis k at rest, and random weights.
             auto [weights, rest] = random_binding<double, 3>(100, 8, 10 * seed + k).release();
             for (std::size_t row = 0; row < rest.size(); ++row) {
                 for (double& x : rest[row].v) x = row % 3 == k ? 1 : 0;
@@ -450,7 +450,7 @@ TEST_CASE("folds refuse what does not fit, skip what is not finite, and allocate
     const StepReport flat = largest_step(box.rest, box.rest, box.rest, cells);
     CHECK(flat.status == Status::degenerate_simplex);
     CHECK(flat.culprit == 5);
-    // A corner that is not finite: its cells are skipped.
+    // Cells with a corner that is not finite are skipped.
     auto posed = box.rest;
     posed[0][1] = nan;
     const FoldReport skipped = report_folds(box.rest, posed, box.cells);
@@ -458,7 +458,7 @@ TEST_CASE("folds refuse what does not fit, skip what is not finite, and allocate
     CHECK(skipped.skipped == 2);
     CHECK(skipped.count == 0);
     CHECK(largest_step(box.rest, box.rest, posed, box.cells).step == 1);
-    // More folds than are listed; none at all.
+    // More folds than listed, and no folds.
     const Box<3> many(3, 2);
     auto mirrored = many.rest;
     for (auto& p : mirrored) p[2] = -p[2];
@@ -472,7 +472,7 @@ TEST_CASE("folds refuse what does not fit, skip what is not finite, and allocate
     CHECK(all.count == many.cells.size());
     CHECK(all.folded[63] == 63);
     CHECK(std::fabs(all.least_determinant + 1) <= 1e-12);
-    CHECK(std::fabs(all.largest_stretch - 1) <= 1e-12); // a reflection stretches nothing
+    CHECK(std::fabs(all.largest_stretch - 1) <= 1e-12); // a reflection does not stretch
     CHECK(std::fabs(step.step - 0.5) <= 1e-8);
     CHECK(
         report_folds(many.rest, mirrored, std::vector<std::array<std::uint32_t, 4>>{}).least_determinant_at ==

@@ -1,5 +1,5 @@
-// Normals, tangents and Jacobians of clones: differences of the deformed surface, affine poses, what has no
-// normal.
+// Normals, tangents and Jacobians of clones: differences of the deformed surface, affine poses, degenerate
+// normals.
 #include "../catch.hpp"
 #include "../support/allocation_count.hpp"
 #include "../support/bindings.hpp"
@@ -33,7 +33,7 @@ using Mean2 = cageform::MeanValueCoordinates<T, 2>;
 template <class T>
 using Mean3 = cageform::MeanValueCoordinates<T, 3>;
 
-/// A smooth closed figure within the unit ball: a sphere with waves, seed by seed another.
+/// A random smooth closed figure within the unit ball: a sphere with waves.
 struct Waves {
     std::array<double, 4> size, phase;
 
@@ -51,7 +51,7 @@ struct Waves {
     }
 };
 
-/// A place of the figure with places a step along u and v to either side of it.
+/// A point of the figure, and points one step along u and v on either side.
 struct Patch {
     Vec<double, 3> middle;
     std::array<std::array<Vec<double, 3>, 2>, 2> beside; ///< [u, v][behind, ahead]
@@ -100,7 +100,7 @@ BoundTangents<T> random_tangents(const C& coordinates, const Points3<T>& points,
     result.tangents = bind_vectors(coordinates, points, cageform::tangents_of(result.normals)).value;
     return result;
 }
-/// Largest angle between the normals of clones and those of differences of clones.
+/// The largest angle between normals of clones and normals from differences of clones.
 template <class C>
 double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed) {
     using T = typename C::scalar;
@@ -126,7 +126,7 @@ double worst_angle(C& coordinates, double step, double reach, std::uint64_t seed
         for (std::size_t i = 0; i < places.size(); ++i) {
             const auto along = ends[4 * i + 1] - ends[4 * i], across = ends[4 * i + 3] - ends[4 * i + 2];
             const double degrees = angle_between(moved[i], cross(across, along));
-            worst = cageform_tests::larger(worst, degrees); // keeps a NaN
+            worst = cageform_tests::larger(worst, degrees); // keeps NaN
         }
     }
     return worst;
@@ -142,7 +142,7 @@ TEST_CASE("normals are those of the deformed surface, mean value", "[clone][norm
     for (auto& v : cage.vertices) v = random.uniform(1.0, 1.3) * v;
     Mean3<double> coordinates(cage.mesh<double>());
     CHECK(worst_angle(coordinates, 1e-4, 0.3, seed) <= 1e-4);
-    // Differences of float points are too inexact for a stricter bound.
+    // Differences of float points are too inaccurate for a stricter bound.
     Mean3<float> of_floats(cage.mesh<float>());
     CHECK(worst_angle(of_floats, 1e-2, 0.3, seed) <= 0.1);
 }
@@ -156,7 +156,7 @@ TEST_CASE("normals are those of the deformed surface, harmonic", "[clone][normal
     cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh<double>(), {.resolution = effort(96, 48)},
                                                          cageform::UniformGrid{});
     REQUIRE(coordinates.solve().status == Status::ok);
-    // Values are interpolated, so their differences mean something over a cell and more.
+    // Values are interpolated, so differences are meaningful over a cell and more.
     CHECK(worst_angle(coordinates, 0.05, 0.15, seed) <= effort(0.1, 0.4)); // of order h²
 }
 
@@ -174,7 +174,7 @@ TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][
         const auto& a = map.rows;
         const Vec<Vec<double, 3>, 3> cofactors{cross(a[1], a[2]), cross(a[2], a[0]), cross(a[0], a[1])};
         const double determinant = dot(a[0], cofactors[0]);
-        if (std::fabs(determinant) < 0.2) continue; // rounding grows by one over it
+        if (std::fabs(determinant) < 0.2) continue; // rounding grows like its reciprocal
         const auto pose = map(mesh.vertices());
         Points3<T> moved(bound.normals.size()), unit(moved.size());
         REQUIRE(clone_tangent_frames(bound.tangents, pose, moved, unit) == Status::ok);
@@ -242,7 +242,7 @@ TEST_CASE("normals in the plane are those of deformed curves", "[clone][normals]
         const auto along = moved[2 * i + 1] - moved[2 * i];
         CHECK(angle_between(found[i], Vec<double, 2>{-along[1], along[0]}) <= 0.01);
     }
-    REQUIRE(clone_normals(tangents, Points2<double>(cage.size()), found) == Status::ok); // all at one place
+    REQUIRE(clone_normals(tangents, Points2<double>(cage.size()), found) == Status::ok); // one position
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(distance(found[i], normals[i]) <= 1e-15);
 }
 
@@ -252,9 +252,9 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     const auto mesh = random_mesh(6).mesh<T>();
     const Mean3<T> coordinates(mesh);
     auto points = points_in(mesh, 40, 5);
-    points[7][1] = std::numeric_limits<T>::infinity(); // kept in place
+    points[7][1] = std::numeric_limits<T>::infinity(); // a point kept in place
     auto bound = random_tangents<T>(coordinates, points, 5);
-    bound.normals[3] = {}; // and none at rest either
+    bound.normals[3] = {}; // a point without a normal at rest
     const auto frames = cageform::tangents_of(bound.normals);
     const auto tangents = bind_vectors(coordinates, points, frames).value;
     Points3<T> normals(points.size()), unit(points.size());
@@ -266,14 +266,14 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
             CHECK(distance(unit[i], frames[0][i]) <= 8 * double(epsilon<T>));
         }
     };
-    check_rest(Points3<T>(mesh.size())); // the cage at one place
+    check_rest(Points3<T>(mesh.size())); // all handles coincide
     Points3<T> onto_line;
     for (const auto& v : mesh.vertices()) onto_line.push_back({v[0], 0, 0});
     check_rest(onto_line);
     Points3<T> pose;
     for (const auto& v : mesh.vertices()) pose.push_back(T(1e-30) * v);
     check_rest(pose);
-    // Very large is another thing.
+    // Very large tangents are not degenerate.
     pose.clear();
     for (const auto& v : mesh.vertices()) pose.push_back(T(1e25) * Vec<T, 3>{v[0], v[2], v[1]});
     REQUIRE(clone_normals(tangents, pose, normals) == Status::ok);
@@ -292,7 +292,7 @@ TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", CAG
     const auto columns = bind_jacobians(coordinates, points).value;
     const double size = double(bounds_of(mesh.vertices()).diagonal());
     const auto pose = shaken(mesh.vertices(), 0.2 * size, 8);
-    // Columns padded to four floats, matrices among other things.
+    // Columns padded to four floats, with other data between matrices.
     constexpr std::size_t stride = 14;
     std::vector<float> buffer(stride * points.size(), -7);
     REQUIRE(clone_jacobians(columns, pose,
@@ -340,7 +340,7 @@ TEST_CASE("normals and tangents keep what is beside them in a buffer, and their 
     const auto points = points_in(mesh, 37, 9);
     const auto bound = random_tangents<float>(Mean3<float>(mesh), points, 9);
     const auto pose = shaken(mesh.vertices(), 0.1 * double(bounds_of(mesh.vertices()).diagonal()), 9);
-    std::vector<std::array<float, 4>> tangents(37, {0, 0, 0, -1}); // as glTF has them
+    std::vector<std::array<float, 4>> tangents(37, {0, 0, 0, -1}); // as in glTF
     const cageform::StridedPoints<float, 3> xyz(tangents[0].data(), 37, sizeof(tangents[0]));
     Points3<float> normals(37), plain(37);
     REQUIRE(clone_tangent_frames(bound.tangents, pose, normals, xyz) == Status::ok);
@@ -428,7 +428,7 @@ TEST_CASE("bindings that do not belong together are refused, and outputs are lef
     CHECK(clone_jacobians(std::array{view, another_cage.view(), view}, pose, jacobians) ==
           Status::pose_size_differs);
     CHECK(matrices == std::vector<float>(9 * 70));
-    // Equal numbers elsewhere in memory are the same order.
+    // Equal orders in different memory match.
     auto second = view;
     second.order = order.data();
     CHECK(clone_normals(std::array{view, second}, pose, normals) == Status::ok);

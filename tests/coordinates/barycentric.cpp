@@ -17,18 +17,18 @@ using cageform::epsilon;
 
 namespace {
 
-/// Σ β_i c_i, in long double, rounded to the scalar.
+/// Σ β_i c_i in long double, rounded to the scalar.
 template <class T, std::size_t D>
 Vec<T, D> mix(const std::vector<Vec<T, D>>& corners, const std::vector<double>& shares) {
     return cageform::vec_cast<T>(combine(shares, corners));
 }
 
-/// The longest extent of a simplex over its least height: what rounding of places is multiplied by.
+/// The longest extent of a simplex divided by its least height: the amplification of rounding errors.
 template <class T, std::size_t D>
 double condition(const std::vector<Vec<T, D>>& corners) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t top = 0; top <= D; ++top) {
-        // Edges from another corner, by Gram and Schmidt, that to the top last: what is left of it is the
+        // Gram-Schmidt on the edges from another corner, the edge to the top last: its remainder is the
         // height.
         std::vector<Vec<long double, D>> edges;
         const auto at = [&](std::size_t i) {
@@ -85,7 +85,7 @@ TEMPLATE_TEST_CASE("barycentric coordinates are the shares a point was mixed by"
     std::vector<std::vector<double>> shares;
     for (int i = 0; i < 50; ++i) {
         shares.push_back(random_shares(D + 1, random));
-        if (i % 2 == 1) { // outside, signed: away from the corner opposite to a face
+        if (i % 2 == 1) { // outside: away from the corner opposite to a face
             const std::size_t away = random.below(D + 1);
             const double by = random.uniform(0.05, 5) + shares.back()[away];
             for (double& s : shares.back()) s += by / double(D);
@@ -97,7 +97,7 @@ TEMPLATE_TEST_CASE("barycentric coordinates are the shares a point was mixed by"
     REQUIRE(weights.status() == Status::ok);
     const double rounding = double(epsilon<T>) * condition(corners);
     CAPTURE(condition(corners));
-    REQUIRE(condition(corners) < 500); // the simplices are meant to be harmless
+    REQUIRE(condition(corners) < 500); // checks that the simplices are well-conditioned
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i, text(weights.rows[i]), text(shares[i]));
         CHECK(weights.states[i] == (i % 2 == 0 ? PointState::inside : PointState::outside));
@@ -153,7 +153,7 @@ TEMPLATE_TEST_CASE("cages that are no simplex, degenerate or not finite each hav
         const BarycentricCoordinates<T, D> coordinates(corners);
         const auto weights = evaluate_all(coordinates, std::vector<Vec<T, D>>(3));
         CHECK(weights.status() == coordinates.cage_report().status);
-        CHECK(weights.states == std::vector<PointState>(3, PointState::unreached)); // untouched
+        CHECK(weights.states == std::vector<PointState>(3, PointState::unreached)); // unchanged
         return weights.status();
     };
     CHECK(BarycentricCoordinates<T, D>(good).cage_report().status == Status::ok);
@@ -175,7 +175,7 @@ TEMPLATE_TEST_CASE("cages that are no simplex, degenerate or not finite each hav
         CHECK(coordinates.cage_report().faults[0].a == i);
     }
 
-    // A corner on the face that the others span, up to rounding.
+    // A corner on the opposite face, up to rounding.
     corners = good;
     const std::size_t flat = random.below(D + 1);
     auto shares = random_shares(D + 1, random);
@@ -184,7 +184,7 @@ TEMPLATE_TEST_CASE("cages that are no simplex, degenerate or not finite each hav
     shares[flat] = 0;
     corners[flat] = mix(good, shares);
     CHECK(status_of(corners) == Status::degenerate_simplex);
-    // And one a thousand times farther from it than what counts as rounding.
+    // A corner a thousand times farther from the face than the tolerance.
     const double height = 8000 * double(epsilon<T>) * condition(good);
     for (double& s : shares) s *= 1 - height;
     shares[flat] = height;
@@ -221,7 +221,7 @@ TEMPLATE_TEST_CASE("the nearest boundary point of a simplex is the nearest",
     }
     for (int n = 0; n < 20; ++n) {
         auto shares = random_shares(D + 1, random);
-        if (n % 4 != 0) { // outside, before faces, edges and vertices
+        if (n % 4 != 0) { // outside, next to faces, edges and vertices
             double sum = 0;
             for (double& s : shares) sum += s += random.uniform(-1, 1);
             for (double& s : shares) s += (1 - sum) / double(D + 1);
@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE("the nearest boundary point of a simplex is the nearest",
         for (const auto& sample : samples) nearest = std::min(nearest, distance(p, sample));
         CAPTURE(n, text(shares), text(row), nearest);
         CHECK(distance(p, q) <= nearest + rounding);
-        CHECK(distance(p, q) >= nearest - 1.5 * size / steps); // some sample is as near as that
+        CHECK(distance(p, q) >= nearest - 1.5 * size / steps); // some sample is that near
         CHECK(distance(combine(row, corners), q) <= rounding);
         CHECK(std::fabs(double(sum_of(row) - 1)) <= 4 * double(epsilon<T>));
         CHECK(*std::min_element(row.begin(), row.end()) >= -4 * epsilon<T>);

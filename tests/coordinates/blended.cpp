@@ -1,4 +1,4 @@
-// Several cages over one figure.
+// Coordinates of several cages over one figure.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
@@ -26,7 +26,7 @@ Points2<T> rectangle(double left, double bottom, double right, double top) {
     return {{T(left), T(bottom)}, {T(right), T(bottom)}, {T(right), T(top)}, {T(left), T(top)}};
 }
 
-/// Two that overlap for x in [1, 2] and y in [0, 1].
+/// Two cages that overlap for x in [1, 2] and y in [0, 1].
 template <class C>
 BlendedCoordinates<C> pair_of_cages() {
     using T = typename C::scalar;
@@ -49,7 +49,7 @@ TEMPLATE_TEST_CASE("depth is smooth, positive inside, and goes like the distance
         const auto p = random_inside(rings, random);
         const double distance = double(nearest_on_boundary(rings, p).distance);
         CHECK(depth(p) > 0);
-        CHECK(depth(p) <= 2 * distance); // what is missing to one half of it sees nothing
+        CHECK(depth(p) <= 2 * distance); // with equality if half of the directions are blocked
     }
     for (std::size_t edge = 0; edge < rings.size();
          ++edge) { // next to the middle of an edge: half the distance
@@ -71,13 +71,13 @@ TEMPLATE_TEST_CASE("depth is smooth, positive inside, and goes like the distance
 TEST_CASE("the depth of meshes and boxes", "[cage][depth]") {
     const auto ball = sphere(3).mesh<double>();
     const Depth<cageform::TriangleMesh<double>> depth(ball);
-    CHECK(std::fabs(depth(Vec<double, 3>{0, 0, 0}) * 4 * std::numbers::pi - 1) <= 0.02); // 1/ρ = 1 all about
-    // On a ray to the boundary: 1/∫ falls to zero in proportion to the distance, 1/π of it.
+    CHECK(std::fabs(depth(Vec<double, 3>{0, 0, 0}) * 4 * std::numbers::pi - 1) <= 0.02); // 1/ρ = 1
+    // On a ray to the boundary: 1/∫ tends to zero like 1/π of the distance.
     const double near = depth(Vec<double, 3>{0.95, 0.02, 0.01}),
                  nearer = depth(Vec<double, 3>{0.975, 0.02, 0.01});
     CHECK(near > nearer);
     CHECK(nearer > 0);
-    // A cube with a dent, on the line of an edge beyond its end, where the edge is seen as a point.
+    // A cube with a dent, at points on the line of an edge, from which the edge is seen as a point.
     const Points3<double> corners{{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1},
                                   {1, -1, 1},   {1, 1, 1},   {-1, 1, 1}, {0, 0, 0}};
     const Faces faces{{0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7},
@@ -156,7 +156,7 @@ TEST_CASE("a figure in two cages is exact at rest and under common affine moves"
     const auto map = random_affine<3>(random, 2);
     REQUIRE(cageform::clone(binding, map(coordinates.handles()), out) == Status::ok);
     for (std::size_t i = 0; i < figure.size(); ++i) CHECK(distance(out[i], map(figure[i])) <= 1e-12);
-    // Moving the head's cage leaves what is outside it where it was.
+    // Moving the head's cage does not move points outside it.
     Points3<double> pose(coordinates.handles().begin(), coordinates.handles().end());
     for (std::size_t h = coordinates.first_handle(1); h < pose.size(); ++h) pose[h][2] += 1;
     REQUIRE(cageform::clone(binding, pose, out) == Status::ok);
@@ -214,7 +214,7 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
 
 TEST_CASE("corners of several cages are told by the handles of all", "[coordinates][blended]") {
     using Harmonic = cageform_tests::UniformHarmonic<double, 2>;
-    const cageform::HarmonicOptions coarse{.resolution = 8}; // no corner has ten cells of room
+    const cageform::HarmonicOptions coarse{.resolution = 8}; // no corner has ten free cells
     const BlendedCoordinates<Harmonic> coordinates(
         {Harmonic(rectangle<double>(0, 0, 2, 1), coarse), Harmonic(rectangle<double>(1, -1, 3, 2), coarse)});
     const auto weights = evaluate_all(coordinates, Points2<double>{{1.5, 0.5}});
@@ -231,7 +231,7 @@ TEST_CASE("the share of a cage falls to zero towards its boundary, however near"
     const BlendedCoordinates<Mean> coordinates({Mean(outer.mesh<double>()), Mean(inner.mesh<double>())});
     double before = 1;
     for (const double h :
-         {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) { // inwards from a face of the inner one
+         {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) { // distances inwards from a face of the inner cage
         const double c = 0.5 / 3 - h;
         const auto weights = evaluate_all(coordinates, Points3<double>{{c, c, c}});
         double share = 0;

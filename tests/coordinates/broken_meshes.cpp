@@ -1,4 +1,4 @@
-// Meshes with random faults: a status that names the fault, or a bind that keeps the laws.
+// Meshes with random faults: check names the fault, or bind keeps the laws.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
@@ -15,7 +15,7 @@ using cageform::TriangleMesh;
 
 namespace {
 
-/// One to three faults, or what may be one.
+/// Adds one to three faults, or valid changes that look like faults.
 void damage(MeshData& data, Random& random) {
     for (std::size_t n = 0; n <= random.below(3) && !data.faces.empty(); ++n) {
         const std::size_t f = random.below(data.faces.size()), g = random.below(data.faces.size());
@@ -49,8 +49,8 @@ void check_bind(const C& coordinates, const Points3<double>& points, bool exact)
     const double size = double(bounds.diagonal()) + double(bounds.magnitude());
     CHECK(report.partition_error.value <= 1e-11);
     CHECK(report.reproduction_error.value <= 1e-11 * size);
-    // Before restoring, weights of closed forms are exact, and those of solvers miss their tolerance at
-    // most.
+    // Before linear precision is restored, weights of closed forms are exact, and those of solvers are within
+    // the tolerance.
     CHECK(report.residual_restored.value <=
           (exact ? 1e-7 : 1e-5 * double(coordinates.handles().size())) * size);
     if (!exact) CHECK(report.least_weight.value >= -1e-4);

@@ -1,4 +1,4 @@
-// The concept, its conveniences, and the laws that coordinate types have in common.
+// The concept of coordinate types, its helpers, and the laws that all types share.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -36,7 +36,7 @@ inline constexpr bool is_harmonic = false;
 template <class T>
 inline constexpr bool is_harmonic<Harmonic<T>> = true;
 
-/// A cage the type can serve: a triangle for barycentric coordinates, else a star.
+/// A cage that the type supports: a triangle for barycentric coordinates, else a star.
 template <class C>
 Points2<typename C::scalar> random_cage(std::uint64_t seed) {
     using T = typename C::scalar;
@@ -47,7 +47,7 @@ Points2<typename C::scalar> random_cage(std::uint64_t seed) {
     }
 }
 
-/// The type on a cage; harmonic coordinates on a small grid, well converged in double.
+/// Coordinates of a cage. Harmonic coordinates use a small grid and converge to double accuracy.
 template <class C>
 C make(const Polygon<typename C::scalar>& cage) {
     if constexpr (is_harmonic<C>) {
@@ -58,7 +58,7 @@ C make(const Polygon<typename C::scalar>& cage) {
     }
 }
 
-/// The least that an implementation must have; spoilt below, one thing at a time.
+/// A minimal model of the concept. Each variant below lacks one part.
 struct Minimal {
     using scalar = float;
     static constexpr std::size_t dimension = 3;
@@ -148,8 +148,8 @@ TEMPLATE_TEST_CASE("weights are the unit row on a vertex", "[coordinates][proper
         unit[i] = T(1);
         CHECK(weights.states[i] == PointState::on_boundary);
         if constexpr (is_barycentric<TestType>) {
-            // An affine function evaluated: roundings of vertices up to 3 diagonals from the origin, over
-            // heights of a third of it.
+            // Errors of an affine function: rounding of vertices up to 3 diagonals from the origin, divided
+            // by heights of a third of a diagonal.
             CHECK(difference(weights.rows[i], unit) <= 32 * double(epsilon<T>));
         } else {
             CHECK(weights.rows[i] == unit);
@@ -182,8 +182,7 @@ TEMPLATE_TEST_CASE("weights on an edge are linear along it and zero elsewhere", 
         expected[j] = along[n];
         CAPTURE(i, j, along[n], text(weights.rows[n]));
         CHECK(weights.states[n] == PointState::on_boundary);
-        // The place itself is rounded by half an epsilon of its coordinates, seen from an edge of this
-        // length.
+        // The position itself is rounded by half an epsilon, relative to the length of this edge.
         const double length = distance(cage[i], cage[j]);
         CHECK(difference(weights.rows[n], expected) <=
               8 * double(epsilon<T>) * size_of(cage.vertices()) / length);
@@ -251,8 +250,8 @@ TEMPLATE_TEST_CASE("weights go with a cage that is moved, turned, scaled or mirr
     REQUIRE(before.status() == Status::ok);
     REQUIRE(after.status() == Status::ok);
     CHECK(before.states == after.states);
-    // Both places are rounded by epsilon · size, and a weight changes by at most a small multiple of 1 /
-    // clearance per diagonal.
+    // Positions are rounded by epsilon · size. A weight changes by at most a small multiple of 1 / clearance
+    // per diagonal.
     const double rounding =
         double(epsilon<T>) * (size_of(vertices) / diagonal + size_of(moved_vertices) / (scale * diagonal));
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -291,12 +290,12 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
             for (const std::size_t i : order) expected.push_back(before.rows[n][i]);
             CAPTURE(back, n, text(expected), text(after.rows[n]));
             if constexpr (is_harmonic<TestType>) {
-                // Values of the boundary data differ in their last bits, and with them the last cycle,
-                // which may end with an error of 1e-12 or somewhat more.
+                // Boundary values differ in their last bits, which can change the number of cycles and leave
+                // an error of about 1e-12.
                 CHECK(difference(expected, after.rows[n]) <= 1e-8);
             } else {
-                // No place is rounded anew; what remains is the order of sums and products. Outside points
-                // see the cage from at most 15 diagonals.
+                // Positions are not rounded again. Only the order of sums and products differs. Outside
+                // points are within 15 diagonals.
                 CHECK(difference(expected, after.rows[n]) <=
                       128 * double(epsilon<T>) * absolute_sum(expected));
             }
@@ -306,8 +305,8 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
 
 TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right angle",
           "[coordinates][harmonic][invariance]") {
-    // The grid turns with the cage; other angles give another staircase. In float the cage's extreme
-    // vertices, which lie on lines of the grid, may fall into other cells.
+    // Right angles preserve the grid; other angles do not. In float, the cage's extreme vertices lie on grid
+    // lines and may fall into other cells.
     const auto seed = GENERATE(seeds(effort(10, 2)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 500);
@@ -325,7 +324,7 @@ TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right
         CHECK(before.states == after.states);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i, text(before.rows[i]), text(after.rows[i]));
-            CHECK(difference(before.rows[i], after.rows[i]) <= 1e-8); // of the solver, in another order here
+            CHECK(difference(before.rows[i], after.rows[i]) <= 1e-8); // solver error
         }
     }
 }
@@ -397,7 +396,7 @@ TEMPLATE_TEST_CASE("a faulty cage is refused with its own status", "[coordinates
     const auto status_of = [](const Points2<T>& vertices, std::vector<std::size_t> loops = {}) {
         const TestType coordinates(Polygon<T>(vertices, loops));
         const auto weights = evaluate_all(coordinates, Points2<T>{{T(0.5), T(0.25)}});
-        CHECK(weights.states[0] == PointState::unreached); // untouched
+        CHECK(weights.states[0] == PointState::unreached); // unchanged
         CHECK(weights.status() == coordinates.cage_report().status);
         return weights.status();
     };

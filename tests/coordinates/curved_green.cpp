@@ -1,4 +1,4 @@
-// Green coordinates of curved cages: reference values, the laws of Cauchy's integral, faults by name.
+// Green coordinates of curved cages: reference values, the laws of Cauchy's integral, named faults.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/green.hpp"
@@ -53,7 +53,7 @@ CurvedGreenCoordinates<T> coordinates_of(const Json& json, CurvedGreenOptions<T>
     return CurvedGreenCoordinates<T>(CurvedPolygon<T>(std::move(loops)), options);
 }
 
-/// The largest of errors, and the seed that it came with. A NaN counts as the largest.
+/// The largest error and its seed. NaN counts as the largest error.
 struct Worst {
     static constexpr std::uint64_t none = ~std::uint64_t{0};
     double value = 0;
@@ -64,7 +64,7 @@ struct Worst {
         value = error;
         seed = of;
     }
-    /// Returns the seed if the error exceeds a limit, and prints it.
+    /// Returns and prints the seed if the error exceeds a limit.
     std::uint64_t seed_above(double limit) const {
         if (value <= limit) return none;
         WARN("error " << value << " with seed " << seed);
@@ -75,8 +75,8 @@ struct Worst {
 template <class T>
 using Loops = std::vector<typename CurvedPolygon<T>::Loop>;
 
-/// Star-shaped loops of lines, quadratics and cubics in each other, of either direction. Some tangents vanish,
-/// and some lines are stored as cubics. Moved, turned and scaled (10^-3 … 10^3). A cubic may cross itself.
+/// Nested star-shaped loops of lines, quadratics and cubics, of either direction. Some tangents vanish, and
+/// some lines are stored as cubics. Moved, turned and scaled (10^-3 … 10^3). A cubic may intersect itself.
 template <class T>
 Loops<T> random_curves(std::uint64_t seed, double tangents_vanish = 0.2) {
     Random random(seed);
@@ -137,7 +137,7 @@ Vec<T, 2> on_curve(const std::vector<Vec<T, 2>>& edge, double t) {
     }
     return vec_cast<T>(c[0]);
 }
-/// Points on shells about edges, ends and roots of e', and anywhere about the cage.
+/// Points at several distances from edges, ends and roots of e', and random points around the cage.
 template <class T>
 std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, std::uint64_t seed) {
     Random random(seed + 99);
@@ -173,7 +173,7 @@ std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, st
     return points;
 }
 
-/// The largest difference of weights, where those of the legs of a loop may all differ by one number.
+/// The largest difference of weights. Weights of a loop's legs may differ by a common constant.
 template <class T>
 double difference_of_rows(const CurvedGreenCoordinates<T>& green, const std::vector<T>& row,
                           const Json& points, const Json& legs) {
@@ -184,7 +184,7 @@ double difference_of_rows(const CurvedGreenCoordinates<T>& green, const std::vec
     std::size_t first = 0;
     for (const auto& loop : green.cage().loops()) {
         std::size_t last = first;
-        for (std::size_t e = 0; e < loop.size(); ++e) last += 3; // all files have posed edges of degree 3
+        for (std::size_t e = 0; e < loop.size(); ++e) last += 3; // posed edges of all files have degree 3
         double mean = 0;
         for (std::size_t i = first; i < last; ++i)
             mean += (double(row[count + i]) - number(legs[i])) / double(last - first);
@@ -223,7 +223,7 @@ void compare_with_reference(const std::string& name) {
     for (std::size_t n = 0; n < points.size(); ++n) {
         const auto& row = json["rows"][n];
         const std::string state = row["state"];
-        // In float the points next to the boundary are on it, or beyond.
+        // In float, points next to the boundary are on it or beyond it.
         if (std::is_same_v<T, float> && n >= 4 && n < 8) continue;
         CAPTURE(name, n, points[n][0], points[n][1], state);
         CHECK(to_string(found.states[n]) == state);
@@ -317,7 +317,7 @@ TEMPLATE_TEST_CASE("Weights of curved cages have row sums next to edges, ends an
             long double sum = -1;
             for (std::size_t i = 0; i < green.handles().size() / 2; ++i)
                 sum += static_cast<long double>(found.rows[n][i]);
-            // Beside an end without tangent the continuation has large weights.
+            // Beside an end without a tangent, the continuation has large weights.
             const double weights = std::max(1.0, absolute_sum(found.rows[n]));
             worst_sum.add(double(std::fabs(sum)) / weights, seed);
             worst_place.add(distance(combine(found.rows[n], green.handles()), points[n]) / size / weights,
@@ -325,7 +325,7 @@ TEMPLATE_TEST_CASE("Weights of curved cages have row sums next to edges, ends an
         }
     }
     const double tolerance =
-        std::is_same_v<T, float> ? 1e-6 : 1e-14; // in float a vertex reaches 1e-6 of the size
+        std::is_same_v<T, float> ? 1e-6 : 1e-14; // in float the tolerance at a vertex is 1e-6 of the size
     CHECK(worst_sum.seed_above(tolerance) == Worst::none);
     CHECK(worst_place.seed_above(tolerance) == Worst::none);
     CHECK(cages == effort(3000u, 100u));
@@ -334,7 +334,7 @@ TEMPLATE_TEST_CASE("Weights of curved cages have row sums next to edges, ends an
 
 namespace {
 
-/// Control points moved by up to a fifth of the cage, an affine map of them added.
+/// Control points moved by up to a fifth of the cage, plus an affine map.
 template <class T>
 std::vector<Vec<double, 2>> random_pose(const CurvedGreenCoordinates<T>& green, std::uint64_t seed) {
     Random random(seed + 7);
@@ -346,7 +346,7 @@ std::vector<Vec<double, 2>> random_pose(const CurvedGreenCoordinates<T>& green, 
                        Vec<double, 2>{random.uniform(-0.2, 0.2) * size, random.uniform(-0.2, 0.2) * size});
     return pose;
 }
-/// The handles of a pose of the control points.
+/// All handles for a pose of the control points.
 template <class T>
 std::vector<Vec<double, 2>> with_legs(const CurvedGreenCoordinates<T>& green,
                                       std::vector<Vec<double, 2>> pose) {
@@ -354,7 +354,7 @@ std::vector<Vec<double, 2>> with_legs(const CurvedGreenCoordinates<T>& green,
         pose.push_back(cageform::detail::edge_handle(pose[from], pose[to]));
     return pose;
 }
-/// Where points go, without a binding.
+/// Moves points without a binding.
 template <class T>
 std::vector<Vec<double, 2>> moved(const CurvedGreenCoordinates<T>& green,
                                   const std::vector<Vec<T, 2>>& points,
@@ -365,7 +365,7 @@ std::vector<Vec<double, 2>> moved(const CurvedGreenCoordinates<T>& green,
         result.push_back(vec_cast<double>(combine(row, handles)));
     return result;
 }
-/// The largest distance of two lists, relative to the cage and to `weights` where larger than 1.
+/// The largest distance between two lists, relative to the cage, and to `weights` if larger than 1.
 template <class T>
 double apart(const CurvedGreenCoordinates<T>& green, const std::vector<Vec<double, 2>>& a,
              const std::vector<Vec<double, 2>>& b, const Weights<T>& weights) {
@@ -376,14 +376,14 @@ double apart(const CurvedGreenCoordinates<T>& green, const std::vector<Vec<doubl
     return worst;
 }
 
-/// The control points of all edges around the loops, each of its posed degree, ends once.
+/// The control points of all edges around the loops, elevated to the posed degrees, shared ends once.
 template <class T>
 std::vector<Vec<double, 2>> joined(const std::vector<std::vector<Vec<double, 2>>>& edges) {
     std::vector<Vec<double, 2>> all;
     for (const auto& edge : edges) all.insert(all.end(), edge.begin(), edge.end() - 1);
     return all;
 }
-/// The edges' control points in a pose of all, by the loops' numbers of edges and their degrees.
+/// The control points of each edge in a pose, for given edge counts of loops and degrees.
 std::vector<std::vector<Vec<double, 2>>> edges_of(const std::vector<Vec<double, 2>>& pose,
                                                   const std::vector<std::size_t>& loop_sizes,
                                                   const std::vector<std::size_t>& degrees) {
@@ -401,7 +401,7 @@ std::vector<std::vector<Vec<double, 2>>> edges_of(const std::vector<Vec<double, 
     return edges;
 }
 
-/// One degree higher.
+/// Elevates the degree by one.
 std::vector<Vec<double, 2>> raised(const std::vector<Vec<double, 2>>& c) {
     std::vector<Vec<double, 2>> r{c[0]};
     const auto n = double(c.size());
@@ -410,7 +410,7 @@ std::vector<Vec<double, 2>> raised(const std::vector<Vec<double, 2>>& c) {
     r.push_back(c.back());
     return r;
 }
-/// The curve on [0, t] and on [t, 1].
+/// The parts of the curve on [0, t] and on [t, 1].
 template <class T>
 std::array<std::vector<Vec<T, 2>>, 2> split(std::vector<Vec<T, 2>> c, T t) {
     std::vector<Vec<T, 2>> low, high;
@@ -418,13 +418,13 @@ std::array<std::vector<Vec<T, 2>>, 2> split(std::vector<Vec<T, 2>> c, T t) {
         low.push_back(c.front());
         high.insert(high.begin(), c.back());
         for (std::size_t i = 0; i + 1 < c.size(); ++i)
-            c[i] = c[i] + t * (c[i + 1] - c[i]); // keeps points that coincide
+            c[i] = c[i] + t * (c[i + 1] - c[i]); // keeps coincident points
         c.pop_back();
     }
     return {low, high};
 }
 
-/// Whether two edges are equally near: outside and on the boundary, rounding decides which of them counts.
+/// Whether two edges are equally near. Rounding then decides which edge is used, outside and on the boundary.
 bool is_on_seam(const Loops<double>& loops, const Vec<double, 2>& p) {
     double nearest = 1e300, second = 1e300;
     for (const auto& loop : loops) {
@@ -439,11 +439,11 @@ bool is_on_seam(const Loops<double>& loops, const Vec<double, 2>& p) {
     return second - nearest <= 1e-9 * (second + std::fabs(p[0]) + std::fabs(p[1]));
 }
 
-/// A cage with the degrees of its edges in poses.
+/// A cage with the posed degrees of its edges.
 struct PosedCage {
     Loops<double> loops;
     CurvedGreenOptions<double> options;
-    std::vector<std::size_t> sizes; ///< edges of each loop
+    std::vector<std::size_t> sizes; ///< number of edges per loop
 
     explicit PosedCage(std::uint64_t seed, double tangents_vanish = 0.2)
         : loops(random_curves<double>(seed, tangents_vanish)) {
@@ -474,7 +474,7 @@ TEST_CASE("Raising the posed degree, splitting edges and reversing loops of curv
             if (weights_at(green, p, row) == PointState::inside || !is_on_seam(cage.loops, p))
                 points.push_back(p);
         }
-        for (const auto& edge : cage.loops[0]) points.push_back(edge[0]); // vertices have limits of their own
+        for (const auto& edge : cage.loops[0]) points.push_back(edge[0]); // vertices have their own limits
         const auto pose = random_pose(green, seed);
         const auto at = moved(green, points, pose);
         const auto weights = evaluate_all(green, points);
@@ -510,8 +510,8 @@ TEST_CASE("Raising the posed degree, splitting edges and reversing loops of curv
             }
             const auto finer = halves.green();
             REQUIRE(finer.cage_report().status == Status::ok);
-            // On the boundary, and where the nearest place is a new end, nothing changes either; points that
-            // are within the tolerance for one and not for the other are left out.
+            // Nothing changes on the boundary either, nor where the nearest point is a new end. Points within
+            // the tolerance of only one of the cages are left out.
             auto same = moved(finer, points, joined<double>(edges));
             const auto states = evaluate_all(finer, points).states;
             for (std::size_t n = 0; n < points.size(); ++n) {
@@ -611,7 +611,7 @@ TEST_CASE("Gradients of curved cages: sums, the Cauchy-Riemann equations in ever
                 cauchy_riemann.add(
                     double(std::fabs(j[0][0] - j[1][1]) + std::fabs(j[0][1] + j[1][0])) / largest, seed);
             }
-            // Differences need room to the cage and to seams.
+            // Differences need free space around the point, without cage or seams.
             double room = 1e300;
             for (const auto& loop : cage.loops) {
                 for (const auto& edge : loop) {
@@ -729,7 +729,7 @@ TEST_CASE(
     }
     const auto found = moved(disk, points, pose);
     for (std::size_t n = 0; n < points.size(); ++n) CHECK(distance(found[n], expected[n]) <= 1e-3);
-    for (const auto& p : circle) { // on vertices, and beyond the disk
+    for (const auto& p : circle) { // on vertices, and outside the disk
         std::vector<double> row(disk.handles().size());
         CHECK(weights_at(disk, p, row) == PointState::on_boundary);
         CHECK(std::fabs(double(sum_of(std::span(row).first(256))) - 1) <= 1e-13);
@@ -761,7 +761,7 @@ TEST_CASE("Gradients on vertices of curved cages are those of a place next to th
     for (std::size_t i = 0; i < 7; ++i)
         inside.push_back(cage[i] +
                          1e-6 * box.diagonal() * middle(cage[(i + 6) % 7], cage[i], cage[(i + 1) % 7]));
-    for (const double share : {0.0, 1.0, 1.5}) { // of the circle through all vertices; 0: no disk
+    for (const double share : {0.0, 1.0, 1.5}) { // relative to the circle through all vertices; 0: no disk
         CAPTURE(share);
         CurvedGreenOptions<double> options;
         if (share > 0) options.disk = CurvedGreenDisk<double>{centre, share * radius};
@@ -919,7 +919,7 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
            Kind::duplicate_vertices, 1, 1);
     expect(report({{{{0, 0}, {2, 1}}, {{2, 1}, {4, 2}, {0, 0}}}}), Status::cage_has_no_area, Kind::no_area, 0,
            0);
-    // A curve there and back, a loop, a line that turns back, two edges that cross, a vertex passed twice.
+    // A curve there and back, a loop, a line that reverses, two crossing edges, a vertex visited twice.
     expect(report({{leaf[0], {{2, 0}, {1, -1}, {0, 0}}}}), Status::cage_self_crossing, Kind::edges_cross, 0,
            1);
     expect(report({{{{0, 0}, {4, 3}, {-2, 3}, {2, 0}}, {{2, 0}, {0, 0}}}}), Status::cage_self_crossing,
@@ -935,7 +935,7 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
                     {{-2, 0}, {0, -2}},
                     {{0, -2}, {0, 0}}}}),
            Status::cage_self_crossing, Kind::edges_cross, 0, 3);
-    // Curves that touch in one place, between their ends; and curves that stay 1e-9 apart.
+    // Curves that touch between their ends, and curves at a distance of 1e-9.
     const auto lens = [](double gap) {
         return Cage::Loop{{{-1, 2 + gap}, {0, gap}, {1, 2 + gap}}, {{1, 2 + gap}, {0, 4}, {-1, 2 + gap}}};
     };
@@ -947,7 +947,8 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
     expect(cusp, Status::ok, Kind::edge_has_cusp, 0, 500);
     CHECK(cusp.faults.size() == 2);
     CHECK(cusp.faults[1].kind == Kind::loop_orientation_reversed);
-    // Before the cusp, outside, weights are huge or there are none; divided there, the cage has small ones.
+    // Outside, in front of the cusp, weights are huge or undefined. If the edge is split at the cusp, weights
+    // are small.
     const detail::PlaneCurve whole{3, {{{0, 0}, {2, 2}, {0, 2}, {2, 0}}}};
     const auto [low, high] = whole.halves();
     const auto edge_of = [](const detail::PlaneCurve& curve) {
@@ -968,7 +969,7 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
         CHECK(largest_divided < 10);
         CHECK(distance(combine(row, divided.handles()), p) <= 1e-13);
     }
-    // A teardrop is one edge.
+    // A teardrop of one edge.
     CHECK(report({{{{0, 0}, {3, -1}, {3, 2}, {0, 0}}}}).status == Status::ok);
 
     CurvedGreenOptions<double> options;
@@ -1006,7 +1007,7 @@ TEST_CASE("Legs without length at rest do not count as collapsed", "[coordinates
     report = pose_handles(bound.value, pose, handles);
     CHECK(report.collapsed_faces == 1);
     CHECK(report.first_collapsed == 6 + 3);
-    pose[1] = {0.5, 0.5}; // a tangent that appears
+    pose[1] = {0.5, 0.5}; // the tangent is not zero any more
     report = pose_handles(bound.value, pose, handles);
     CHECK(report.status == Status::ok);
     CHECK(handles[6] == cageform::detail::edge_handle(pose[0], pose[1]));

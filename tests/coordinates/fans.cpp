@@ -1,4 +1,4 @@
-// Cages whose faces are not planar: fans, by mean value, harmonic and Green coordinates.
+// Cages with faces that are not planar: fans, for mean value, harmonic and Green coordinates.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/gradients.hpp"
@@ -67,8 +67,8 @@ PolyhedronData cage_of(const nlohmann::json& json) {
     return {places(json["cage"]["vertices"]), json["cage"]["faces"].get<Loops>()};
 }
 
-/// A prism over a polygon of 3 to 8 corners (of `corners`, where that is not 0) that its mean sees, its
-/// vertices moved by up to an eighth; each loop begins anywhere.
+/// A prism over a polygon of 3 to 8 corners (`corners` unless 0) that is star-shaped about its mean, with
+/// vertices moved by up to an eighth. Loops begin at random corners.
 PolyhedronData random_warped(std::uint64_t seed, std::size_t corners = 0) {
     Random random(seed);
     const std::size_t n = corners != 0 ? corners : 3 + random.below(6);
@@ -96,7 +96,7 @@ Vec<T, 3> random_point(const PolyhedralMesh<T>& mesh, Random& random, double bey
     return p;
 }
 
-/// Points inside and about, far away, on faces, edges and vertices, means of faces, and next to them.
+/// Points inside, around and far away; on and next to faces, edges, vertices and means of faces.
 template <class T>
 std::vector<Vec<T, 3>> points_about(const PolyhedralMesh<T>& mesh, std::uint64_t seed) {
     Random random(seed + 5);
@@ -115,7 +115,7 @@ std::vector<Vec<T, 3>> points_about(const PolyhedralMesh<T>& mesh, std::uint64_t
     return points;
 }
 
-/// Weights for the vertices and vectors, from weights for the points of the fans' mesh and its vectors.
+/// Weights of vertices and vectors from weights of the fan mesh's points and vectors.
 template <class T>
 std::vector<T> folded(const PolyhedralMesh<T>& mesh, const std::vector<T>& row) {
     std::vector<T> result(row.begin(), row.begin() + std::ptrdiff_t(mesh.size()));
@@ -227,7 +227,7 @@ TEMPLATE_TEST_CASE("weights on fans are those on their triangles, folded, bit fo
     using T = TestType;
     const auto seed = GENERATE(range<std::uint64_t>(0, effort(20u, 3u)));
     CAPTURE(seed);
-    const auto data = random_warped(seed, 4); // 1/4 of a weight is exact, however products and sums are fused
+    const auto data = random_warped(seed, 4); // 1/4 of a weight is exact, with or without fused products
     const std::uint32_t divisions = seed % 4 == 3 ? 2 : 1;
     const PolyhedralMesh<T> mesh(data.vertices, data.faces, fans(divisions));
     const TriangleMesh<T> triangles(mesh.triangles().vertices(), mesh.triangles().faces());
@@ -239,7 +239,7 @@ TEMPLATE_TEST_CASE("weights on fans are those on their triangles, folded, bit fo
         CHECK(found.states == whole.states);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i, points[i][0], points[i][1], points[i][2], int(found.states[i]));
-            // On divided faces, where three points share their corners, sums have another order.
+            // On divided faces, where three points share corners, the order of sums differs.
             const bool exact = divisions == 1 || found.states[i] != PointState::on_boundary;
             const auto expected = folded(mesh, whole.rows[i]);
             if (exact)
@@ -336,7 +336,7 @@ TEMPLATE_TEST_CASE("on a fan weights are linear on each triangle", "[coordinates
         REQUIRE(found.status() == Status::ok);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i);
-            // A point off the face by its rounding may count as inside, with weights as near.
+            // Rounding may move a point off the face, so it may count as inside, with nearby weights.
             CHECK(difference(found.rows[i], expected[i]) <= 100 * rounding);
         }
     };
@@ -408,13 +408,13 @@ TEST_CASE("harmonic weights on fans are those on their triangles, folded", "[coo
         CHECK(inside > 30);
     };
     HarmonicOptions options;
-    options.resolution = divisions == 1 ? 24 : 48; // every point of the fans has to be seen by a node
+    options.resolution = divisions == 1 ? 24 : 48; // every point of the fans needs a node nearby
     options.multigrid.tolerance = 1e-9;
     compare(UniformHarmonic<double>(mesh, options),
             cageform::HarmonicCoordinates<double, 3>(triangles, options, cageform::UniformGrid{}), 1e-7);
     const HarmonicOptions adaptive{.accuracy = effort(2e-3, 1e-2)};
-    // Both have errors of their own. On triangles a near field is subtracted; on fans it is not, and errors
-    // next to their small triangles exceed the accuracy (options.hpp).
+    // Both have discretisation errors. Triangles have a near field; fans do not, and their errors next to
+    // small triangles exceed the accuracy (options.hpp).
     compare(Harmonic<double>(mesh, adaptive), cageform::HarmonicCoordinates<double, 3>(triangles, adaptive),
             3 * adaptive.accuracy);
 }
@@ -438,7 +438,7 @@ TEST_CASE("poses of fans: bits at rest, similarities, and the cage of triangles"
     const std::vector<Vec<double, 3>> rest(green.handles().begin(), green.handles().end());
     CHECK(posed_handles(bound.value, data.vertices) == rest);
 
-    // One vertex moves: the vectors of other faces keep their bits.
+    // If one vertex moves, vectors of other faces are bitwise unchanged.
     auto pose = data.vertices;
     const std::size_t moved = random.below(pose.size());
     pose[moved][random.below(3)] += 0.05;
@@ -454,10 +454,10 @@ TEST_CASE("poses of fans: bits at rest, similarities, and the cage of triangles"
         for (std::size_t t = first; t < last; ++t)
             same += handles[mesh.size() + t] == rest[mesh.size() + t] ? 1 : 0;
         if (!moves) CHECK(same == last - first);
-        if (moves && mesh.is_fan(f)) CHECK(same == 0); // all triangles of a fan have its mean
+        if (moves && mesh.is_fan(f)) CHECK(same == 0); // all triangles of a fan share its mean
     }
 
-    // The clone is that of the cage of triangles, whose means are posed as the means of posed corners.
+    // The clone equals that of the triangle mesh whose means are posed as means of posed corners.
     const TriangleMesh<double> triangles(mesh.triangles().vertices(), mesh.triangles().faces());
     const auto direct = cageform::bind(GreenCoordinates<double, 3>(triangles), points);
     REQUIRE(direct.status() == Status::ok);
@@ -474,7 +474,7 @@ TEST_CASE("poses of fans: bits at rest, similarities, and the cage of triangles"
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(distance(one[i], other[i]) <= 1e-13);
 
     for (std::size_t v = 0; v < pose.size(); ++v) {
-        const auto& p = data.vertices[v]; // turned by the axes' cycle, scaled, moved
+        const auto& p = data.vertices[v]; // axes permuted, scaled, moved
         pose[v] = {1.5 * p[1] + 3, 1.5 * p[2] - 1, 1.5 * p[0] + 0.25};
     }
     REQUIRE(clone(bound.value, posed_handles(bound.value, pose), one) == Status::ok);
@@ -513,7 +513,7 @@ TEST_CASE("gradients on fans are those of the weights", "[coordinates][fans][gra
                     slope.push_back(found.rows[i][h][k]);
                     expected.push_back((pair.rows[0][h] - pair.rows[1][h]) / (2 * step));
                 }
-                CHECK(difference(slope, expected) <= 1e-6); // measured: 3e-8, of the differences
+                CHECK(difference(slope, expected) <= 1e-6); // measured: 3e-8, the error of differences
             }
         }
     };
@@ -534,7 +534,7 @@ TEMPLATE_TEST_CASE("cages of triangles and planar faces stay as they are", "[coo
         CHECK(a.rows == b.rows);
         CHECK(a.states == b.states);
     };
-    // Triangles alone, whatever is asked for.
+    // Triangles are never fans, whatever the option.
     const auto warped = random_warped(seed);
     const PolyhedralMesh<T> some(warped.vertices, warped.faces, fans());
     const TriangleMesh<T> triangles(some.triangles().vertices(), some.triangles().faces());
@@ -544,7 +544,7 @@ TEMPLATE_TEST_CASE("cages of triangles and planar faces stay as they are", "[coo
     compare(MeanValue<T>(asked), MeanValue<T>(plain));
     compare(MeanValue<T>(asked), MeanValueCoordinates<T, 3>(triangles));
     compare(Green<T>(plain), GreenCoordinates<T, 3>(triangles));
-    // Planar faces, where only others become fans.
+    // Planar faces are not fans if fans are made only where needed.
     const auto data = random_prism(seed);
     compare(MeanValue<T>(data.vertices, data.faces, where_needed), MeanValue<T>(data.vertices, data.faces));
     // Green coordinates use the triangles of planar faces.
@@ -561,7 +561,7 @@ TEMPLATE_TEST_CASE("cages of triangles and planar faces stay as they are", "[coo
 TEST_CASE("a cage that was refused passes with fans, and its planar faces keep their coordinates",
           "[coordinates][fans]") {
     auto data = prism_over({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, 2);
-    data.vertices[4][2] += 0.25; // a twist of the ceiling leaves the sides planar
+    data.vertices[4][2] += 0.25; // twisting the ceiling leaves the sides planar
     data.vertices[6][2] += 0.25;
     CHECK(MeanValue<double>(data.cage<double>()).cage_report().status == Status::face_not_planar);
     const MeanValue<double> mean_value(PolyhedralMesh<double>(data.vertices, data.faces, where_needed));
@@ -593,7 +593,7 @@ TEST_CASE("Green coordinates refuse divided faces", "[coordinates][fans][green][
     CHECK(green.cage_report().status == Status::divisions_not_supported);
     CHECK(green.cage_report().faults.back().a == 2);
     CHECK(cageform::bind(green, data.vertices).status() == Status::divisions_not_supported);
-    // Points so far out that vectors overflow: a vertex of the face is named.
+    // Coordinates so large that vectors overflow: the fault names a vertex of the face.
     auto large = data;
     for (auto& v : large.vertices) v = 3e154 * v;
     const Green<double> overflown(PolyhedralMesh<double>(large.vertices, large.faces, fans()));

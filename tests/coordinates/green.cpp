@@ -16,8 +16,8 @@ namespace {
 template <class T>
 using Green2 = GreenCoordinates<T, 2>;
 
-/// A plane file of reference values: the weights of the vertices and of the edges' unit normals, with
-/// lengths in the file's unit.
+/// A 2D file of reference values: weights of the vertices and of the edges' unit normals, with lengths in the
+/// file's unit.
 struct PlaneFile {
     Points2<double> vertices, points;
     std::vector<std::size_t> loops;
@@ -48,7 +48,7 @@ struct PlaneFile {
     Polygon<double> cage() const { return {vertices, loops}; }
 };
 
-/// φ, then the weights of handles for ψ: over the length, in the gauge of the cage's diagonal.
+/// φ, then the handle weights for ψ: divided by the length, with the cage's diagonal as unit of length.
 std::vector<double> expected_row(const Green2<double>& green, const std::vector<double>& phi,
                                  const std::vector<double>& psi) {
     auto row = phi;
@@ -58,7 +58,7 @@ std::vector<double> expected_row(const Green2<double>& green, const std::vector<
     return row;
 }
 
-/// By the definition, number by number, in long double: of points inside.
+/// The definition in long double, for points inside.
 template <class T>
 std::vector<long double> by_definition(const Green2<T>& green, const Vec<T, 2>& at) {
     using L = long double;
@@ -86,7 +86,7 @@ Polygon<T> random_cage(std::uint64_t seed) {
     return seed % 2 == 0 ? Polygon<T>(random_star<T>(seed)) : random_rings<T>(seed);
 }
 
-/// Points all about: inside, outside, near and far, and within 1e-12 of edges and vertices.
+/// Points inside and outside, near and far, and within 1e-12 of edges and vertices.
 template <class T>
 Points2<T> points_about(const Polygon<T>& cage, std::uint64_t seed) {
     Random random(seed + 77);
@@ -165,7 +165,7 @@ TEST_CASE("Green weights on the boundary of plane cages are the limits", "[coord
         const auto name = one["cage"].get<std::string>();
         if (one["point"].size() != 2) continue;
         CAPTURE(name, one["point"]);
-        // The square with a hole has no file here.
+        // There is no file of the square with a hole here.
         const Polygon<double> ring(
             Points2<double>{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 1}, {1, 3}, {3, 3}, {3, 1}},
             std::vector<std::size_t>{4, 4});
@@ -275,7 +275,7 @@ TEST_CASE("gradients of Green weights are the differences of the weights",
                               std::fabs((y[0][h] - y[1][h]) / (2 * step) - slopes[h][1])});
         }
         CAPTURE(p[0], p[1], room);
-        CHECK(worst * diagonal <= 1e-5 / room); // outside, points on either side of a seam differ; none here
+        CHECK(worst * diagonal <= 1e-5 / room); // values jump across seams outside; there is no seam here
         ++checked;
     }
     CHECK(checked >= 8);
@@ -320,7 +320,7 @@ TEST_CASE("Green weights of vertices are positive in convex cages, and all are m
     const auto p = random_inside(green.cage(), random, 0.02);
     const double radius = 0.9 * nearest_on_boundary(green.cage(), p).distance;
     Points2<double> points{p};
-    constexpr std::size_t count = 256; // the error falls like 0.9^count
+    constexpr std::size_t count = 256; // the error decreases like 0.9^count
     for (std::size_t i = 0; i < count; ++i) {
         const double angle = 2 * std::numbers::pi * double(i) / double(count);
         points.push_back({p[0] + radius * std::cos(angle), p[1] + radius * std::sin(angle)});
@@ -344,7 +344,7 @@ TEST_CASE("an edge divided by a vertex that stays on it moves nothing", "[coordi
     const std::size_t edge = random.below(whole.size()), next = (edge + 1) % whole.size();
     Points2<double> pose(whole), points;
     for (auto& v : pose) v = v + Vec<double, 2>{diagonal * random.uniform(-0.3, 0.3), 0.1 * diagonal};
-    const auto divide = [&](Points2<double> vertices) { // in the middle, exactly to a rounding
+    const auto divide = [&](Points2<double> vertices) { // at the midpoints, exact to a rounding
         vertices.insert(vertices.begin() + std::ptrdiff_t(edge) + 1, 0.5 * (vertices[edge] + vertices[next]));
         return vertices;
     };
@@ -374,7 +374,7 @@ TEMPLATE_TEST_CASE("Green weights do not depend on the unit of length", "[coordi
         const auto same = evaluate_all(Green2<T>(scaled(cage, unit)), scaled(points, unit)).rows;
         for (std::size_t i = 0; i < points.size(); ++i) {
             if (unit != 3) CHECK(same[i] == rows[i]);
-            CHECK(difference(same[i], rows[i]) <= 1e3 * double(epsilon<T>)); // 3: the places are rounded
+            CHECK(difference(same[i], rows[i]) <= 1e3 * double(epsilon<T>)); // 3 roundings of positions
         }
     }
 }
@@ -416,7 +416,7 @@ TEMPLATE_TEST_CASE("a binding by Green coordinates rests to the bit and follows 
         const double size = weight * (size_of(vertices) + size_of(pose)) + distance(points[i], vertices[0]);
         CHECK(distance(out[i], turn(vec_cast<long double>(points[i]))) <= 24 * double(epsilon<T>) * size);
     }
-    CHECK(clone(binding, vertices, out) == Status::pose_size_differs); // the vertices alone
+    CHECK(clone(binding, vertices, out) == Status::pose_size_differs); // only the vertices
 }
 
 TEMPLATE_TEST_CASE("Green coordinates of thin cages in the plane", "[coordinates][green][thin]",
@@ -462,7 +462,7 @@ TEST_CASE("cages that Green coordinates do not know are refused", "[coordinates]
     const Green2<double> refused(complex);
     CHECK(refused.cage_report().status == Status::interior_cells_not_supported);
     CHECK(bind(refused, square).report.status == Status::interior_cells_not_supported);
-    // Far away there is nothing that the scalar holds.
+    // Far away the weights overflow the scalar.
     const auto far =
         evaluate_all(Green2<double>(square), Points2<double>{{1e300, 0}, {1e308, 1e308}, {-1e17, 3}});
     CHECK(far.states[2] == PointState::outside);

@@ -28,7 +28,7 @@ Green3<double> read_cage(const nlohmann::json& json) {
     return {places(json["cage"]["vertices"]), json["cage"]["faces"].get<Faces>()};
 }
 
-/// φ, then the weights of handles for ψ: over √area.
+/// φ, then the handle weights for ψ: divided by √area.
 std::vector<double> expected_row(const Green3<double>& green, const std::vector<double>& phi,
                                  const std::vector<double>& psi) {
     auto row = phi;
@@ -37,9 +37,8 @@ std::vector<double> expected_row(const Green3<double>& green, const std::vector<
     return row;
 }
 
-/// The closed form in long double, number by number: of points inside. Both faces of an edge take their
-/// distances from the vector to the edge's line, seen from its nearer end, without which even this loses
-/// half its digits there.
+/// The closed form in long double, for points inside. Both faces of an edge measure distances from the vector
+/// to the edge's line, relative to the nearer end; otherwise half of the digits would be lost.
 template <class T>
 std::vector<L> by_definition(const Green3<T>& green, const Vec<T, 3>& at) {
     const auto unit = [](const Vec<L, 3>& v) { return (1 / std::sqrt(dot(v, v))) * v; };
@@ -95,8 +94,7 @@ std::vector<L> by_definition(const Green3<T>& green, const Vec<T, 3>& at) {
     return row;
 }
 
-/// Points all about: inside, outside, near and far, and within 1e-14 to 1e-3 diagonals of faces, edges and
-/// vertices.
+/// Points inside and outside, near and far, and within 1e-14 to 1e-3 diagonals of faces, edges and vertices.
 template <class T>
 Points3<T> points_near(const TriangleMesh<T>& mesh, std::uint64_t seed) {
     Random random(seed + 77);
@@ -139,7 +137,7 @@ TEST_CASE("Green weights in space are those of the oracle", "[coordinates][green
         REQUIRE(clone(bound.value, handles, out) == Status::ok);
         const auto expected_handles = places(json["pose_handles"]);
         REQUIRE(points.size() == 8);
-        for (std::size_t h = 0; h < handles.size(); ++h) { // those of the file are s n'
+        for (std::size_t h = 0; h < handles.size(); ++h) { // the file has s n'
             const double size = h < n ? 1 : detail::length(green.handles()[h]);
             CHECK(distance(handles[h], size * expected_handles[h]) <= 1e-14);
         }
@@ -350,7 +348,7 @@ TEMPLATE_TEST_CASE("a binding by Green coordinates in space rests to the bit and
         const double size = weight * (size_of(vertices) + size_of(pose)) + distance(points[i], vertices[0]);
         CHECK(distance(out[i], turn(vec_cast<long double>(points[i]))) <= 24 * double(epsilon<T>) * size);
     }
-    CHECK(clone(binding, vertices, out) == Status::pose_size_differs); // the vertices alone
+    CHECK(clone(binding, vertices, out) == Status::pose_size_differs); // only the vertices
 }
 
 TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][green][space][thin]",
@@ -367,7 +365,8 @@ TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][gr
         for (int i = 0; i < 8; ++i)
             corners.push_back({T(i & 1), T(depth * (i >> 1 & 1)), T(width * (i >> 2 & 1))});
         const Green3<T> green(corners, box);
-        REQUIRE((green.cage_report().status == Status::ok || depth < 1)); // its ends may have no area
+        REQUIRE(
+            (green.cage_report().status == Status::ok || depth < 1)); // the rod may have ends without area
         if (green.cage_report().status != Status::ok) continue;
         check_thin_states(green, random);
         for (int i = 0; i < 20; ++i)
@@ -379,7 +378,7 @@ TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][gr
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(depth, i, points[i][0], points[i][1], points[i][2], text(weights.rows[i]));
             CHECK(weights.states[i] == PointState::inside);
-            // The faces of the rim are `width` high, and farther away than that.
+            // The faces of the rim have the height `width`, and the points are farther away than that.
             CHECK(missed(green, weights.rows[i], points[i]) <= 4 * double(epsilon<T>) / width);
             std::vector<T> row;
             for (std::size_t h = 0; h < bound.value.handle_count(); ++h)
@@ -403,8 +402,8 @@ TEST_CASE("meshes that Green coordinates do not know are refused", "[coordinates
     CHECK(refused.cage_report().status == Status::interior_cells_not_supported);
     CHECK(bind(refused, ball.vertices).report.status == Status::interior_cells_not_supported);
 
-    // A cavity, its shell turned whichever way; a reflex corner of an L: its solid angle is 3/8 of the full
-    // one.
+    // A cavity with a shell of either orientation, and a reflex corner of an L with 3/8 of the full solid
+    // angle.
     for (const bool turned : {false, true}) {
         auto hollow = ball;
         const int count = int(ball.vertices.size());
@@ -444,7 +443,7 @@ TEMPLATE_TEST_CASE("a cage near the largest number is refused or clones at rest"
         // Squares of distances between doubles overflow before.
         if (std::is_same_v<T, float> && share < 1e-2) CHECK(status == Status::ok);
     }
-    // A prism that is as high as numbers go: its sides are sound triangles whose normals overflow.
+    // A prism of the largest finite height: its sides are valid triangles whose normals overflow.
     const Points3<T> ring{{T(0.029) * largest, 0, 0}, {0, T(1.6e-5) * largest, 0}, {-1, -1, 0}};
     Points3<T> vertices = ring;
     for (const auto& v : ring) vertices.push_back({v[0], v[1], T(0.995) * largest});

@@ -1,5 +1,4 @@
-// Boxes of rectangles as cages, and harmonic coordinates in them: the laws to the solver's tolerance, and
-// the oracle.
+// Boxes of rectangles as cages of harmonic coordinates: the laws to the solver's tolerance, and the oracle.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/oracle.hpp"
@@ -46,7 +45,7 @@ Box<T> random_box(std::uint64_t seed) {
     return box;
 }
 
-/// Inside, and every tenth on a face.
+/// Points inside, and every tenth on a face.
 template <class T>
 Points3<T> points_in(const Box<T>& box, std::size_t count, std::uint64_t seed) {
     Random random(seed);
@@ -60,7 +59,7 @@ Points3<T> points_in(const Box<T>& box, std::size_t count, std::uint64_t seed) {
     return points;
 }
 
-/// The bilinear functions of the rectangle that a point on a side of the box lies in.
+/// The bilinear functions of the rectangle that contains a point on a side of the box.
 template <class T>
 std::vector<double> bilinear(const Box<T>& box, const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p) {
     std::vector<double> row(mesh.size());
@@ -138,8 +137,8 @@ TEST_CASE("weights in a box are those of the oracle", "[coordinates][harmonic][b
                     const auto at = std::find(box.vertices().begin(), box.vertices().end(), vertex(k));
                     REQUIRE(at != box.vertices().end());
                     const auto handle = std::size_t(at - box.vertices().begin());
-                    // Trilinear functions solve the difference equations: what is left is the solver's
-                    // tolerance.
+                    // Trilinear functions satisfy the difference equations exactly, so only the solver's
+                    // tolerance remains.
                     CHECK(std::fabs(weights.rows[i][handle] - json["coordinates"][i][k].get<double>()) <=
                           1e-6);
                 }

@@ -1,5 +1,4 @@
-// Harmonic coordinates with cells inside the cage: what the cells say holds on them, the laws hold between
-// them.
+// Harmonic coordinates with interior cells: boundary values hold on the cells, the laws between them.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
@@ -45,7 +44,7 @@ MeshData cube() {
              {3, 4, 7}}};
 }
 
-/// Random chains, and perhaps a point, in a square; those that are no sound cage are left out.
+/// Random chains, and perhaps a point, in a square. Invalid cages are left out.
 template <class T>
 std::vector<CellComplex<T, 2>> random_complexes(int count) {
     std::vector<CellComplex<T, 2>> all;
@@ -134,9 +133,8 @@ TEST_CASE("on interior cells the weights are their hat functions", "[coordinates
 
 TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
           "[coordinates][harmonic][complex]") {
-    // The weight of a vertex of radius a in the middle of a circle of radius b is ln(r/b)/ln(a/b); of a
-    // sphere, (1/r − 1/b)/(1/a − 1/b). The outlines are polygons of many corners, as large as circle and
-    // sphere.
+    // The weight of a vertex of radius a at the centre of a circle of radius b is ln(r/b)/ln(a/b); of a
+    // sphere, (1/r − 1/b)/(1/a − 1/b). Polygons and polyhedra of the same size stand for circle and sphere.
     Points2<double> circle;
     constexpr double turn = std::numbers::pi / 24;
     const double outer = std::sqrt(turn / std::sin(turn));
@@ -154,7 +152,7 @@ TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
         const double r = distance(points[i], Vec<double, 2>{0, 0});
         CHECK(std::fabs(flat.rows[i][middle] - std::log(r) / std::log(0.1)) <= effort(2e-4, 2e-3));
     }
-#if !defined(CAGEFORM_SANITIZED) // half a minute there, and the same code as in other tests
+#if !defined(CAGEFORM_SANITIZED) // takes half a minute there, with code that other tests cover
     auto round = sphere(3);
     double volume = 0;
     for (const auto& [a, b, c] : round.faces) {
@@ -179,7 +177,7 @@ TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
 
 TEST_CASE("a wall across a cage parts it", "[coordinates][harmonic][complex]") {
     CellComplex<double, 3> cage(cube().mesh<double>());
-    // From edge to edge of the cube through its middle: x = y.
+    // A rectangle from edge to edge of the cube, through its centre: x = y.
     const auto wall = cage.add_faces(Points3<double>{{0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0, 0, 1}},
                                      Faces{{0, 1, 2}, {0, 2, 3}});
     CHECK(wall == std::vector<std::size_t>{0, 2, 6, 4});
@@ -327,7 +325,7 @@ TEST_CASE("handles that no cell uses get a warning and no weight", "[coordinates
 }
 
 TEST_CASE("ends of chains are treated whichever way they point", "[coordinates][harmonic][complex]") {
-    // Next to the end of a slit the grid alone is some hundredths off.
+    // Next to the end of a slit, the error of the grid is some hundredths.
     for (int n = 0; n < effort(6, 2); ++n) {
         CAPTURE(n);
         const double angle = 1.0468 * n + 0.0531;
@@ -368,7 +366,7 @@ TEST_CASE("weights are continuous in the joints of bones", "[coordinates][harmon
     const HarmonicCoordinates coordinates(cage, {.resolution = 40}, cageform::UniformGrid{});
     Random random(6);
     Points3<double> points;
-    for (int n = 0; n < 400; ++n) { // pairs a millionth apart
+    for (int n = 0; n < 400; ++n) { // pairs at a distance of 1e-6
         const Vec<double, 3> p{random.uniform(0.36, 0.6), random.uniform(0.42, 0.66),
                                random.uniform(0.42, 0.58)};
         points.push_back(p);

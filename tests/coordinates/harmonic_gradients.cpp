@@ -20,7 +20,7 @@ using cageform::Polygon;
 
 namespace {
 
-/// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity: what linear precision says of gradients.
+/// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity, the consequences of linear precision.
 template <class T, std::size_t D, class Coordinates>
 void check_laws(const Coordinates& coordinates, const std::vector<Vec<T, D>>& points, double tolerance) {
     const auto gradients = gradients_of<T, D>(coordinates, points);
@@ -47,7 +47,7 @@ void check_laws(const Coordinates& coordinates, const std::vector<Vec<T, D>>& po
     }
 }
 
-/// Differences over a tenth of a cell at least, of sums of functions each off by the solver's error.
+/// The error of differences over at least a tenth of a cell, of sums of functions with the solver's error.
 template <class T>
 double tolerance(std::size_t handles, double cells) {
     return double(handles) * cells * 10 * (1e-8 + 2 * double(epsilon<T>));
@@ -64,7 +64,7 @@ TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
     const Polygon<T> star(random_star<T>(std::uint64_t(seed)));
     std::vector<Vec<T, 2>> in_plane;
     for (int n = 0; n < 60; ++n) in_plane.push_back(random_inside(star, random, 1e-5));
-    for (std::size_t i = 0; i < star.size(); ++i) // vertices and places on edges
+    for (std::size_t i = 0; i < star.size(); ++i) // vertices and points on edges
         in_plane.push_back(T(0.5) * (star[i] + star[i % 2 == 0 ? i : (i + 1) % star.size()]));
     const HarmonicOptions options{.resolution = 120, .multigrid = {.tolerance = 1e-8}};
     check_laws<T, 2>(HarmonicCoordinates<T, 2>(star, options, cageform::UniformGrid{}), in_plane,
@@ -92,15 +92,15 @@ TEST_CASE("gradients in boxes keep linear precision up to the boundary",
 }
 
 TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
-    // On the unit square the functions are bilinear; on the hexagon, differences of a finer grid are the
-    // reference.
+    // On the unit square the functions are bilinear. The reference for the hexagon are differences of a finer
+    // grid.
     const Polygon<double> square(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     const std::vector<Vec<double, 2>> points{{0.3, 0.4}, {0.01, 0.7}, {0.99, 0.002}, {0.5, 0}, {0, 0}};
     const auto of_square = gradients_of<double, 2>(
         HarmonicCoordinates<double, 2>(square, {.resolution = 50}, cageform::UniformGrid{}), points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto [x, y] = std::pair(points[i][0], points[i][1]);
-        // On the boundary they are taken half a cell inside, and these change by as much.
+        // Gradients on the boundary are taken half a cell inside, with this change.
         const double allowed = of_square.states[i] == PointState::on_boundary ? 0.501 / 50 : 3e-4;
         CHECK(distance(of_square.rows[i][0], Vec<double, 2>{y - 1, x - 1}) <= allowed);
         CHECK(distance(of_square.rows[i][2], Vec<double, 2>{y, x}) <= allowed);
@@ -148,7 +148,7 @@ TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of
     CAPTURE(seed);
     const Polygon<T> cage(random_star<T>(std::uint64_t(seed)));
     HarmonicCoordinates<T, 2> coordinates(cage, {.resolution = 40}, cageform::UniformGrid{});
-    // More than a piece for each thread; inside, on edges, far outside, not finite.
+    // More than one batch per thread: inside, on edges, far outside, not finite.
     Random random(std::uint64_t(seed) + 1);
     std::vector<Vec<T, 2>> points;
     while (points.size() < 1501) {

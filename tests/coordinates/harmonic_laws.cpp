@@ -1,5 +1,5 @@
-// Tests laws of harmonic functions: they have no extremum inside, equal the mean of their values around,
-// and are bilinear in rectangles with linear sides.
+// Laws of harmonic functions: no interior extrema, the mean value property, bilinear functions in rectangles
+// with linear sides.
 #include "catch.hpp"
 #include "pictures/level_lines.hpp"
 #include "support/effort.hpp"
@@ -37,7 +37,7 @@ constexpr std::array names{"triangle",
                            "straight_chain_square_straight_chain",
                            "splitting_chain_hexagonlike_split_chain"};
 
-/// The distance of a place from the edges of a cage, chains included.
+/// The distance of a point from the edges of a cage, including chains.
 double clearance(const Oracle& oracle, const Vec<double, 2>& p) {
     double least = 1e300;
     const auto extend = [&](const Vec<double, 2>& a, const Vec<double, 2>& b) {
@@ -56,7 +56,7 @@ double clearance(const Oracle& oracle, const Vec<double, 2>& p) {
     return least;
 }
 
-/// The largest error of the weights at the reference points that are not next to the boundary.
+/// The largest error of the weights at reference points that are not next to the boundary.
 template <class C>
 double error_inside(const C& coordinates, const Oracle& oracle) {
     const auto weights = evaluate_all(coordinates, oracle.points);
@@ -72,8 +72,7 @@ double error_inside(const C& coordinates, const Oracle& oracle) {
     return error;
 }
 
-/// A prism of the reference data that stands on the plane z = 0 and is 1 high; its first vertices are its
-/// base.
+/// A prism of the reference data between z = 0 and z = 1. Its first vertices are its base.
 struct Prism {
     nlohmann::json json;
     MeshData data;
@@ -93,13 +92,13 @@ struct Prism {
         for (const auto& v : base.vertices) size = std::max({size, v[0], v[1]});
         return size;
     }
-    /// The distance to the faces; 0 outside.
+    /// The distance from the faces; 0 outside.
     double clearance(const Vec<double, 3>& p) const {
         const Vec<double, 2> below{p[0], p[1]};
         if (locate(base.cage<double>(), below, 0.0) != PointState::inside) return 0;
         return std::max(0.0, std::min({p[2], 1 - p[2], harmonic_law_tests::clearance(base, below)}));
     }
-    /// The largest error at the reference points, without those next to edges, where the grid is coarse.
+    /// The largest error at reference points, except next to edges, where the grid is coarse.
     double error_inside(const HarmonicCoordinates<double, 3>& coordinates) const {
         Points3<double> points;
         for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
@@ -128,17 +127,17 @@ TEST_CASE("harmonic functions have no extremum inside, in all cages", "[coordina
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
         const auto cage = oracle.complex<double>();
         HarmonicCoordinates coordinates(cage, {.resolution = 64}, cageform::UniformGrid{});
-        const double error = error_inside(coordinates, oracle) + 1e-6; // of the solver
+        const double error = error_inside(coordinates, oracle) + 1e-6; // the solver's tolerance
         const auto bounds = cageform::bounds_of(std::span<const Vec<double, 2>>(oracle.vertices));
         const std::size_t side = 40;
         const double step =
             std::max(bounds.upper[0] - bounds.lower[0], bounds.upper[1] - bounds.lower[1]) / side;
         Points2<double> points;
-        std::vector<int> number(side * side, -1); // of a lattice point among those inside
+        std::vector<int> number(side * side, -1); // index among the lattice points inside
         for (std::size_t n = 0; n < side * side; ++n) {
             const Vec<double, 2> p{bounds.lower[0] + (double(n % side) + 0.5) * step,
                                    bounds.lower[1] + (double(n / side) + 0.5) * step};
-            // So far inside that the neighbours are, too, and belong to the same part.
+            // So far inside that the neighbours are inside too, in the same part.
             if (locate(oracle.cage<double>(), p, 0.0) != PointState::inside ||
                 clearance(oracle, p) < 1e-3 * step)
                 continue;
@@ -181,7 +180,7 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
         const double step =
             std::max(bounds.upper[0] - bounds.lower[0], bounds.upper[1] - bounds.lower[1]) / side;
         Points2<double> points;
-        std::vector<std::size_t> numbers; // of the lattice points inside
+        std::vector<std::size_t> numbers; // indices of the lattice points inside
         for (std::size_t n = 0; n < side * side; ++n) {
             const Vec<double, 2> p{bounds.lower[0] + (double(n % side) + 0.5) * step,
                                    bounds.lower[1] + (double(n / side) + 0.5) * step};
@@ -222,9 +221,8 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
 
 TEST_CASE("harmonic weights are the mean of those on a circle around, and in a disc",
           "[coordinates][harmonic][property]") {
-    // Gauss's mean value theorem. A circle by 64 points misses the harmonics from the 64th on, which the
-    // factor 0.9^64 makes small; a disc by rings, by Gauss's rule of two points in the square of the
-    // radius.
+    // Gauss's mean value theorem. 64 points on a circle miss harmonics from the 64th on, which the factor
+    // 0.9^64 makes small. A disc uses rings, by Gauss's rule of two points in the square of the radius.
     const double root = std::sqrt(1.0 / 3);
     const std::array rings{std::sqrt((1 - root) / 2), std::sqrt((1 + root) / 2)};
     for (const char* name : names) {
@@ -271,11 +269,11 @@ TEST_CASE("in space harmonic functions have no extremum inside", "[coordinates][
         const Prism prism(name);
         HarmonicCoordinates coordinates(prism.data.mesh<double>(), {.resolution = 32},
                                         cageform::UniformGrid{});
-        const double error = prism.error_inside(coordinates) + 1e-6; // of the solver
+        const double error = prism.error_inside(coordinates) + 1e-6; // the solver's tolerance
         constexpr std::size_t side = 17;
         const double step = prism.longest() / side;
         Points3<double> points;
-        std::vector<int> number(side * side * side, -1); // of a lattice point among those inside
+        std::vector<int> number(side * side * side, -1); // index among the lattice points inside
         for (std::size_t n = 0; n < number.size(); ++n) {
             const Vec<double, 3> p{(double(n % side) + 0.5) * step, (double(n / side % side) + 0.5) * step,
                                    (double(n / (side * side)) + 0.5) * step};
@@ -313,7 +311,7 @@ TEST_CASE("in space harmonic functions have no extremum inside", "[coordinates][
 
 TEST_CASE("in space harmonic weights are the mean of those on a sphere around",
           "[coordinates][harmonic][mesh][property]") {
-    // Gauss's rule of eight points along the axis, sixteen on each parallel: exact to degree 15.
+    // Gauss's rule of eight points along the axis, sixteen points on each parallel: exact to degree 15.
     constexpr std::array<std::array<double, 2>, 4> gauss{{{0.1834346424956498, 0.3626837833783620},
                                                           {0.5255324099163290, 0.3137066458778873},
                                                           {0.7966664774136267, 0.2223810344533745},
@@ -323,7 +321,7 @@ TEST_CASE("in space harmonic weights are the mean of those on a sphere around",
         const Prism prism(name);
         HarmonicCoordinates coordinates(prism.data.mesh<double>(), {.resolution = 32},
                                         cageform::UniformGrid{});
-        const double error = prism.error_inside(coordinates) + 1e-6; // of the solver
+        const double error = prism.error_inside(coordinates) + 1e-6; // the solver's tolerance
         Random random(3);
         constexpr std::size_t centres = 8;
         Points3<double> points;
@@ -377,7 +375,7 @@ TEST_CASE("the letter aleph in its square goes where fractions say", "[coordinat
 }
 
 TEST_CASE("linear values around a rectangle are linear in it", "[coordinates][harmonic][property]") {
-    // Exercise 11 of the course project: 1, 2, 3, 2 at the corners is 1 + (x − x₀)/a + (y − y₀)/b.
+    // Exercise 11 of the course project: 1, 2, 3, 2 at the corners gives 1 + (x − x₀)/a + (y − y₀)/b.
     const auto seed = GENERATE(range(1u, 6u));
     CAPTURE(seed);
     Random random(seed);

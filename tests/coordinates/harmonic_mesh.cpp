@@ -1,5 +1,5 @@
 // Harmonic coordinates in triangle meshes: the laws to the solver's tolerance, the oracle, and robust
-// crossings.
+// intersections.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
@@ -24,7 +24,7 @@ using cageform::grid::SimplexBoundary;
 
 namespace {
 
-/// Points inside: those about the mesh that are.
+/// Random points inside.
 template <class T>
 Points3<T> points_in(const cageform::TriangleMesh<T>& mesh, const MeshData& data, std::uint64_t seed) {
     Points3<T> points;
@@ -64,7 +64,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
         CHECK(weights.states[i] != PointState::outside);
-        double size = 0, total = 0; // what functions that are off by the tolerance each come to
+        double size = 0, total = 0; // the effect of functions with errors up to the tolerance
         for (std::size_t k = 0; k < mesh.size(); ++k) {
             total += 1e-6 + double(epsilon<T>);
             size = cageform_tests::larger(size, distance(mesh[k], points[i]));
@@ -94,7 +94,7 @@ TEMPLATE_TEST_CASE(
     Random random{std::uint64_t(seed)};
     Points3<T> points(mesh.vertices().begin(), mesh.vertices().end());
     std::vector<std::array<double, 3>> shares;
-    for (const auto& face : mesh.faces()) { // on edges for every third
+    for (const auto& face : mesh.faces()) { // every third point lies on an edge
         const auto w = random_shares(shares.size() % 3 == 0 ? 2 : 3, random);
         shares.push_back({w[0], w[1], w.size() > 2 ? w[2] : 0});
         Vec<double, 3> p{};
@@ -121,7 +121,7 @@ TEMPLATE_TEST_CASE(
     REQUIRE(weights.status() == Status::ok);
     const auto bounds = cageform::bounds_of(mesh.vertices());
     const double size = double(bounds.diagonal()) + double(bounds.magnitude());
-    // A point on a face has the rounding of its coordinates, by which it may be off the face.
+    // Rounding of coordinates may move a point off its face.
     const double rounding = double(bounds.magnitude()) / double(bounds.diagonal()) + 1;
     const double solved = C::closed_form ? 0 : 1e-6;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -165,7 +165,7 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
     using T = TestType;
     const int seed = GENERATE(seeds(effort(6, 3)));
     CAPTURE(seed);
-    const auto compare = [](const auto& cage, const auto& points) { // whatever the weights
+    const auto compare = [](const auto& cage, const auto& points) { // for any weights
         const auto weights = evaluate_all(
             HarmonicCoordinates(cage, {.resolution = effort(40u, 16u), .multigrid = {.tolerance = 1}},
                                 cageform::UniformGrid{}),
@@ -190,7 +190,7 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
                         T(random.uniform(bounds.lower[1], bounds.upper[1]))});
     compare(rings, flat);
     if (seed > 0) return;
-    // On, and by roundings off, walls that lie on lattice planes.
+    // Walls on lattice planes, exactly and up to rounding.
     const Points3<T> corners{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 2, 0}, {2, 4, 0}, {0, 4, 0}};
     Points3<T> prism = corners;
     for (auto p : corners) prism.push_back({p[0], p[1], 4});
@@ -208,9 +208,9 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
 }
 
 TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][mesh][oracle]") {
-    // Linear data has a crease at every edge, on flat faces as well, and next to a crease or a reflex edge
-    // the grid is only of order h: the nearest points are within half a cell. A tetrahedron's weights are
-    // linear.
+    // Linear boundary values have a crease at every edge, even between coplanar faces. Next to a crease or a
+    // reflex edge the grid is only of order h; the nearest points are within half a cell. A tetrahedron's
+    // weights are linear.
     struct Case {
         const char* name;
         double allowed;
@@ -243,7 +243,7 @@ TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][m
 
 TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
           "[coordinates][harmonic][mesh][corners]") {
-    // A prism like a U, with a gap of two cells.
+    // A U-shaped prism with a gap of two cells.
     const std::vector<std::array<double, 2>> outline{{0, 0},      {1, 0},      {1, 1},    {0.54, 1},
                                                      {0.54, 0.4}, {0.46, 0.4}, {0.46, 1}, {0, 1}};
     MeshData data;
@@ -263,7 +263,7 @@ TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
     const auto mesh = data.mesh<double>();
     Points3<double> points;
     Random random(1);
-    while (points.size() < 300) { // about the gap's inner end and its mouth
+    while (points.size() < 300) { // around the gap's inner end and its opening
         const Vec<double, 3> p{random.uniform(0.4, 0.6), random.uniform(0.3, 1), random.uniform(0, 0.6)};
         if (locate(mesh, p, 1e-9) == PointState::inside) points.push_back(p);
     }
@@ -298,8 +298,8 @@ TEST_CASE("a grid in space that takes more than the limit is refused before it i
 TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[grid][mesh][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
-    // Vertices on lattice points, half way between and anywhere: lines through vertices, edges and faces
-    // are common.
+    // Vertices on lattice points, half-way between, and anywhere: lines through vertices, edges and faces are
+    // frequent.
     auto data = random_mesh(std::uint64_t(seed));
     const auto bounds = cageform::bounds_of(std::span<const Vec<double, 3>>(data.vertices));
     Random random{std::uint64_t(seed)};

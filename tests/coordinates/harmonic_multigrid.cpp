@@ -1,5 +1,4 @@
-// Harmonic coordinates by the multigrid: the laws to the solver's tolerance at every resolution, and the
-// oracle.
+// Harmonic coordinates by multigrid: the laws to the solver's tolerance at every resolution, and the oracle.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -35,9 +34,8 @@ Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t se
 } // namespace
 
 TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][oracle]") {
-    // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth and of the solver's tolerance,
-    // at points as near as 1e-5 diagonals to a corner. At 64 cells the gap between the biped's legs is two
-    // cells wide.
+    // Largest errors measured at 64, 256 and 1024 cells, plus a fifth and the solver's tolerance, at points
+    // up to 1e-5 diagonals from a corner. At 64 cells the gap between the biped's legs is two cells wide.
     struct Case {
         const char* name;
         double error_64, error_256, error_1024;
@@ -95,7 +93,7 @@ TEMPLATE_TEST_CASE("multigrid weights sum to 1, reproduce the point and stay in 
     }
     REQUIRE(weights.status() == Status::ok);
     const double m = double(cage.size());
-    const double size = size_of(cage.vertices()); // each function is off by the tolerance at most
+    const double size = size_of(cage.vertices()); // each function has an error up to the tolerance
     for (std::size_t i = 0; i < points.size(); ++i) {
         CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= m * (1e-6 + double(epsilon<T>)));
         CHECK(distance(combine(weights.rows[i], cage.vertices()), points[i]) <=
@@ -119,7 +117,7 @@ TEST_CASE("a bind by the multigrid changes weights no more than the solver's err
 
 TEST_CASE("solving before, in batches or on threads gives the same bits",
           "[coordinates][harmonic][threads]") {
-    std::uint64_t seed = 0; // of a cage whose functions are solved in three groups
+    std::uint64_t seed = 0; // a cage whose functions are solved in three groups
     while (random_star<double>(seed).size() <= 32) ++seed;
     const Polygon<double> cage(random_star<double>(seed));
     const auto points = points_in(cage, 100, 2);
@@ -156,7 +154,7 @@ TEST_CASE("the multigrid tells its progress and is cancelled", "[coordinates][ha
     };
     CHECK(evaluate_all(coordinates, points, options).status() == Status::ok);
     CHECK(last == 1);
-    CHECK(calls >= 5); // after every cycle
+    CHECK(calls >= 5); // after each cycle
     const int stop_at = GENERATE(1, 3, 6);
     int asked = 0;
     options.progress = [&](double) { return ++asked < stop_at; };
@@ -250,7 +248,7 @@ TEST_CASE("treating the corners is what makes points near them right", "[coordin
 
 namespace {
 
-/// Legs below a body, with gaps of 2 to 25 hundredths between them.
+/// Legs below a body, with gaps of 0.02 to 0.25.
 Polygon<double> random_legs(std::uint64_t seed) {
     Random random(seed);
     const auto width = [&](double from, double to) {
@@ -276,7 +274,7 @@ Polygon<double> random_legs(std::uint64_t seed) {
     return Polygon<double>(outline);
 }
 
-/// Points up to two cells from every vertex, and anywhere.
+/// Points within two cells of every vertex, and anywhere.
 Points2<double> points_about_corners(const Polygon<double>& cage, double cell, std::uint64_t seed) {
     Random random(seed);
     auto points = points_in(cage, 40, seed);
@@ -295,7 +293,7 @@ Points2<double> points_about_corners(const Polygon<double>& cage, double cell, s
 
 TEST_CASE("no error is above the largest that the report expects at a corner, nor far below it",
           "[coordinates][harmonic][corners][property]") {
-    constexpr double with_room = 5e-4; // where all corners have ten cells
+    constexpr double with_room = 5e-4; // if all corners have ten free cells
     double decades = 0;
     int notable = 0;
     for (int seed = 0; seed < effort(5, 4); ++seed) {
@@ -329,7 +327,7 @@ TEST_CASE("no error is above the largest that the report expects at a corner, no
         CHECK(then.error <= 2 * cageform::CornerError::notable);
     }
     REQUIRE(notable >= 2);
-    CHECK(decades / notable <= 1.3); // twenty times too large, in the geometric mean
+    CHECK(decades / notable <= 1.3); // a factor of twenty, in the geometric mean
 }
 
 TEST_CASE("corners that are not to be treated are expected to have the errors they have",

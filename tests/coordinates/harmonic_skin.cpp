@@ -1,5 +1,5 @@
-// Harmonic weights in space next to the skin: the near field that takes the kinks of the data out of equations and
-// samples, and errors against walks on spheres.
+// Harmonic weights in 3D next to the boundary: the near field that removes the kinks of boundary values from
+// equations and samples, and errors against walks on spheres.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/fingers.hpp"
@@ -51,7 +51,7 @@ TriangleMesh<double> u_prism(double gap = 1) {
     }
     return {vertices, faces};
 }
-/// The largest difference of the weights at each point from those known, ascending.
+/// The largest difference from known weights at each point, ascending.
 [[maybe_unused]] std::vector<double> errors(const Fingers& fingers, double accuracy) {
     const cageform::HarmonicCoordinates<double, 3> coordinates(fingers.cage(), {.accuracy = accuracy});
     const auto weights = evaluate_all(coordinates, fingers.points);
@@ -82,14 +82,14 @@ TEST_CASE("the corrections of a row keep constants and positions, whatever is ne
         cageform::detail::NearRows rows(field, 0);
         std::size_t corrected = 0;
         auto points = points_below_faces(mesh, 20, std::uint64_t(seed));
-        if (is_prism) points.push_back({0.97, 1.01, 0.5}); // next to its reflex edge
+        if (is_prism) points.push_back({0.97, 1.01, 0.5}); // next to the reflex edge
         for (const auto& p : points) {
             WalkNumbers numbers(std::uint64_t(seed), 1000 + corrected);
             Vec<double, 3> foot;
             const auto value = nearest_boundary_value(mesh, p, foot);
             const auto x = boundary.in_units(p);
             const double free = length(boundary.in_units(foot) - x);
-            // A mean over three pairs of places about x, and over the nearest place of the boundary and its
+            // A mean over three pairs of points around x, and over the nearest boundary point and its mirror
             // image.
             rows.begin(7, x, 2 * free);
             std::array<Vec<double, 3>, 7> way;
@@ -141,7 +141,7 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
     cageform::detail::LeafSamples<cageform::detail::LeafModel, cageform::detail::LeafFit> samples(
         cage.tree(), cage.nodes(), field);
     const auto points = points_below_faces(mesh, 12, std::uint64_t(seed));
-    // Any values at nodes and vertices.
+    // Random values at nodes and vertices.
     const auto value_at = [&](std::uint32_t number, std::uint64_t kind) {
         return 2 * WalkNumbers(std::uint64_t(seed) + kind, number).next() - 1;
     };
@@ -174,7 +174,7 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
                 }
                 CHECK(std::fabs(sum - 1) <= 1e-9);
                 CHECK(length(place - line[k]) <=
-                      1e-7 * cage.tree().cells().size()); // places are moved inside
+                      1e-7 * cage.tree().cells().size()); // points are moved inside
                 values.push_back(value);
                 ++k;
             });
@@ -182,7 +182,7 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
                 bend[std::size_t(half)] = (std::max)(
                     bend[std::size_t(half)], std::fabs(values[m - 1] - 2 * values[m] + values[m + 1]));
         }
-        CHECK(bend[0] > 2.5 * bend[1]); // half a step halves a kink, and leaves a jump as it is
+        CHECK(bend[0] > 2.5 * bend[1]); // halving the step halves a kink, and keeps a jump
     }
 }
 
@@ -197,7 +197,7 @@ TEST_CASE("gradients of harmonic weights in space are the derivatives of weights
     auto points = points_below_faces(mesh, 8, std::uint64_t(seed));
     std::vector<Vec<double, 3>> feet(8), pairs; // pairs: the points below and above along each axis
     for (std::size_t n = 0; n < 8; ++n) (void)nearest_boundary_value(mesh, points[n], feet[n]);
-    for (std::size_t n = 0; n < 8; ++n) { // far closer to faces
+    for (std::size_t n = 0; n < 8; ++n) { // much nearer to faces
         points.push_back(feet[n] + (n < 4 ? 1e-2 : 1e-5) * (points[n] - feet[n]));
         feet.push_back(feet[n]);
     }
@@ -242,7 +242,7 @@ TEST_CASE("gradients of harmonic weights in space are the derivatives of weights
             ++compared;
         }
 
-        // Halving the step along a line halves the largest change. It would not reduce a jump.
+        // Halving the step along a line halves the largest change, unless there is a jump.
         if (n >= 4) continue;
         WalkNumbers numbers(std::uint64_t(seed), 3000 + n);
         const auto along = 0.9 * length(feet[n] - points[n]) * random_direction(numbers);
@@ -284,7 +284,7 @@ TEST_CASE(
               (n <= mesh.size() || n % 3 == mesh.size() % 3 ? PointState::on_boundary : PointState::inside));
         CHECK(law_error<double, 3>(mesh.vertices(), points[n], found.rows[n]) <= 1e-2);
         if (n <= mesh.size() || n % 3 == (mesh.size() + 1) % 3) continue;
-        // Along the face, gradients are the slopes of the data.
+        // Along the face, gradients equal those of the boundary values.
         const auto& face = mesh.faces()[(n - mesh.size() - 1) / 3];
         for (std::size_t k = 0; k < 3; ++k) {
             const auto from = face[k], to = face[(k + 1) % 3];
@@ -333,9 +333,9 @@ TEST_CASE("the quick solid angle of a face is within 1e-10 of the exact one",
         const auto place = corners[0] + (2 * numbers.next() - 0.5) * (corners[1] - corners[0]);
         const auto x = place + std::pow(10.0, -8 * numbers.next()) * random_direction(numbers);
         const Vec<cageform::detail::Simd<double>, 3> p{x[0], x[1], x[2]};
-        look_at_corners(frame, p, seen);
+        find_corners(frame, p, seen);
         for (std::size_t e = 0; e < frame.edges.size(); ++e)
-            cageform::detail::look_at_edge<false>(frame.edges[e], 0.0, seen, seen.edges[e]);
+            cageform::detail::find_edge<false>(frame.edges[e], 0.0, seen, seen.edges[e]);
         for (const auto& face : frame.faces) {
             cageform::Lanes<double> quick, exact;
             cageform::detail::FaceIntegrals<double, true>(face, frame, seen, 0.0).angle.store(quick);
@@ -358,7 +358,7 @@ TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its 
         Vec<double, 3> foot;
         const auto value = nearest_boundary_value(mesh, p, foot);
         const auto x = boundary.in_units(p);
-        REQUIRE(patch.look(x, 0.2 / boundary.unit()));
+        REQUIRE(patch.set_viewpoint(x, 0.2 / boundary.unit()));
         patch.evaluate(std::span(&x, 1), 0);
         double all = 0;
         for (std::size_t v = 0; v < patch.vertices().size(); ++v) {
@@ -368,7 +368,7 @@ TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its 
             CHECK(std::fabs(2 * patch.layer(v, 0) - hat) <= 1e-4);
             all += hat;
         }
-        CHECK(std::fabs(all - 1) <= 1e-12); // the corners of the face below are all there
+        CHECK(std::fabs(all - 1) <= 1e-12); // includes all corners of the face below
     }
 }
 
@@ -404,7 +404,7 @@ TEST_CASE("the singular function of a wedge is harmonic, and zero on both planes
     for (const auto& way : {along, plane, normal})
         sum += singular(p + h * way) + singular(p - h * way) - 2 * singular(p);
     CHECK(std::fabs(sum) <=
-          1e-9 * std::pow(r, std::numbers::pi / angle)); // h² of the sixth derivatives' size
+          1e-9 * std::pow(r, std::numbers::pi / angle)); // h² times the size of the sixth derivatives
 }
 
 TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordinates][harmonic][space]") {
@@ -430,14 +430,14 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
             worst = (std::max)(worst, std::fabs(rows[n][i] - known[n][i]));
     }
     CAPTURE(worst);
-    CHECK(worst <= accuracy); // without the singular function 2.5e-2
+    CHECK(worst <= accuracy); // 2.5e-2 without the singular function
 }
 
 TEST_CASE("next to narrow dents errors are as small as was asked for",
           "[coordinates][harmonic][space][property]") {
     constexpr double accuracy = 1e-2;
     const int seed = GENERATE(seeds(1));
-    const bool is_pointed = GENERATE(true, false); // a pyramid; else a column
+    const bool is_pointed = GENERATE(true, false); // a pyramid, or a column
     WalkNumbers numbers(19, std::uint64_t(seed));
     const double half = (is_pointed ? 1 : 0.4) * (0.02 + 0.03 * numbers.next()),
                  depth = 0.4 + 0.3 * numbers.next(), turn = 3 * numbers.next();
@@ -474,12 +474,12 @@ TEST_CASE("next to narrow dents errors are as small as was asked for",
     REQUIRE(weights.status() == cageform::Status::ok);
     for (std::size_t n = 0; n < points.size(); ++n) {
         const auto known = walk_on_spheres(mesh, points[n], 2000, n);
-        for (std::size_t i = 0; i < mesh.size(); ++i) // 0.14 if cells are as large as the dent is wide
+        for (std::size_t i = 0; i < mesh.size(); ++i) // 0.14 if cells are as large as the dent
             CHECK(std::fabs(weights.rows[n][i] - known.weight[i]) <= accuracy + 4 * known.error[i] + 1e-3);
     }
 }
 
-#if !defined(CAGEFORM_SANITIZED) // minutes there, and the same code as in the test of fingers without a skin
+#if !defined(CAGEFORM_SANITIZED) // takes minutes there; the test of fingers without a skin covers the code
 TEST_CASE("next to the skin of thin fingers errors are as small as was asked for",
           "[coordinates][harmonic][space][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers", 1, "skin.txt");
@@ -502,7 +502,7 @@ TEST_CASE("weights next to the skin depend neither on other points nor on thread
     const auto mesh = Fingers(CAGEFORM_TEST_DATA "/fingers").cage();
 #endif
     cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 5e-2});
-    // Some in one leaf: each is followed by one nearby.
+    // Pairs of neighbours, some of them in one leaf.
     auto points = points_below_faces(mesh, 12, 11);
     for (std::size_t n = 0; n < 12; ++n) {
         Vec<double, 3> foot;

@@ -1,4 +1,4 @@
-// Solved functions as a file: taken in place of a solve they give its weights to the bit; all else is refused.
+// Packed functions replace a solve with bitwise equal weights. All other files are refused.
 #include "catch.hpp"
 #include "support/aligned.hpp"
 #include "support/effort.hpp"
@@ -45,7 +45,7 @@ SolutionHeader header_of(std::span<const std::byte> bytes) {
     return header;
 }
 
-/// Checks that coordinates which take the solution of others have their weights, gradients and report.
+/// Checks that coordinates that loaded a solution have equal weights, gradients and report.
 template <class C, class Points>
 void check_round_trip(const C& cage, const Points& points) {
     constexpr HarmonicOptions options{.accuracy = effort(0.02, 0.1)};
@@ -53,12 +53,12 @@ void check_round_trip(const C& cage, const Points& points) {
     REQUIRE(solved.solve().status == Status::ok);
     const auto bytes = saved(solved);
     Adaptive<C> again(cage, options);
-    CHECK(saved(again) == bytes); // of another solve
+    CHECK(saved(again) == bytes); // after another solve
     Aligned memory(bytes);
     Adaptive<C> reader(cage, options);
     const auto loaded = reader.load_solution(memory.bytes());
     REQUIRE(loaded.status == Status::ok);
-    CHECK(saved(reader) == bytes); // of no solve
+    CHECK(saved(reader) == bytes); // without a solve
     const auto expected = evaluate_all(solved, points), found = evaluate_all(reader, points);
     REQUIRE(found.status() == Status::ok);
     CHECK(found.states == expected.states);
@@ -102,7 +102,7 @@ TEST_CASE("functions that are read from a file give the weights of the solve, to
             check_round_trip(mesh.mesh<double>(), about);
         if (check(mesh.mesh<float>()).status == Status::ok) check_round_trip(mesh.mesh<float>(), about);
     }
-    const auto prism = l_prism().cage<float>(); // planar faces, with harmonic functions in them
+    const auto prism = l_prism().cage<float>(); // planar faces with harmonic functions
     check_round_trip(prism, Points3<float>{{0.5F, 0.5F, 0.5F}, {1.5F, 0.25F, 0.9F}, {0.1F, 1.9F, 0.2F}});
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("a solution of another cage, grid or accuracy is refused by name",
     const auto status_for = [&](auto coordinates) {
         const Status status = coordinates.load_solution(memory.bytes()).status;
         if (coordinates.cage_report().status == Status::ok) {
-            const Points2<double> points{{0.5, 0.5}}; // it solves then, as without
+            const Points2<double> points{{0.5, 0.5}}; // solves if no solution is loaded
             if constexpr (decltype(coordinates)::dimension == 2)
                 CHECK(evaluate_all(coordinates, points).status() == Status::ok);
         }
@@ -165,7 +165,7 @@ TEST_CASE("a solution of another cage, grid or accuracy is refused by name",
     const auto box = divided_box({1, 1, 1}, 1).mesh<double>();
     CHECK(status_for(Adaptive<TriangleMesh<double>>(box, coarse)) == Status::blob_kind_differs);
 
-    // The triangles of two cages are equal, but the functions on their faces are not.
+    // The triangles of two cages are equal, but the functions on their faces differ.
     const auto prism = l_prism();
     Adaptive<PolyhedralMesh<double>> of_polygons(prism.cage<double>(), coarse);
     Aligned planar(saved(of_polygons));
@@ -253,13 +253,13 @@ TEST_CASE("every contradiction in a solution is found though its checksum is rig
     std::memcpy(&nodes, bytes.data() + last, sizeof(nodes));
     REQUIRE(header.nodes % 64 != 0);
     refused(last, nodes | std::uint64_t{1} << 63);
-    // Weights are never no numbers: a value that is none is no value.
+    // Weights are never NaN.
     for (const float number :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         refused(std::size_t(group.rows), number);
         refused(std::size_t(group.rows + group.row_count * 64 - 4), number);
     }
-    Aligned other(bytes); // a value that may be one: harmless
+    Aligned other(bytes); // a changed finite value is harmless
     other.set(std::size_t(group.rows), 1e30F);
     other.seal();
     REQUIRE(coordinates.load_solution(other.bytes()).status == Status::ok);

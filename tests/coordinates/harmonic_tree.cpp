@@ -1,4 +1,4 @@
-// Harmonic coordinates on an adaptive grid: bound by accuracy; against the oracle, and what is refused.
+// Harmonic coordinates on an adaptive grid: the accuracy, the oracle, and refusals.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/fingers.hpp"
@@ -46,7 +46,7 @@ double largest_error(const C& cage, const Points& points, const std::vector<std:
 
 TEST_CASE("adaptive weights are as accurate as asked, in the plane",
           "[coordinates][harmonic][tree][oracle]") {
-    // Some points are as near as 1e-5 diagonals to a corner or to the end of a chain.
+    // Some points are within 1e-5 diagonals of a corner or of the end of a chain.
     for (const char* name :
          {"triangle", "unit_square", "rectangle", "square_extra_vertex", "hexagon", "l_shape", "star",
           "biped", "cat", "hole_square_square_hole", "hole_hexagon_triangle_hole",
@@ -64,7 +64,7 @@ TEST_CASE("adaptive weights are as accurate as asked, in the plane",
         }
     }
 }
-/// A mesh of tests/data/oracle turned about (1, 2, 3), as is the grid then to its faces.
+/// A mesh of tests/data/oracle rotated about (1, 2, 3), so that faces are not aligned with the grid.
 double error_of_oracle(const std::string& name, double angle, double accuracy) {
     const auto json = read_json("harmonic3d_" + name);
     const auto turned = [&](const char* key) {
@@ -78,7 +78,7 @@ double error_of_oracle(const std::string& name, double angle, double accuracy) {
                          json["coordinates"].get<std::vector<std::vector<double>>>(), accuracy);
 }
 TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][harmonic][tree][oracle]") {
-    CHECK(error_of_oracle("tetrahedron", 0.5, 1e-2) <= 1e-4); // all of it what the solver leaves
+    CHECK(error_of_oracle("tetrahedron", 0.5, 1e-2) <= 1e-4); // the solver's error
     for (const double angle : {2.0, 1.0, 0.0}) {
         if (angle < effort(0.0, 2.0)) break;
         CAPTURE(angle);
@@ -91,14 +91,14 @@ TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][
             CHECK(error_of_oracle("l_prism_triangulated", angle, accuracy) <= 1.5 * accuracy);
         }
     }
-#if !defined(CAGEFORM_SANITIZED) // a minute there, and the same code
+#if !defined(CAGEFORM_SANITIZED) // takes a minute there, with the same code
     for (const char* name : {"cube_triangulated", "box_mixed_diagonals_triangulated", "l_prism_triangulated"})
         CHECK(error_of_oracle(name, 0, 2e-4) <= 2e-4);
 #endif
 }
-// Tests a large cage with a small part: 762 handles, fingers 1.7 thick on a body of 180. Reference
-// values come from walks on spheres, to 2.5e-4.
-#if !defined(CAGEFORM_SANITIZED) // minutes there, in functions that other tests call too
+// A large cage with a small part: 762 handles, fingers 1.7 thick on a body of 180. Reference values are from
+// walks on spheres, to 2.5e-4.
+#if !defined(CAGEFORM_SANITIZED) // takes minutes there, with code that other tests cover
 TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers");
     constexpr double accuracy = 5e-3;
@@ -107,7 +107,7 @@ TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]
 }
 #endif
 
-/// Against a grid for a tenth of the error.
+/// Compares with a grid for a tenth of the error.
 template <class C, class Points>
 void check_estimate(const C& cage, const Points& points, double accuracy) {
     const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), points);
@@ -145,7 +145,7 @@ TEST_CASE("the errors of an adaptive grid are known by an estimate",
     }
 }
 
-/// Places on facets of a cage, drawn at random off their rims, and directions.
+/// Random points on facets of a cage, away from their edges, and directions.
 template <class C>
 class BoundaryPlaces {
     static constexpr std::size_t D = C::dimension;
@@ -176,7 +176,7 @@ public:
                 return (1 / std::sqrt(square)) * d;
         }
     }
-    /// The data at the place of the boundary nearest to a point, by handle.
+    /// The boundary values at the boundary point nearest to a point, by handle.
     std::vector<double> data(const Vec<double, D>& p) const {
         Vec<double, D> nearest;
         const auto value = nearest_boundary_value(cage_, p, nearest);
@@ -191,8 +191,8 @@ private:
     std::vector<std::array<Vec<double, D>, D>> facets_;
 };
 
-/// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how
-/// many points there are.
+/// Differences of weights from boundary values at distances of 10^-15, 10^-14, … 10^-3 diagonals, and the
+/// number of points.
 struct Approach {
     static constexpr std::size_t distances = 13;
     static double distance(std::size_t n) { return std::pow(10.0, double(n) - 15); }
@@ -222,8 +222,8 @@ struct Approach {
             ++points[at[i]];
         }
     }
-    /// Weights differ from the data by no more than functions rise, and those of these cages do by less
-    /// than 200 a diagonal.
+    /// Weights differ from boundary values by at most the slope of the functions, below 200 per diagonal for
+    /// these cages.
     void check() const {
         for (std::size_t n = 0; n < distances; ++n) {
             CAPTURE(distance(n));
@@ -265,8 +265,8 @@ TEST_CASE("towards the boundary adaptive weights tend to its data: a table", "[.
     plane.check();
     space.check();
 }
-// After a round trip through text, a point on its cage lies on either side of the boundary, and gets its
-// data.
+// After rounding to text, a point of the cage may lie on either side of the boundary. It gets the boundary
+// values.
 TEST_CASE("a figure on its own cage has the data of the boundary, after text of 7 to 17 digits",
           "[coordinates][harmonic][tree][property]") {
     const auto check_figure = [](const auto& cage, std::uint64_t seed, double accuracy) {
@@ -305,7 +305,7 @@ TEST_CASE("a figure on its own cage has the data of the boundary, after text of 
         if (seed < 2) check_figure(random_mesh(2000 + seed).mesh<double>(), seed, 1e-2);
     }
 }
-// Limbs and corners of which a leaf sees little, its own corners least of all.
+// Leaves that see little of limbs and corners, least of all of their own corners.
 TEST_CASE("adaptive weights of places that see no node of their leaf are as accurate as others",
           "[coordinates][harmonic][tree]") {
     const auto check_place = [](std::uint64_t seed, const Vec<double, 2>& p, double accuracy) {
@@ -323,8 +323,8 @@ TEST_CASE("adaptive weights of places that see no node of their leaf are as accu
     check_place(1012, {0.008007936337821828, 0.0025524405685436323}, 1e-3);
 }
 
-/// Checks laws of all weights. On a bone the weights are those of its axis; near the axis they reproduce
-/// no point.
+/// Checks the laws of all weights. On a bone the weights are those of its axis. Weights next to bones do not
+/// reproduce the point.
 template <class C, class Points>
 void check_laws(const C& cage, const Points& points, bool has_bones = false) {
     constexpr std::size_t D = C::dimension;
@@ -348,13 +348,13 @@ void check_laws(const C& cage, const Points& points, bool has_bones = false) {
             sum += w;
             p = p + w * vec_cast<double>(cage.vertices()[k]);
         }
-        CHECK(std::fabs(sum - 1) <= 0.5 * accuracy); // each function is solved to a sixth of it
+        CHECK(std::fabs(sum - 1) <= 0.5 * accuracy); // each function is solved to a sixth of this
         if (has_bones) continue;
         CHECK(cageform::detail::length(p - vec_cast<double>(points[i])) <= 0.5 * accuracy * size);
     }
     CHECK(inside > 5);
-    // The bits are equal on any number of threads. Stored functions drop values below a five hundredth
-    // of the accuracy, except for float.
+    // Results are bitwise equal for any number of threads. Kept functions drop values below 0.002 of the
+    // accuracy.
     const auto threaded = evaluate_all(coordinates, points, {.parallel = cageform::ThreadedFor{3}});
     CHECK(threaded.rows == weights.rows);
     REQUIRE(coordinates.solve().status == Status::ok);
@@ -413,7 +413,7 @@ TEMPLATE_TEST_CASE("adaptive weights of every kind of cage are a mean",
     about_mixed.push_back({T(0.25), T(0.5), T(0)});
     check_laws(mixed, about_mixed);
 
-    // Interior cells that have no thickness reproduce points, with bones beside them weights are a mean.
+    // Interior cells without thickness preserve reproduction of points. Beside bones, weights are a mean.
     CellComplex<T, 2> plane(Polygon<T>(Points2<T>{{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
     (void)plane.add_chain(Points2<T>{{1, 2}, {T(2.25), 2}, {3, T(2.5)}});
     auto about_plane = random_points(bounds_of(plane.vertices()), 80, 3);
@@ -452,8 +452,8 @@ TEST_CASE("on interior cells adaptive weights are their hat functions",
 }
 TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are the known potential",
           "[coordinates][harmonic][tree][complex]") {
-    // The function of a vertex of radius a in the middle of a circle of radius 1 is ln r / ln a; in a
-    // sphere it is (1/r - 1)/(1/a - 1). The outlines are polygons as large as circle and sphere.
+    // The function of a vertex of radius a at the centre of a circle of radius 1 is ln r / ln a; of a sphere,
+    // (1/r − 1)/(1/a − 1). Polygons and polyhedra of the same size stand for circle and sphere.
     constexpr double accuracy = 2e-3;
     constexpr int corners = 48;
     constexpr double half = std::numbers::pi / corners;
@@ -472,7 +472,7 @@ TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are th
         const double r = cageform::detail::length(in_disc[i]);
         CHECK(std::fabs(flat.rows[i][middle] - std::log(r) / std::log(0.1)) <= accuracy);
     }
-    // In a large square the same of a point hardly thicker than the finest cells: near it linear in ln r.
+    // The same in a large square, for a point hardly thicker than the finest cells: near it linear in ln r.
     CellComplex<double, 2> square(Polygon<double>(Points2<double>{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
     auto thinner = square;
     const auto thin = square.add_point(Vec<double, 2>{0.01, 0.003}, 1e-5);
@@ -484,7 +484,7 @@ TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are th
     for (const auto& [i, r] : {std::pair(1, 1e-3), std::pair(2, 5e-2)})
         CHECK(std::fabs(falling.rows[std::size_t(i)][thin] - 1 - per_e * std::log(r / 1e-5)) <= 0.02);
     CHECK(std::fabs(per_e * std::log(1e5) + 1) <= 0.02); // the square's conformal radius is near 1
-    // Thinner than that no cell sees it, and it is refused by its handle.
+    // Thinner points are refused, because no cell sees them.
     const auto unseen = thinner.add_point(Vec<double, 2>{0.01, 0.003}, 1e-8);
     const auto refused =
         evaluate_all(Adaptive<CellComplex<double, 2>>(thinner, {.accuracy = accuracy}), in_disc);
@@ -513,7 +513,7 @@ TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are th
 
 TEST_CASE("adaptive weights far from the origin are as near it, until coordinates are too coarse",
           "[coordinates][harmonic][tree][float]") {
-    // Some thousand diameters away a cage of floats has digits for some hundred cells.
+    // Some thousand diameters from the origin, a cage of floats has digits for some hundred cells.
     constexpr double accuracy = 5e-3;
     for (std::uint64_t seed = 0; seed < effort(3u, 1u); ++seed) {
         const Polygon<double> star(random_star<double>(seed));
@@ -557,7 +557,7 @@ TEST_CASE("an adaptive solve tells its progress and is cancelled",
     Adaptive<TriangleMesh<double>> coordinates(mesh, {.accuracy = effort(0.02, 0.1)});
     const auto expected = evaluate_all(coordinates, points);
     double last = 0;
-    int calls = 0, of_grid = 0; // before the grid is made
+    int calls = 0, of_grid = 0; // calls before the grid is made
     cageform::Running running;
     running.progress = [&](double done) {
         CHECK(done >= last);
@@ -578,7 +578,7 @@ TEST_CASE("an adaptive solve tells its progress and is cancelled",
         CHECK(asked == stop_at);
         asked = 0;
         CHECK(coordinates.solve(running).status == Status::cancelled);
-        CHECK(evaluate_all(coordinates, points).rows == expected.rows); // nothing is kept
+        CHECK(evaluate_all(coordinates, points).rows == expected.rows); // no functions are kept
     }
 }
 
@@ -634,7 +634,7 @@ TEST_CASE("adaptive weights take the data of every kind of face", "[coordinates]
                             json["coordinates"].get<std::vector<std::vector<double>>>(),
                             accuracy) <= 4 * accuracy); // next to the prism's reflex edge
     }
-    // A box that is not divided has trilinear functions, of which the equations are exact.
+    // A box without divisions has trilinear functions, for which the equations are exact.
     Random random(17);
     const Vec<double, 3> lower{-1, 2, 0}, upper{0.3, 3, 2};
     const auto box = cageform::box_mesh(lower, upper), divided = cageform::box_mesh(lower, upper, {2, 1, 3});
@@ -654,7 +654,7 @@ TEST_CASE("adaptive weights take the data of every kind of face", "[coordinates]
     CHECK(largest_error(box, points, trilinear, accuracy) <= 0.2 * accuracy);
     const cageform::HarmonicCoordinates uniform(divided, {.resolution = 96}, cageform::UniformGrid{});
     CHECK(largest_error(divided, points, evaluate_all(uniform, points).rows, accuracy) <=
-          3e-2); // next to kinks of its data
+          3e-2); // next to kinks of boundary values
 }
 
 TEST_CASE("the cells of an adaptive grid can be as small as a quarter of any bone's radius",
@@ -719,7 +719,7 @@ TEST_CASE("adaptive weights go up to bones, as those of a fine uniform grid",
     compare(space, points, 96, 2 * accuracy);
 }
 
-/// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity, up to what the solver leaves, over the smallest cells.
+/// Σ ∇h_i = 0 and Σ C_i ∇h_i = identity, up to the solver's error over the smallest cells.
 template <class C, class Points>
 void check_gradients(const C& cage, const Points& points) {
     using T = typename C::scalar;
@@ -799,8 +799,8 @@ TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][h
     CHECK(status(mesh, {.accuracy = 1.0}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.accuracy = -1e-3}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.accuracy = 1e-9}) == Status::accuracy_not_supported);
-    CHECK(status(mesh, {.resolution = 16}) == Status::solver_not_supported); // of the uniform grid
-    // A cage that needs more memory than allowed is refused with the number of bytes.
+    CHECK(status(mesh, {.resolution = 16}) == Status::solver_not_supported); // an option of UniformGrid
+    // A cage that needs more memory than allowed is refused, with the number of bytes.
     auto plate = divided_box({1, 1, 1}, 1.0);
     for (auto& p : plate.vertices) p[2] *= 1e-5;
     for (const auto& cage : {mesh, plate.mesh<double>()}) {

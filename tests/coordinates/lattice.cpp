@@ -1,4 +1,4 @@
-// Lattices of splines: reference values, the laws of free-form deformation, faults by name.
+// Lattices of splines: reference values, the laws of free-form deformation, named faults.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/gradients.hpp"
@@ -54,7 +54,7 @@ LatticeCoordinates<T, D> lattice_of(const nlohmann::json& json) {
     return LatticeCoordinates<T, D>(axes, box, T(json["falloff"].get<double>()));
 }
 
-/// A lattice with any points, degrees, knots and axes, by a seed.
+/// A random lattice with any number of points, degrees, knots and axes.
 template <class T, std::size_t D>
 struct RandomLattice {
     std::mt19937_64 random;
@@ -85,7 +85,7 @@ struct RandomLattice {
     }
     double uniform(double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; }
     LatticeCoordinates<T, D> lattice() const { return LatticeCoordinates<T, D>(axes, box, falloff); }
-    /// A place o + A u.
+    /// The point o + A u.
     Vec<T, D> place(double low, double high) {
         Vec<T, D> u;
         for (std::size_t k = 0; k < D; ++k) u[k] = T(uniform(low, high));
@@ -169,7 +169,7 @@ TEMPLATE_TEST_CASE("a lattice of any size has the same weights, to the bit",
     using T = TestType;
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
-    constexpr int most = sizeof(T) == 8 ? 900 : 60; // small slopes stay above denormal numbers
+    constexpr int most = sizeof(T) == 8 ? 900 : 60; // keeps small slopes normal numbers
     for (const int exponent : {-most, -most / 2, most / 2, most}) {
         CAPTURE(exponent);
         const auto scaled = [&](auto x) {
@@ -271,7 +271,7 @@ TEST_CASE("gradients of a lattice are those of its weights, faded or not",
                 const auto rows = evaluate_all(lattice, std::vector{below, above}).rows;
                 for (std::size_t i = 0; i < lattice.handles().size(); ++i) {
                     const double difference = (rows[1][i] - rows[0][i]) / (2 * step);
-                    // A knot of degree 1 within the step has two slopes: half their difference is allowed there.
+                    // A knot of degree 1 within the step has two slopes: half their difference is allowed.
                     bool is_smooth = true;
                     for (const auto& a : any.axes) is_smooth = is_smooth && a.degree > 1;
                     if (is_smooth)
@@ -315,7 +315,7 @@ TEST_CASE("displacements go on smoothly at the box, and fade smoothly", "[coordi
     Vec<double, 3> u{any.uniform(0.1, 0.9), any.uniform(0.1, 0.9), 1};
     const auto face = any.box.translation + any.box.map_vector(u);
     values_agree(face, any.box.columns[2]);
-    // At the distance where it ends the figure is at rest.
+    // At the end of the falloff the figure is at rest.
     const auto& across = any.box.columns[2];
     const double length = std::sqrt(dot(across, across));
     const auto end = face + (any.falloff / length) * across;
@@ -335,7 +335,7 @@ TEST_CASE("with frozen layers points outside stay where they are, smoothly", "[c
         if (!std::binary_search(frozen.begin(), frozen.end(), i))
             pose[i] = pose[i] + Vec<double, 2>{double(random() % 100) / 500, double(random() % 100) / 500};
     }
-    // Displacements are of order two: ten times nearer to the face the displacement is a hundredth.
+    // Displacements are of order two: a tenth of the distance from the face gives a hundredth.
     const auto displacement = [&](double distance) {
         const auto row = evaluate_all(lattice, std::vector{Vec<double, 2>{distance, 0.4}}).rows[0];
         Vec<double, 2> q{-distance, -0.4};
@@ -479,11 +479,11 @@ TEST_CASE("what no lattice can be is refused by name", "[coordinates][lattice][f
     const auto infinite = report({}, {{Vec<double, 2>{1, 0}, Vec<double, 2>{0, HUGE_VAL}}, {0, 0}});
     CHECK(infinite.status == Status::vertex_not_finite);
     CHECK(first(infinite).a == 1);
-    // Its far corner is beyond the range of numbers.
+    // The far corner overflows.
     const auto large = report({}, {{Vec<double, 2>{1e308, 0}, Vec<double, 2>{0, 1e308}}, {1e308, 0}});
     CHECK(large.status == Status::vertex_not_finite);
     CHECK(first(large).a == 2);
-    // The inverse of its side is.
+    // The reciprocal of the side overflows.
     const double least = 4e-324;
     CHECK(report({}, {{Vec<double, 2>{least, 0}, Vec<double, 2>{0, least}}, {0, 0}}).status ==
           Status::frame_flat);

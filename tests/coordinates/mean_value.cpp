@@ -1,4 +1,4 @@
-// Mean value coordinates against reference values, a slow formula with angles, and their limits.
+// Mean value coordinates: reference values, a slow formula with angles, and limits.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -34,7 +34,7 @@ constexpr std::array oracles{"triangle",
                              "square_square_hole",
                              "hexagon_triangle_hole"};
 
-/// The definition, with angles and trigonometric functions, in long double. Not for points on the boundary.
+/// The definition with angles in long double, for points off the boundary.
 template <class T>
 std::vector<long double> by_definition(const Polygon<T>& cage, const Vec<T, 2>& p) {
     std::vector<long double> w(cage.size(), 0);
@@ -57,8 +57,8 @@ std::vector<long double> by_definition(const Polygon<T>& cage, const Vec<T, 2>& 
     return w;
 }
 
-/// How far a place on the boundary is from the cage's other vertices and from the edges it is not on: the
-/// length over which the weights change by something like 1.
+/// The distance of a boundary point from the cage's other vertices and edges: the length over which weights
+/// change by about 1.
 template <class T>
 double room_about(const Polygon<T>& cage, const Vec<T, 2>& place, double diagonal) {
     double room = diagonal;
@@ -78,7 +78,7 @@ Vec<T, 2> middle_of(const Polygon<T>& cage) {
     return T(0.5) * (b.lower + b.upper);
 }
 
-/// Points at `distance` diagonals about the cage.
+/// Points at `distance` diagonals from the cage.
 template <class T>
 Points2<T> ring_of_points(const Polygon<T>& cage, double distance, int count, Random& random) {
     const auto middle = middle_of(cage);
@@ -119,9 +119,9 @@ TEST_CASE("mean value weights in float are those of the oracle up to the roundin
         const auto cage = oracle.cage<float>();
         const auto weights = evaluate_all(Mean<float>(cage), oracle.points);
         REQUIRE(weights.status() == Status::ok);
-        // Points and cage move by half an epsilon of their coordinates when they are rounded to float, and
-        // weights next to a corner change by 1 over the length of the shorter side; what gets nearer than 8
-        // epsilon to an edge counts as on it.
+        // Rounding to float moves points and cage by half an epsilon of their coordinates. Next to a corner,
+        // weights change by 1 over the length of the shorter side. Points within 8 epsilon of an edge count
+        // as on it.
         const auto bounds = cageform::bounds_of(cage.vertices());
         double shortest = double(bounds.diagonal());
         cage.for_each_edge(
@@ -158,8 +158,8 @@ TEMPLATE_TEST_CASE("mean value weights are those of the definition", "[coordinat
         const auto expected = by_definition(cage, points[i]);
         const double away = distance(points[i], middle_of(cage)) / diagonal;
         CAPTURE(i, away, text(weights.rows[i]), text(expected));
-        // Far away the sum of the w_i is what is left of terms larger by the distance. (The oracle loses
-        // likewise, but from the epsilon of long double.)
+        // Far away, the sum of the w_i is the remainder of terms larger by a factor of the distance. (The
+        // oracle cancels as well, in long double.)
         CHECK(difference(weights.rows[i], expected) <=
               8 * std::max(1.0, away) * eps * relative_size * absolute_sum(expected));
     }
@@ -223,7 +223,7 @@ TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordina
             CHECK(weights.states[i] == PointState::outside);
             const double error = distance(combine(weights.rows[i], cage.vertices()), points[i]);
             if constexpr (sizeof(T) == 8) CHECK(error <= 1e-9 * far * diagonal);
-            // Up to 128 diagonals in the scalar itself, beyond in one that holds at least 2^11 times as much.
+            // Up to 128 diagonals in the scalar itself, farther in one with at least 11 more bits.
             const double lost = far <= 128 ? far : sizeof(T) == 4 ? 1 : std::max(1.0, far / 128);
             CHECK(error <= 32 * double(epsilon<T>) * lost * far * diagonal * relative_size);
         }
@@ -232,8 +232,7 @@ TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordina
 
 TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite weights",
                    "[coordinates][mean_value][far]", CAGEFORM_SCALARS) {
-    // The sum of the weights is of the order of one over the square of the distance, which no scalar
-    // resolves here.
+    // The sum of the weights is of the order of 1/distance², which no scalar resolves here.
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(30, 6)));
     CAPTURE(seed);
@@ -283,8 +282,8 @@ TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on ed
             const double away = distance(points[i], place);
             if (away > room / 4) continue;
             CAPTURE(n, s, room, away, text(weights.rows[i]), text(limit));
-            // 16: how fast weights change, in units of the room; `rounding` for the place, which is off the
-            // edge by as much, and for the 8 roundings next to the boundary that count as on it.
+            // 16 is the rate of change of weights per free length. `rounding` is for the position, and for
+            // the 8 roundings from the boundary that count as on it.
             CHECK(difference(weights.rows[i], limit) <=
                   16 * (away + rounding) / room + 8 * double(epsilon<T>));
         }
@@ -364,7 +363,7 @@ TEMPLATE_TEST_CASE("mean value states are those of locate", "[coordinates][mean_
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto expected = cageform::locate(cage, points[i], tolerance);
         const double off = double(cageform::nearest_on_boundary(cage, points[i]).distance / tolerance);
-        if (off > 0.5 && off < 2) continue; // a matter of rounding
+        if (off > 0.5 && off < 2) continue; // rounding may decide
         CAPTURE(i, off, points[i][0], points[i][1]);
         CHECK(cageform::to_string(weights.states[i]) == std::string(cageform::to_string(expected)));
     }
@@ -392,7 +391,7 @@ TEST_CASE("mean value weights are negative in the biped, where one leg drags the
 
 TEMPLATE_TEST_CASE("mean value weights at the ends of the scalar's range", "[coordinates][mean_value][scale]",
                    CAGEFORM_SCALARS) {
-    // Squares of lengths are representable, barely.
+    // Squares of lengths are just representable.
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(10, 2)));
     const double scale = sizeof(T) == 4 ? GENERATE(1e-15, 1e15) : GENERATE(1e-150, 1e150);

@@ -1,4 +1,4 @@
-// Mean value coordinates in space: the oracle, the laws on random meshes, and the places where formulas fail.
+// Mean value coordinates in 3D: the oracle, the laws on random meshes, and critical points of the formulas.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
@@ -74,7 +74,7 @@ TEMPLATE_TEST_CASE("mean value weights in space sum to 1 and reproduce the point
         CHECK(weights.states[i] == state);
         double largest = 1;
         for (const T w : weights.rows[i]) largest = cageform_tests::larger(largest, std::fabs(double(w)));
-        // Rounding of the coordinates themselves, and of what is left of each face's sum next to its plane.
+        // Rounding of the coordinates, and of the remainder of each face's sum next to its plane.
         const double tolerance = largest * (sizeof(T) == 8 ? 2e-12 : 1e-3);
         CHECK(std::fabs(double(sum_of(weights.rows[i])) - 1) <= tolerance);
         CHECK(distance(combine(weights.rows[i], mesh.vertices()), points[i]) <=
@@ -97,7 +97,7 @@ TEST_CASE("mean value weights are the same all the way to planes, faces, edges a
         const auto a = mesh[face[0]], b = mesh[face[1]], c = mesh[face[2]];
         auto normal = cross(b - a, c - a);
         normal = (1 / std::sqrt(dot(normal, normal))) * normal;
-        // On a face, an edge, a vertex; and in the plane beside.
+        // On a face, an edge and a vertex; and in the plane of the face beside it.
         const double u = n % 4 == 3 ? random.uniform(-1, 2) : random.uniform(0, 1);
         const double v = n % 4 == 3 ? random.uniform(-1, 2) : n % 4 == 0 ? random.uniform(0, 1 - u) : 0.0;
         const auto foot = n % 4 == 2 ? a : a + u * (b - a) + v * (c - a);

@@ -1,5 +1,5 @@
-// Gradients of mean value and barycentric coordinates: differences of long double, the laws, and the places
-// where formulas fail.
+// Gradients of mean value and barycentric coordinates: differences in long double, the laws, and critical
+// points of the formulas.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/gradients.hpp"
@@ -24,14 +24,14 @@ using cageform::TriangleMesh;
 namespace {
 
 using Real = long double;
-/// The rounding of Real. Differences of doubles would lose the digits that a wider long double has.
+/// The rounding of Real. Differences of doubles would have fewer digits than a wider long double.
 constexpr double real_rounding = double(std::numeric_limits<Real>::epsilon()) / 1.1e-19;
 
-/// The textbook's weights.
+/// The weights by the textbook formula.
 template <class T>
 std::vector<Real> by_definition(const Polygon<T>& cage, const Vec<Real, 2>& p) {
     std::vector<Real> w(cage.size(), 0);
-    std::vector<Real> sign(cage.size()); // outer loops count counter-clockwise, holes clockwise
+    std::vector<Real> sign(cage.size()); // outer loops are counter-clockwise, holes clockwise
     for (std::size_t k = 0; k < cage.loops().size(); ++k) {
         const auto& loop = cage.loops()[k];
         const bool turned = (signed_area(cage, loop) > 0) != (cageform::detail::loop_depth(cage, k) % 2 == 0);
@@ -72,8 +72,8 @@ std::vector<Real> by_definition(const TriangleMesh<T>& cage, const Vec<Real, 3>&
     return w;
 }
 
-/// Central differences of fourth order, with a step that is small beside the distance to the boundary. By
-/// row, times the diagonal.
+/// Central differences of fourth order, with a step much smaller than the distance from the boundary. By row,
+/// times the diagonal.
 template <class Cage, class T, std::size_t D>
 std::vector<Vec<double, D>> differences(const Cage& cage, const Vec<T, D>& p) {
     const Real size = Real(bounds_of(cage.vertices()).diagonal());
@@ -104,7 +104,7 @@ static_assert(cageform::GradientCoordinates<cageform::BarycentricCoordinates<flo
 static_assert(cageform::GradientCoordinates<cageform::HarmonicCoordinates<double, 2>>);
 static_assert(!cageform::GradientCoordinates<Polygon<double>>);
 
-/// Inside, next to edges and vertices, outside and far outside.
+/// Points inside, next to edges and vertices, outside and far outside.
 template <class T>
 Points2<T> points_about(const Polygon<T>& cage, Random& random) {
     const auto bounds = bounds_of(cage.vertices());
@@ -143,14 +143,14 @@ TEMPLATE_TEST_CASE("gradients of mean value weights in the plane are their diffe
     CHECK(gradients.states == weights.states);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i, points[i][0], points[i][1], to_string(gradients.states[i]));
-        // Next to an edge of a ring, outside, rounding alone makes 1e-11 (plain products) to 2e-10 (fused
-        // ones).
+        // Outside, next to an edge of a ring, rounding alone causes 1e-11 (plain products) to 2e-10 (fused
+        // products).
         CHECK(law_error<T, 2>(cage.vertices(), points[i], gradients.rows[i]) <=
               (sizeof(T) == 4                               ? 1e-6
                : gradients.states[i] == PointState::outside ? 1e-9
                                                             : 1e-10));
         if (gradients.states[i] == PointState::on_boundary) continue;
-        // Next to the boundary differences are worse than what they are compared to.
+        // Next to the boundary, differences are less accurate than gradients.
         CHECK(error_of(gradients.rows[i], differences(cage, points[i]), size) <=
               (sizeof(T) == 8 ? 1e-7 * real_rounding : 1e-6 * real_rounding));
     }
@@ -175,7 +175,7 @@ TEMPLATE_TEST_CASE("gradients of mean value weights in space are their differenc
         CHECK(law_error<T, 3>(mesh.vertices(), points[i], gradients.rows[i]) <=
               (sizeof(T) == 8 ? 1e-11 : 2e-6));
         if (gradients.states[i] == PointState::on_boundary) continue;
-        // The definition loses more than the gradients do next to planes of faces.
+        // Next to planes of faces, the definition is less accurate than the gradients.
         CHECK(error_of(gradients.rows[i], differences(mesh, points[i]), size) <=
               (sizeof(T) == 8 ? 1e-6 * real_rounding : 1e-5 * real_rounding));
     }
@@ -183,8 +183,8 @@ TEMPLATE_TEST_CASE("gradients of mean value weights in space are their differenc
 
 TEST_CASE("gradients of mean value weights are continuous through planes of faces and beyond edges",
           "[coordinates][meanvalue][space][gradients][limits]") {
-    // On either side of a plane, beside its face, they differ by the distance; there the plain formulas
-    // divide by it.
+    // On either side of a plane, beside its face, gradients differ by the distance. The plain formulas divide
+    // by that distance.
     const int seed = GENERATE(seeds(effort(10, 4)));
     CAPTURE(seed);
     const auto mesh = random_mesh(std::uint64_t(seed)).mesh<double>();
@@ -197,7 +197,7 @@ TEST_CASE("gradients of mean value weights are continuous through planes of face
         const auto a = mesh[face[0]], b = mesh[face[1]], c = mesh[face[2]];
         auto normal = cross(b - a, c - a);
         normal = (1 / std::sqrt(dot(normal, normal))) * normal;
-        // Anywhere in the plane, or on the line of an edge.
+        // In the plane, or on the line of an edge.
         const auto foot =
             a + random.uniform(-2, 3) * (b - a) + (n % 3 == 0 ? 0.0 : random.uniform(-2, 3)) * (c - a);
         Vec<double, 3> place;
@@ -216,7 +216,7 @@ TEST_CASE("gradients of mean value weights are continuous through planes of face
                 worst = cageform_tests::larger(worst, d);
             }
             CAPTURE(n, i, largest);
-            // Second derivatives are some hundreds near to corners.
+            // Second derivatives are some hundreds near corners.
             CHECK(worst <= largest * (1e-8 + 1e3 * distance(points[i], points[0]) / size));
         }
     }
@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE("gradients exactly in planes and on lines of edges are those 
         for (const auto& f : json["cage"]["faces"]) data.faces.push_back({f[0], f[1], f[2]});
         const auto mesh = data.mesh<T>();
         const double size = double(bounds_of(mesh.vertices()).diagonal());
-        std::array<std::vector<T>, 3> at; // coordinates of vertices, one half way, one outside
+        std::array<std::vector<T>, 3> at; // coordinates of vertices, one half-way between, one outside
         for (std::size_t k = 0; k < 3; ++k) {
             for (const auto& v : mesh.vertices()) at[k].push_back(v[k]);
             std::sort(at[k].begin(), at[k].end());
@@ -288,16 +288,16 @@ TEMPLATE_TEST_CASE(
     const auto gradients = gradients_of<T, 3>(Mean3<T>(mesh), points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
-        // Off the boundary by the rounding of float coordinates they may be.
+        // Rounding of float coordinates may move points off the boundary.
         CHECK(gradients.states[i] == PointState::on_boundary);
         CHECK(law_error<T, 3>(mesh.vertices(), points[i], gradients.rows[i]) <= tolerance);
-        // Bounded, though the terms they are made of are not.
+        // Bounded, although the individual terms are not.
         double largest = 0;
         for (const auto& g : gradients.rows[i])
             largest = cageform_tests::larger(largest, size * std::sqrt(double(dot(g, g))));
         CHECK(largest <= 1e3);
     }
-    // In the middle of a face they go over into those inside.
+    // In the middle of a face, gradients are continuous with those inside.
     if constexpr (std::is_same_v<T, double>) {
         const Mean3<double> coordinates(mesh);
         const auto faces = cageform::detail::outward_faces(mesh);
@@ -351,7 +351,7 @@ TEST_CASE("gradients at a point that sees an edge under an exact right angle are
         REQUIRE(bound);
         return bound;
     };
-    const auto here = at({0, 1}); // (−1, 0) and (1, 0) are at right angles from here
+    const auto here = at({0, 1}); // (−1, 0) and (1, 0) are seen under a right angle
     const auto beside = at({1e-9, 1 + 1e-9});
     CHECK(here.report.reproduction_error.value <= 1e-14);
     for (std::size_t k = 0; k < 2; ++k) {

@@ -32,7 +32,7 @@ HarmonicOptions at_resolution(std::size_t resolution) {
     return options;
 }
 
-/// A place of a face, by random shares of the corners of one of its triangles.
+/// A random point of a face, in one of its triangles.
 template <class T>
 Vec<T, 3> random_on_face(const PolyhedralMesh<T>& mesh, std::size_t f, Random& random) {
     const auto [first, last] = mesh.triangles_of(f);
@@ -64,7 +64,8 @@ TEST_CASE("harmonic coordinates of cages with polygons as faces: reference value
     struct Case {
         const char* name;
         double
-            /// Bilinear data is met to the solver's; beside the edge over the corner of the L order 4/3
+            /// Bilinear boundary values are met to the solver's tolerance; order 4/3 beside the reflex edge
+            /// of the L.
             tolerance;
     };
     const auto [name, tolerance] = GENERATE(values<Case>({{"harmonic3d_cube_quads", 1e-6},
@@ -96,7 +97,7 @@ TEST_CASE("harmonic coordinates of cages with polygons as faces: reference value
 
 TEST_CASE("harmonic coordinates of a prism are those of its floor times a linear function",
           "[coordinates][polyhedral][harmonic]") {
-    // A convex heptagon: no corner that takes a finer grid.
+    // A convex heptagon, without corners that need a finer grid.
     std::vector<Vec<double, 2>> base;
     for (int k = 0; k < 7; ++k) {
         const double angle = 2 * std::numbers::pi * k / 7, radius = k % 2 == 0 ? 1 : 0.8;
@@ -122,7 +123,7 @@ TEST_CASE("harmonic coordinates of a prism are those of its floor times a linear
         std::vector<double> expected;
         for (const double h : below.rows[i]) expected.push_back((1 - z) * h);
         for (const double h : below.rows[i]) expected.push_back(z * h);
-        CHECK(difference(found.rows[i], expected) <= 1e-3); // a grid's error: 4e-4
+        CHECK(difference(found.rows[i], expected) <= 1e-3); // measured: 4e-4, the grid's error
     }
     CHECK(inside > 80);
 }
@@ -146,7 +147,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
     }
     const auto by_mean_value = evaluate_all(mean_value, points), by_harmonic = evaluate_all(harmonic, points);
     REQUIRE(by_mean_value.status() == Status::ok);
-    const bool seen = by_harmonic.status() == Status::ok; // of thin stars the grid may not see a corner
+    const bool seen = by_harmonic.status() == Status::ok; // the grid may miss a corner of a thin star
     if (!seen) REQUIRE(by_harmonic.status() == Status::grid_too_coarse);
     std::vector<std::optional<cageform::HarmonicCoordinates<double, 2>>> in_plane(cage.face_count());
     std::size_t on_face = 0;
@@ -168,7 +169,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
                   (sizeof(T) == 4 ? 2e-5 : 1e-10));
         }
         if (!seen || by_harmonic.states[i] != PointState::on_boundary) continue;
-        // Faces are solved in their planes to 1e-5, whatever the resolution; rectangles are exact.
+        // Functions of faces are solved to 1e-5 for every resolution; rectangles are exact.
         auto& face = in_plane[face_of[i]];
         if (!face) {
             face.emplace(polygon, HarmonicOptions{.accuracy = 1e-5});
@@ -190,7 +191,7 @@ TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place, harmonic ones are 
     for (int n = 0; n < 20; ++n) {
         auto p = random_on_face(cage, random.below(cage.face_count()), random);
         points.push_back(p);
-        p[2] = T(double(p[2]) * (1 + 1e-5)); // beside a ceiling, or along a side
+        p[2] = T(double(p[2]) * (1 + 1e-5)); // above the ceiling, or along a side
         points.push_back(p);
     }
     const double size = size_of(cage.vertices()), rounding = double(cageform::epsilon<T>);
@@ -298,7 +299,7 @@ TEMPLATE_TEST_CASE("gradients of mean value coordinates of polygons", "[coordina
             for (std::size_t h = 0; h < cage.size(); ++h)
                 expected[h][k] = (high[h] - low[h]) / (2 * step) * size;
         }
-        CHECK(error_of(gradients.rows[i], expected, size) <= 1e-3); // of the differences, beside edges
+        CHECK(error_of(gradients.rows[i], expected, size) <= 1e-3); // the error of differences next to edges
     }
 }
 
@@ -337,7 +338,7 @@ TEST_CASE("mean value coordinates of polygons are continuous across the planes o
     const MeanValue<double> coordinates(cage);
     Random random(5);
     std::vector<Vec<double, 3>> on, beside;
-    for (int n = 0; n < 300; ++n) { // quarters: in the planes to the last bit, inside the cage and outside
+    for (int n = 0; n < 300; ++n) { // multiples of 1/4: exactly in the planes, inside the cage and outside
         Vec<double, 3> p, aside;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             p[axis] = 0.25 * double(random.below(14)) - 0.5;
@@ -390,7 +391,7 @@ TEST_CASE("faulty polyhedral cages are refused by both types", "[coordinates][po
     CHECK(evaluate_all(harmonic, points).status() == Status::face_not_planar);
     CHECK(evaluate_all(mean_value, points).status() == Status::face_not_planar);
     CHECK(harmonic.cage_report().faults.front().b == 3);
-    // In a cage whose corners may lie off the planes, by so little that all is as near.
+    // A cage that allows corners off the planes, by a negligible distance.
     data.vertices[3][2] = 1e-4;
     const MeanValue<double> lenient(data.vertices, data.faces, 1e-3);
     const auto found = evaluate_all(lenient, points);

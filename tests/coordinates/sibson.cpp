@@ -47,8 +47,8 @@ bool is_exact(const Points<D>& points) {
                        [](const auto& p) { return vec_cast<double>(vec_cast<T>(p)) == p; });
 }
 
-/// Compared in double, and in float. Sites and points that are no floats are moved by rounding, which
-/// costs a digit; places within float's tolerance of a site have that site's row.
+/// Compares in double and in float. Rounding moves sites and points that are not floats, which costs a digit.
+/// Points within float's tolerance of a site have that site's row.
 template <class T, std::size_t D>
 void check_weights(const SibsonCoordinates<T, D>& sibson, const Points<D>& sites,
                    const nlohmann::json& entry) {
@@ -71,9 +71,9 @@ void check_weights(const SibsonCoordinates<T, D>& sibson, const Points<D>& sites
     }
 }
 
-/// Its gradients at sites are left out. In the file rounding decides which of two sites has the facet
-/// between a cell and its mirror image, and that two sites of a flat face lie 1e-16 inside. Here they are
-/// those of the lattice that was turned, which "does not depend on motion" shows.
+/// Leaves out gradients at sites. In the file, rounding decides which of two sites has the facet between a
+/// cell and its mirror image, and moves two sites of a flat face 1e-16 inside. The test "does not depend on
+/// motion" covers the rotated lattice.
 constexpr const char* turned_lattice = "grid 2x2x4, turned and rounded to double";
 
 template <class T, std::size_t D>
@@ -101,8 +101,8 @@ void check_file(const std::string& file, int degree) {
     CHECK(sets >= 4);
 }
 
-/// The parts of degree 3: gradients at sites by the file's own judgement of what lies on the hull, and, by
-/// tips, what values and gradients count for at a point.
+/// The parts of degree 3: gradients at sites, with the file's classification of the hull, and, with frames,
+/// the coefficients of values and gradients at a point.
 template <std::size_t D>
 void check_parts(const std::string& file) {
     for (const auto& set : read_sets(file)) {
@@ -149,7 +149,7 @@ void check_parts(const std::string& file) {
     }
 }
 
-/// The older files, of decimals: lattices and rings among them.
+/// The older files of decimals, with lattices and rings.
 template <std::size_t D>
 void check_older(const std::string& name) {
     CAPTURE(name);
@@ -165,7 +165,7 @@ void check_older(const std::string& name) {
 
 // ---- random sets --------------------------------------------------------------------------------
 
-/// Random, clustered, on a lattice, or rings about an axis.
+/// Random sites, clusters, a lattice, or rings around an axis.
 template <std::size_t D>
 Points<D> random_sites(std::uint64_t seed) {
     Random random(seed);
@@ -200,7 +200,7 @@ Points<D> random_sites(std::uint64_t seed) {
     return sites;
 }
 
-/// A motion and scaling that follow from a seed.
+/// A random motion and scaling.
 template <std::size_t D>
 Points<D> moved(Points<D> points, std::uint64_t seed) {
     Random random(seed + 1000);
@@ -218,7 +218,7 @@ Points<D> moved(Points<D> points, std::uint64_t seed) {
     return points;
 }
 
-/// Points inside the hull: mixtures of sites.
+/// Points inside the hull: convex combinations of sites.
 template <std::size_t D>
 Points<D> mixtures(const Points<D>& sites, std::uint64_t seed, std::size_t count = 12) {
     Random random(seed + 77);
@@ -266,7 +266,7 @@ void check_laws(std::uint64_t seed) {
     for (const SibsonOptions options :
          {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .frames = true}}) {
         CAPTURE(options.degree, options.frames);
-        // At degree 3 a weight sums the gradients of many sites, whose terms are larger than the weight.
+        // At degree 3 a weight is a sum of gradients of many sites, with terms larger than the weight.
         const double tolerance = (options.degree == 1 ? 4 : 12) * double(epsilon<T>);
         const SibsonCoordinates<T, D> sibson(sites, options);
         const auto rows = rows_of(sibson, points);
@@ -289,7 +289,7 @@ void check_laws(std::uint64_t seed) {
 template <std::size_t D>
 void check_support(std::uint64_t seed) {
     CAPTURE(seed, D);
-    const auto sites = random_sites<D>(4 * seed); // in general position: balls hold points or not, clearly
+    const auto sites = random_sites<D>(4 * seed); // no point is near a ball's boundary
     const auto points = mixtures(sites, seed);
     const auto rows = rows_of(SibsonCoordinates<double, D>(sites), points);
     const detail::SiteLattice<D> lattice(
@@ -309,7 +309,7 @@ void check_support(std::uint64_t seed) {
     }
 }
 
-/// By clipping: the area of the cell of `p` among `sites`, cut by the cell of site `i` unless it is none.
+/// The area of the cell of `p` among `sites`, clipped by the cell of site `i` unless it is none.
 double clipped_area(const Points<2>& sites, const Vec<double, 2>& p, std::size_t i) {
     Points<2> cell{{-1e3, -1e3}, {1e3, -1e3}, {1e3, 1e3}, {-1e3, 1e3}};
     const auto clip = [&](const Vec<double, 2>& near, const Vec<double, 2>& far) {
@@ -336,13 +336,13 @@ double clipped_area(const Points<2>& sites, const Vec<double, 2>& p, std::size_t
     return area;
 }
 
-/// Expects equal weights for sites moved, turned, scaled and in another order; in another order to the bit.
+/// Expects equal weights for moved, rotated, scaled and reordered sites; reordered sites bitwise.
 template <std::size_t D>
 void check_invariance(std::uint64_t seed) {
     CAPTURE(seed, D);
     const auto sites = random_sites<D>(seed);
     auto points = mixtures(sites, seed);
-    const auto all = [&](const Points<D>& list) { // both moved as one
+    const auto all = [&](const Points<D>& list) { // moves both alike
         auto joined = list;
         joined.insert(joined.end(), points.begin(), points.end());
         return moved(joined, seed);
@@ -405,7 +405,7 @@ TEST_CASE("sibson is what clipping gives", "[coordinates][sibson][property]") {
     for (std::size_t n = 0; n < points.size(); ++n) {
         const double area = clipped_area(sites, points[n], sites.size());
         if (all.states[n] != PointState::inside || area > 1e3)
-            continue; // next to the hull the oracle's box is felt
+            continue; // next to the hull the oracle's box changes the result
         for (std::size_t i = 0; i < sites.size(); ++i)
             CHECK(std::fabs(all.rows[n][i] - clipped_area(sites, points[n], i) / area) <= 1e-9);
         ++compared;
@@ -426,7 +426,7 @@ TEST_CASE("sibson is linear on hull edges and barycentric on hull triangles",
     const auto seed = std::uint64_t(GENERATE(range(0, 6)));
     CAPTURE(seed);
     Random random(seed);
-    // An edge divided by further sites: linear between the two sites next to the point.
+    // An edge with further sites: linear between the two sites next to the point.
     Points<2> sites{{0, 0}, {1, 0}, {4, 0}, {9, 0}, {9, 5}, {0, 5}, {3, 2}};
     sites = moved(sites, seed);
     const double s = random.uniform(0.01, 0.99);
@@ -474,7 +474,7 @@ TEST_CASE("sibson next to a hull facet is near what it is on the facet", "[coord
     const auto seed = std::uint64_t(GENERATE(range(0, 6)));
     CAPTURE(seed);
     Random random(seed);
-    // A flat facet of six sites, on which Sibson's coordinates of the plane are off by 1e-2, below others.
+    // A flat facet of six sites, below others. Sibson's 2D coordinates differ by 1e-2 there.
     Points<3> sites;
     for (std::size_t n = 0; n < 6; ++n) {
         const double angle = std::numbers::pi / 3 * (double(n) + random.uniform(-0.3, 0.3));
@@ -540,7 +540,7 @@ TEST_CASE("sibson outside the hull: left, or the nearest place of it", "[coordin
         for (const auto& q : mixtures(sites, std::uint64_t(n)))
             CHECK(distance(p, place) <= distance(p, q) * (1 + 1e-12));
     }
-    // Bound figures half outside.
+    // Binds figures that are half outside.
     auto points = mixtures(sites, seed);
     for (std::size_t n = 0; n < points.size(); n += 2) points[n][1] += 10;
     for (const auto outside :
@@ -552,7 +552,7 @@ TEST_CASE("sibson outside the hull: left, or the nearest place of it", "[coordin
     }
 }
 
-/// Sites of which most lie in a plane (on a line) but for `off`: hull facets that are nearly one.
+/// Sites of which most lie within `off` of a plane (a line): nearly coplanar hull facets.
 template <std::size_t D>
 void check_nearly_flat_hull(std::uint64_t seed) {
     Random random(seed + 500);
@@ -590,7 +590,7 @@ TEST_CASE("sibson reproduces places of a hull whose triangles are thin to roundi
              2 * x + off * random.uniform(-1, 1)};
     }
     const SibsonCoordinates<double, 3> sibson(sites);
-    if (sibson.cage_report().status != Status::ok) return; // in a plane, as good as
+    if (sibson.cage_report().status != Status::ok) return; // coplanar up to rounding
     for (int n = 0; n < 20; ++n) {
         const Vec<double, 3> p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         std::vector<double> row(sites.size());
@@ -626,12 +626,12 @@ TEST_CASE("a site without weight changes no other weight, to the bit", "[coordin
         ++untouched;
     }
     CHECK(untouched > 0);
-    // The place of a point as a site.
+    // A point at the position of a site.
     more.back() = points[0];
     CHECK(rows_of(SibsonCoordinates<double, 3>(more), points)[0].back() == 1);
 }
 
-/// Sibson's weights, each wrong by a part of it.
+/// Sibson's weights with a relative error each.
 template <class T, bool Local>
 struct Disturbed {
     using scalar = T;
@@ -688,7 +688,7 @@ TEST_CASE("sibson gives the same bits whatever the threads", "[coordinates][sibs
         const SibsonCoordinates<double, 3> sibson(sites, {.degree = degree});
         CHECK(rows_of(sibson, points) == rows_of(sibson, points, {.parallel = ThreadedFor{4}}));
     }
-    // Points in another order begin their walks elsewhere.
+    // In another order of points, walks begin elsewhere.
     const SibsonCoordinates<double, 3> sibson(sites);
     auto forth = rows_of(sibson, points), back = rows_of(sibson, Points<3>(points.rbegin(), points.rend()));
     std::reverse(back.begin(), back.end());
@@ -744,7 +744,7 @@ TEST_CASE("gradients of sibson are derivatives of its weights", "[coordinates][s
 }
 
 TEST_CASE("gradients of sibson are one on both sides of a Delaunay circle", "[coordinates][sibson]") {
-    // The circle about the square has places inside a larger hull.
+    // The circle around the square passes through the interior of a larger hull.
     Points<2> sites{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {-3, -2}, {4, -2}, {4, 3}, {-3, 3}};
     const double angle = GENERATE(0.2, 1.3, 4.0);
     const Vec<double, 2> out{std::cos(angle), std::sin(angle)};
@@ -777,7 +777,7 @@ TEST_CASE("gradients of sibson at sites and on the hull are those somewhat insid
         plane.push_back({random.uniform(0.5, 3.5), random.uniform(0.5, 2.5)});
         space.push_back({random.uniform(0.5, 3.5), random.uniform(0.5, 2.5), random.uniform(0.5, 1.5)});
     }
-    auto in_plane = plane; // every site, and places between neighbours on the hull
+    auto in_plane = plane; // all sites, and points between neighbours on the hull
     in_plane.insert(in_plane.end(), {{1, 0}, {4, 1.5}, {2.5, 3}});
     auto in_space = space;
     in_space.insert(in_space.end(), {{1, 0, 0}, {1, 1, 0}, {4, 1.5, 0.5}});
@@ -875,7 +875,7 @@ TEST_CASE("degree 3 reproduces quadratics", "[coordinates][sibson][property]") {
         for (std::size_t h = 0; h < row.size(); ++h) value += row[h] * pose[h];
         return value;
     };
-    // With gradients given, by tips: everywhere.
+    // With given gradients, by frames: everywhere.
     const auto sites = random_sites<3>(seed);
     const std::size_t n = sites.size();
     const SibsonCoordinates<double, 3> tips(sites, {.degree = 3, .frames = true});
@@ -890,7 +890,7 @@ TEST_CASE("degree 3 reproduces quadratics", "[coordinates][sibson][property]") {
     }
     for (const auto& p : mixtures(sites, seed, 4))
         CHECK(std::fabs(interpolated(tips, pose, p) - f(p)) <= 1e-12);
-    // With estimated ones: in the middle of a lattice, whose natural neighbours are inside.
+    // With estimated gradients: in the middle of a lattice, where natural neighbours are inside.
     Points<3> lattice;
     std::vector<double> values;
     for (std::size_t i = 0; i < 64; ++i)
@@ -899,7 +899,7 @@ TEST_CASE("degree 3 reproduces quadratics", "[coordinates][sibson][property]") {
     const SibsonCoordinates<double, 3> estimated(lattice, {.degree = 3});
     const Vec<double, 3> p{random.uniform(1.4, 1.6), random.uniform(1.4, 1.6), random.uniform(1.4, 1.6)};
     CHECK(std::fabs(interpolated(estimated, values, p) - f(p)) <= 1e-11);
-    // And a + b·x + γ|x|² where all natural neighbours are inside.
+    // And a + b·x + γ|x|² if all natural neighbours are inside.
     const double gamma = random.uniform(-1, 1);
     const auto round = [&](const Vec<double, 3>& x) {
         return 0.3 + dot(Vec<double, 3>{c[0], c[1], c[2]}, x) + gamma * dot(x, x);
@@ -933,7 +933,7 @@ TEST_CASE("sibson has linear precision in thin sets, and in ones as small as the
             CHECK(distance(combine(rows[n], sites), points[n]) <= 1e-14 * sizes);
         }
     }
-    // Two steps of float's tolerance long.
+    // As long as two steps of float's tolerance.
     const std::vector<Vec<float, 2>> small{{1e6f, 1e6f}, {1e6f + 2, 1e6f}, {1e6f, 1e6f + 2}};
     const SibsonCoordinates<float, 2> sibson(small);
     REQUIRE(sibson.cage_report().status == Status::ok);
@@ -954,7 +954,7 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
     REQUIRE(bound.report.status == Status::ok);
     std::vector<Vec<T, 3>> pose(sibson.handles().size()), moved(points.size());
 
-    // One affine map in all frames moves the figure by it.
+    // One affine map in all frames moves the figure by this map.
     Random random(seed);
     std::array<Vec<T, 3>, 3> columns;
     for (auto& column : columns)
@@ -971,7 +971,7 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
     for (std::size_t i = 0; i < points.size(); ++i)
         CHECK(distance(moved[i], map(points[i])) <= 2000 * double(epsilon<T>) * size);
 
-    // A frame alone turns what is near its site: next to it the clone is the frame's map, to second order.
+    // A single frame acts near its site: to second order, the clone is the frame's map.
     for (auto& frame : frames) frame = {Vec<T, 3>{1, 0, 0}, Vec<T, 3>{0, 1, 0}, Vec<T, 3>{0, 0, 1}};
     frames[3] = columns;
     REQUIRE(sibson.pose_of(sites, std::span(std::as_const(frames)), std::span(pose)) == Status::ok);
@@ -1032,13 +1032,13 @@ TEST_CASE("sibson names what is wrong with its sites", "[coordinates][sibson]") 
               .cage_report()
               .status == Status::sites_in_a_plane);
     CHECK(status(sound, {.degree = 2}).status == Status::sibson_degree_not_supported);
-    // Nor does what was moved from.
+    // Moved-from coordinates bind nothing.
     SibsonCoordinates<double, 2> given(sound);
     const auto taken = std::move(given);
     CHECK(bind(taken, sound).report.status == Status::ok);
     CHECK(bind(given, sound).report.status == // NOLINT(bugprone-use-after-move): what is tested
           Status::coordinates_empty);
-    // Refused sites bind nothing.
+    // Nor do refused sites.
     CHECK(bind(SibsonCoordinates<double, 2>(Points<2>{}), sound).report.status == Status::too_few_vertices);
 }
 

@@ -1,4 +1,4 @@
-// Tests how smooth weights are: the column "smoothness" of the table in coordinates/README.md, for every type.
+// Smoothness of weights: the column "smoothness" of the table in coordinates/README.md, for every type.
 #include "catch.hpp"
 #include "support/bindings.hpp"
 #include "support/figures.hpp"
@@ -23,8 +23,8 @@ using cageform::Polygon;
 
 namespace {
 
-/// The largest fourth difference along a line is of order h^k in the step h. k is the order of the first
-/// discontinuous derivative, and at most four.
+/// The largest fourth difference along a line is of order h^k in the step h, where k is the order of the
+/// first discontinuous derivative, at most four.
 enum Smoothness { jumps = 0, continuous = 1, once = 2, twice = 3, always = 4 };
 
 template <std::size_t D>
@@ -49,19 +49,19 @@ Line<C::dimension> line_of(const C& coordinates, const Vec<double, C::dimension>
     return {[coordinates](const Points<C::dimension>& points) { return evaluate_all(coordinates, points); },
             from, to};
 }
-/// A line whose middle is a given place.
+/// A line with a given midpoint.
 template <class C>
 Line<C::dimension> through(const C& coordinates, const Vec<double, C::dimension>& middle, double reach,
                            std::uint64_t seed) {
     const auto along = random_points<double, C::dimension>(1, reach, seed)[0];
     return line_of(coordinates, middle - along, middle + along);
 }
-/// A line between two random points, inside the cage. If `anywhere`, the line may leave the cage.
+/// A line between two random points, inside the cage unless `anywhere`.
 template <class C>
 Line<C::dimension> line(const C& coordinates, std::uint64_t seed, bool anywhere = false) {
     const auto corners = corners_of(coordinates);
     const auto bounds = cageform::bounds_of(std::span<const Vec<double, C::dimension>>(corners));
-    Random random(1000 * seed); // independent of the numbers of other seeds
+    Random random(1000 * seed); // independent of the random numbers of other seeds
     for (;;) {
         std::array<Vec<double, C::dimension>, 2> ends{};
         for (auto& end : ends) {
@@ -77,11 +77,11 @@ Line<C::dimension> line(const C& coordinates, std::uint64_t seed, bool anywhere 
 
 struct Measured {
     double power = always, jump = 0;
-    bool has_zero = false; ///< whether a weight next to the worst place is exactly zero
+    bool has_zero = false; ///< whether a weight next to the worst point is exactly zero
 };
 
-/// Finds the place of a line with the largest fourth difference, by steps that shrink eightfold. Returns
-/// the order of that difference in the step.
+/// Finds the point of a line with the largest fourth difference, by steps that shrink by a factor of eight.
+/// Returns the order of that difference in the step.
 template <std::size_t D>
 Measured measure(const Line<D>& line) {
     constexpr std::size_t order = 4, phases = 4; // phases: points per step
@@ -123,11 +123,11 @@ struct Kind {
     const char* name;
     int smoothness;
     std::function<Line<D>(std::uint64_t)> line;
-    double jump = 0;   ///< the largest jump allowed, if weights are discontinuous
-    bool cuts = false; ///< whether negative weights become 0, which makes a kink
+    double jump = 0;   ///< largest allowed jump of discontinuous weights
+    bool cuts = false; ///< whether negative weights become 0, with a kink
 };
 
-/// Checks that weights on every line are as smooth as documented, and on some line no smoother.
+/// Checks that weights are as smooth as documented on all lines, and no smoother on some line.
 template <std::size_t D>
 void check_kind(const Kind<D>& kind) {
     CAPTURE(kind.name);
@@ -143,9 +143,8 @@ void check_kind(const Kind<D>& kind) {
     CHECK(least <= kind.smoothness + 0.4);
 }
 
-/// A lattice in a rotated box, with a falloff.
-///
-///   shear  a component of one axis of the box; 0 if the axes are at right angles
+/// A lattice in a rotated box, with a falloff. `shear` is a component of one axis of the box; 0 if axes are
+/// orthogonal.
 cageform::LatticeCoordinates<double, 3> random_lattice(std::size_t degree, std::uint64_t seed,
                                                        double shear = 0) {
     Random random(seed);

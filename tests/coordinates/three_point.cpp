@@ -1,5 +1,5 @@
-// Three-point coordinates: Wachspress, discrete harmonic and those of other functions, against exact
-// values, other types and the laws they share.
+// Three-point coordinates, of Wachspress, discrete harmonic and other functions: exact values, other types,
+// and common laws.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/gradients.hpp"
@@ -70,8 +70,8 @@ static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinate
 static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinates<double>>);
 static_assert(cageform::GradientCoordinates<ThreePointCoordinates<double, Hyperbola>>);
 
-/// A strictly convex polygon of 3 to 12 vertices from edges in the order of their directions; of either
-/// orientation, moved and scaled (10^-3 … 10^3).
+/// A strictly convex polygon of 3 to 12 vertices, from edges sorted by direction; of either orientation,
+/// moved and scaled (10^-3 … 10^3).
 template <class T>
 Polygon<T> random_convex(std::uint64_t seed) {
     Random random(seed);
@@ -95,8 +95,8 @@ Polygon<T> random_convex(std::uint64_t seed) {
     return Polygon<T>(vertices);
 }
 
-/// One over the least sine of an outer angle: A_i and A_{i−1}, each off by a rounding, are those of no
-/// common point, but of one off by a rounding over that sine.
+/// The reciprocal of the least sine of an outer angle. Rounding of A_i and A_{i−1} corresponds to a point
+/// moved by a rounding divided by that sine.
 template <class T>
 double flatness(const Polygon<T>& cage) {
     double least = 1;
@@ -109,7 +109,7 @@ double flatness(const Polygon<T>& cage) {
     return 1 / least;
 }
 
-/// A random polygon whose outer angles, in float too, are far from zero.
+/// A random polygon with outer angles far from zero, also in float.
 template <class T>
 Polygon<T> random_round(std::uint64_t seed) {
     for (std::uint64_t n = 0;; ++n) {
@@ -118,7 +118,7 @@ Polygon<T> random_round(std::uint64_t seed) {
     }
 }
 
-/// Points inside, some next to edges and vertices, as far as 1e-9 diagonals (1e-4 for float).
+/// Points inside, some within 1e-9 diagonals (float: 1e-4) of edges and vertices.
 template <class T>
 Points2<T> points_in(const Polygon<T>& cage, Random& random, int count) {
     Points2<T> points;
@@ -141,7 +141,7 @@ Points2<T> points_in(const Polygon<T>& cage, Random& random, int count) {
     return points;
 }
 
-/// As the formula stands in the papers, in long double.
+/// The formula of the papers, in long double.
 template <class Cage, class T, class F>
 std::vector<long double> by_definition(const Cage& cage, const Vec<T, 2>& p, const F& f) {
     const std::size_t n = cage.size();
@@ -186,7 +186,7 @@ TEST_CASE("three-point weights are those of the oracle", "[coordinates][three_po
         for (std::size_t i = 0; i < oracle.points.size(); ++i) {
             CAPTURE(i, oracle.tags[i], text(weights.rows[i]));
             CHECK(difference(weights.rows[i], oracle.coordinates[i]) <=
-                  (sizeof(T) == 8 ? 1e-13 : 3e-6)); // points and cage move by their rounding to float
+                  (sizeof(T) == 8 ? 1e-13 : 3e-6)); // points and cage are rounded to float
             if (sizeof(T) == 8) CHECK(weights.states[i] == PointState::inside);
             ++compared;
         }
@@ -265,7 +265,7 @@ TEMPLATE_TEST_CASE("three-point weights are those of other types where they are 
             CHECK(difference(one.rows[i], other.rows[i]) <= bound);
         }
     };
-    // In a triangle all are barycentric coordinates.
+    // In a triangle all types are barycentric coordinates.
     const Polygon<T> triangle(random_simplex<T, 2>(std::uint64_t(seed)));
     const double relative =
         size_of(triangle.vertices()) / double(cageform::bounds_of(triangle.vertices()).diagonal());
@@ -276,13 +276,13 @@ TEMPLATE_TEST_CASE("three-point weights are those of other types where they are 
     if constexpr (sizeof(T) == 8)
         compare(ThreePointCoordinates<T, SquareRoot>(triangle), barycentric, inside, 32 * eps * relative);
 
-    // Mean value coordinates by f = r.
+    // f = r gives mean value coordinates.
     const auto cage = random_round<T>(std::uint64_t(seed));
     const auto points = points_in(cage, random, 30);
     compare(ThreePointCoordinates<T, MeanValue>(cage), cageform::MeanValueCoordinates<T, 2>(cage), points,
             sizeof(T) == 8 ? 1e-13 : 1e-4);
 
-    // Vertices on a circle: r² is a constant and a linear function of u, which the weights do not see.
+    // Vertices on a circle: r² is a constant plus a linear function of u, which has no effect on the weights.
     Points2<T> ring(3 + random.below(8));
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const double angle = 6.28 * (double(i) + random.uniform(-0.3, 0.3)) / double(ring.size());
@@ -294,7 +294,7 @@ TEMPLATE_TEST_CASE("three-point weights are those of other types where they are 
 
 TEST_CASE("discrete harmonic weights of thousands of vertices are right in float",
           "[coordinates][three_point]") {
-    // The difference of two squares is mostly rounding along edges as short as these: 4e-5 by it.
+    // Along edges this short, the difference of two squares is mostly rounding, with an error of 4e-5.
     Points2<float> cage(2000), points(100);
     for (std::size_t i = 0; i < cage.size(); ++i) {
         const double angle = 2 * std::numbers::pi * double(i) / double(cage.size());
@@ -487,13 +487,13 @@ TEMPLATE_TEST_CASE("three-point coordinates tell where points are, at any size o
                 CHECK(weights.states[i] == expected[i]);
                 CHECK(gradients.states[i] == expected[i]);
             }
-            CHECK(weights.rows[1] == std::vector<T>{0, 0, 1, 0}); // beside two edges: the vertex
+            CHECK(weights.rows[1] == std::vector<T>{0, 0, 1, 0}); // next to two edges: the vertex
             CHECK(difference(weights.rows[3], std::vector<T>{0, 0, T(0.5), T(0.5)}) <= 8 * epsilon<T>);
             CHECK(distance(combine(weights.rows[0], cage), points[0]) <= 16 * double(tiny));
         };
         check(Wachspress<T>(cage));
         check(Harmonic<T>(cage));
-        // Σ w = 0: there are no weights, but on the boundary, whose limits take no f.
+        // Σ w = 0: there are no weights except on the boundary, whose limits do not depend on f.
         const auto none = evaluate_all(ThreePointCoordinates<T, Zero>(cage), points);
         CHECK(none.states[0] == PointState::unreached);
         CHECK(none.states[3] == PointState::on_boundary);
@@ -527,13 +527,13 @@ TEMPLATE_TEST_CASE("gradients of three-point weights keep the laws and are those
         CHECK(gradients.states == evaluate_all(coordinates, points).states);
         for (std::size_t i = 0; i < points.size(); ++i) {
             CAPTURE(i, inside, points[i][0], points[i][1]);
-            // Next to an edge the two large weights cancel, by as many digits as it is near, in long double.
+            // Next to an edge, the two large weights cancel in long double in proportion to 1/distance.
             const double away = double(cageform::nearest_on_boundary(cage, points[i]).distance) / size;
             const double lost = i < inside ? double(std::numeric_limits<long double>::epsilon()) / away : 0;
             CHECK(law_error<T, 2>(cage.vertices(), points[i], gradients.rows[i]) <=
                   (sizeof(T) == 8 ? 1e-11 + lost * flatness(cage) : 2e-6));
-            if (i >= inside || away < 1e-5) continue; // where differences lose more
-            // Central differences of the definition, nearer together than the boundary.
+            if (i >= inside || away < 1e-5) continue; // where differences are less accurate
+            // Central differences of the definition, with a step smaller than the distance from the boundary.
             const double h = 1e-4 * size * away;
             std::vector<Vec<double, 2>> expected(cage.size());
             for (std::size_t k = 0; k < 2; ++k) {

@@ -1,5 +1,5 @@
-// A solver of one's own, added by this file alone: the driver, HarmonicCoordinates, gradients and bind take
-// it as they take the library's.
+// A custom solver in this file alone: HarmonicCoordinates, gradients and bind accept it like the library's
+// solvers.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/gradients.hpp"
@@ -23,10 +23,10 @@ using cageform::Polygon;
 
 namespace {
 
-/// The equations of the embedded grid, factorised.
+/// The factorised equations of the embedded grid.
 template <std::size_t D>
 class DirectSolver {
-    static constexpr std::size_t width = 3; // functions together
+    static constexpr std::size_t width = 3; // functions per group
     using Grid = cageform::detail::EmbeddedCage<D>;
 
 public:
@@ -118,7 +118,7 @@ private:
     }
 
     Grid grid_;
-    std::vector<std::uint32_t> slots_; ///< a right-hand side for every node
+    std::vector<std::uint32_t> slots_; ///< a right-hand side for each node
     std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>> factor_;
 };
 

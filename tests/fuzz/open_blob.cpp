@@ -1,5 +1,5 @@
-// Feeds bytes to open_blob, open_figure, open_clip and open_pose_samples, and whatever opens to clones, players
-// and solvers, in buffers exactly as long as promised: for libFuzzer.
+// Feeds bytes to open_blob, open_figure, open_clip and open_pose_samples, and whatever opens to clones,
+// players and solvers, in buffers exactly as long as promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
@@ -129,15 +129,15 @@ void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
     const Array<Vec<T, D>> out(points, Vec<T, D>{});
     clone_with(binding, pose, out, {});
     clone_with(binding, pose, out, {.mask = masked});
-    clone_with(binding, pose, out, {.onto = CloneMode::output});
-    clone_with(binding.in_order(), pose, out, {.mask = masked, .onto = CloneMode::output});
+    clone_with(binding, pose, out, {.mode = CloneMode::add});
+    clone_with(binding.in_order(), pose, out, {.mask = masked, .mode = CloneMode::add});
 
     const Array<T> numbers(points * D, T(0)); // all x, all y, …
     const StridedPoints<T, D> apart(numbers.data(), points, sizeof(T), std::ptrdiff_t(points * sizeof(T)));
     clone_with(binding, pose, apart, {});
     clone_with(binding.in_order(), pose, apart, {.mask = masked});
     const Array<Vec<double, D>> converted(points, Vec<double, D>{});
-    clone_with(binding, pose, converted, {.onto = CloneMode::output});
+    clone_with(binding, pose, converted, {.mode = CloneMode::add});
     pose_vertices(binding);
 
     if (points > 0) { // one place too few is told before anything is written

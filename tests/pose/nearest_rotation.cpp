@@ -1,4 +1,4 @@
-// The nearest rotations of random matrices, reflections and degenerate ones.
+// Nearest rotations of random, reflecting and degenerate matrices.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
@@ -40,7 +40,7 @@ void check_random(std::uint64_t seed) {
     CHECK(std::fabs(r.determinant() - 1) <= 1e-14);
     CHECK((r.transpose() * r - r.Identity()).norm() <= 1e-14);
     CHECK((product - product.transpose()).norm() <= 1e-13);
-    // It is the best one: the trace is that of the singular values, the least with the sign of det J.
+    // The trace is maximal: the sum of the singular values, the least with the sign of det J.
     const Eigen::JacobiSVD<Eigen::Matrix<double, int(D), int(D)>> svd(given / size);
     double best = svd.singularValues().sum();
     if (given.determinant() < 0) best -= 2 * svd.singularValues()(D - 1);
@@ -68,7 +68,7 @@ TEST_CASE("a symmetric matrix without negative eigenvalues gives exactly no rota
             for (std::size_t c = 0; c <= r; ++c)
                 j.at[r][c] = j.at[c][r] = square(Eigen::Index(r), Eigen::Index(c));
         }
-        turn.at[0][1] = 0.5; // is overwritten
+        turn.at[0][1] = 0.5; // overwritten
         nearest_rotation(j, turn);
         CHECK(matrix(turn).norm() == 0);
     }

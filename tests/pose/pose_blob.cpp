@@ -1,4 +1,4 @@
-// Packed samples: read to the bit, refused by name when anything is wrong, harmless whatever the bytes.
+// Packed samples: bitwise reading, named refusals, and safety for any bytes.
 #include "../support/aligned.hpp"
 #include "../support/allocation_count.hpp"
 #include "../support/pins.hpp"
@@ -38,7 +38,7 @@ void check_same(const PoseSamples<T, D>& a, const PoseSamples<T, D>& b, bool wit
     CHECK(same_bits(b.centres, with_points ? a.centres : decltype(a.centres){}));
 }
 
-/// Calls f with coordinates of both scalars and dimensions, of points and of vectors among the handles.
+/// Calls f with coordinates of both scalars and dimensions, with point handles and vector handles.
 template <class F>
 void for_each_kind(const F& f) {
     std::vector<Vec<float, 2>> cat;
@@ -57,7 +57,7 @@ cageform::PackedPoseSamples packed(const PoseSamples<T, D>& samples,
     REQUIRE(status == Status::ok);
     return std::move(blob);
 }
-/// Samples with every part, and a handle that none of them feels.
+/// Samples with all parts, and two weak handles.
 PoseSamples<float, 2> small_samples() {
     std::vector<Vec<float, 2>> cage;
     for (const auto& p : cat_cage()) cage.push_back(cageform::vec_cast<float>(p));
@@ -98,7 +98,7 @@ TEST_CASE("packed samples are read to the bit, and move a cage to the bit", "[po
                 CHECK(report.step > 0);
             }
         }
-        // Without the parts by sample there is not much beside what `bytes` counts: a header and gaps.
+        // Without the parts by sample there is little beside what `bytes` counts: a header and padding.
         const std::size_t size = packed(samples).bytes().size();
         CHECK(size >= samples.bytes() + sizeof(PoseBlobHeader));
         CHECK(size <= samples.bytes() + sizeof(PoseBlobHeader) + 6 * 64);
@@ -115,7 +115,7 @@ TEST_CASE("samples are a part of a packed figure", "[pose][blob]") {
     REQUIRE(shipped.status() == Status::ok);
     const auto game = cageform::open<double, 2>(shipped.value.bytes());
     REQUIRE(game);
-    // The figure and the samples have one cage.
+    // The figure and the samples have the same cage.
     const auto opened =
         open_pose_samples<double, 2>(game.value.part("POSE"), {.cage_hash = game.report.cage_hash});
     REQUIRE(opened.status() == Status::ok);
@@ -204,7 +204,7 @@ TEST_CASE("every contradiction in packed samples is found though their checksum 
         for (const std::uint64_t count :
              {std::uint64_t(0), std::uint64_t(1), std::uint64_t(1) << 20, std::uint64_t(1) << 32,
               std::uint64_t(1) << 60, ~std::uint64_t(0)}) {
-            if (at != offsetof(PoseBlobHeader, weak_handle_count) || count != 1) // one of them less is sound
+            if (at != offsetof(PoseBlobHeader, weak_handle_count) || count != 1) // one less is valid
                 refused(at, count);
         }
     }

@@ -1,4 +1,4 @@
-// Degenerate poses by pins, each with its bound; what is refused, and by which name; memory.
+// Degenerate poses by pins with bounds; named refusals; memory.
 #include "../support/allocations.hpp"
 #include "../support/pins.hpp"
 
@@ -109,7 +109,7 @@ TEST_CASE("pins that are nearly at one place and drawn apart give a finite pose"
             targets[3] = {4.25, 3.2};
             const auto report = figure.solve(targets, 50);
             CHECK(report.largest_stretch <= (hard ? 300 : 30));
-            // An own pull of 1 unit on a pin of weight 1e4; hard ones miss less.
+            // a pull of 1 unit on a pin of weight 1e4; hard pins miss by less
             CHECK(report.miss <= (hard ? 0.5 : 0.51));
         }
     }
@@ -123,7 +123,7 @@ TEST_CASE("hard pins miss a thousand times less", "[pose]") {
     CAPTURE(soft_miss, hard_miss);
     CHECK(hard_miss <= 2e-3 * soft_miss);
     CHECK(hard.distance_from_pose(soft.pose) <= 1e-2);
-    // A held handle beside them.
+    // With a held handle.
     const std::array<std::uint32_t, 1> held{12};
     REQUIRE(hard.solver.set_held(held) == Status::ok);
     CHECK(hard.solve(cat_targets(), 40).miss <= 2e-3 * soft_miss);
@@ -143,7 +143,7 @@ TEST_CASE("more pins than handles: a small weight of pins keeps the figure whole
             CHECK(report.folded == 0);
             CHECK(report.largest_stretch <= 1.7);
         } else {
-            CHECK(report.largest_stretch > 2); // why a small weight is better
+            CHECK(report.largest_stretch > 2); // justifies a small weight
         }
     }
 }
@@ -162,7 +162,7 @@ TEST_CASE("held handles stay where the pose has them, and the others follow", "[
     CHECK(report.settled);
     CHECK(report.miss <= 1e-2 * figure.size());
 
-    // All but one: the pin is out of their reach, and nothing happens.
+    // If all others are held, the pin has no effect.
     std::vector<std::uint32_t> all(24);
     std::iota(all.begin(), all.end(), 0u);
     figure.solver.reset();
@@ -185,7 +185,7 @@ TEST_CASE("whole turns come back to rest", "[pose]") {
             figure.solve(Motion<2>{2 * std::numbers::pi * n / steps, {0, 0}}.of(figure.pins));
         CHECK(figure.distance_from_rest() <= 1e-11);
     }
-    // One pin wound twice about the body unwinds by itself.
+    // A pin wound twice around the body unwinds.
     Pinned figure(cat(), cat_pins(), few);
     for (int n = 1; n <= 48; ++n) {
         const double angle = 4 * std::numbers::pi * n / 48;
@@ -327,7 +327,7 @@ TEST_CASE("what is refused has a name and changes nothing", "[pose]") {
     const std::vector<std::uint32_t> held{3, 25};
     CHECK(solver.set_held(held) == Status::index_out_of_range);
     CHECK(solver.culprit() == 25);
-    const auto report = solver.solve(cat_targets(), figure.pose); // the pins are still there
+    const auto report = solver.solve(cat_targets(), figure.pose); // the pins are unchanged
     CHECK(report.status == Status::ok);
     CHECK(report.miss <= 0.1);
 
@@ -388,7 +388,7 @@ TEST_CASE("frames allocate nothing, and failed allocations are told", "[pose]") 
     }
     CHECK(allocations == before);
     CHECK(is_ok);
-    // Every allocation of a click fails once; the pins before then stay.
+    // Every allocation of set_pins fails once; the previous pins are kept.
     const auto pose = figure.pose;
     const std::vector<std::uint32_t> points{0, 1, 2};
     std::size_t failures = 0;

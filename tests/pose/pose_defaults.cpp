@@ -1,5 +1,5 @@
-// The defaults of PoseSampleOptions and PoseOptions on figures that they were not chosen on: a biped, a man and
-// icons in made cages, BUMPY112, a production cage with thin fingers; random poses of moderate strength.
+// The defaults of PoseSampleOptions and PoseOptions on figures that were not used to choose them: a biped, a
+// man and icons in generated cages, BUMPY112, a production cage with thin fingers; random moderate poses.
 #include "../bench/workloads.hpp"
 #include "../support/figures.hpp"
 #include "../support/fingers.hpp"
@@ -17,15 +17,16 @@ using cageform::MeanValueCoordinates;
 
 namespace {
 
-/// Limits of a figure's poses. Distances are shares of its size.
+/// Limits for the poses of a figure. Distances are relative to its size.
 struct Bounds {
     std::size_t seeds;
-    std::size_t frames;     ///< until a pose has settled
-    double left;            ///< how far it is from the end then
-    double median, largest; ///< distances of its end from that of four times as many samples and rotations
+    std::size_t frames;     ///< number of frames until a pose has settled
+    double left;            ///< distance of the settled pose from its limit
+    double median, largest; ///< distances from the limit for four times as many samples and rotations
 };
 
-/// Poses a figure by default, and with four times as many samples and rotations if the bounds ask for that.
+/// Poses a figure with the defaults, and with four times as many samples and rotations if the bounds require
+/// it.
 template <class C>
 class HeldOut {
     using T = typename C::scalar;
@@ -60,7 +61,7 @@ public:
             std::size_t frames = 0;
             const auto frame = [&] {
                 report = solver_.solve(pins.targets, pose);
-                REQUIRE(report.status == Status::ok); // all numbers are finite
+                REQUIRE(report.status == Status::ok); // includes that all numbers are finite
                 const double energy = report.rigid_energy + report.pin_energy;
                 rise = std::fmax(rise, energy - last);
                 last = energy;
@@ -83,7 +84,7 @@ public:
                 CHECK(distances.back() <= bounds.largest);
             }
         }
-        if (distances.size() < 5) return; // so few have no median
+        if (distances.size() < 5) return; // too few for a median
         std::sort(distances.begin(), distances.end());
         CAPTURE(distances);
         CHECK(distances[distances.size() / 2] <= bounds.median);
@@ -130,14 +131,15 @@ void check_in_plane(const char* name, const cageform::Polygon<double>& cage, dou
     while (figure.size() < 300) figure.push_back(random_inside(cage, random, 0.005));
     const Bounds bounds{effort<std::size_t>(6, 1), 40, left, 0.01, 0.02};
     HarmonicCoordinates harmonic(cage);
-    REQUIRE(harmonic.solve().status == Status::ok); // all evaluate the same functions
+    REQUIRE(harmonic.solve().status == Status::ok); // all evaluations use the same functions
     check_defaults("harmonic", harmonic, figure, bounds);
     check_defaults("mean value", MeanValueCoordinates(cage), figure, bounds);
-    // Spokes of vectors are ten times stronger, and which rotation one ends at moves the end by hundredths.
+    // Spokes of vectors are ten times stronger, and their choice of a rotation changes the limit by
+    // hundredths.
     check_defaults("Green", GreenCoordinates(cage), figure, {bounds.seeds, 40, left, 0.02, 0.04});
 }
 
-/// Draws a line of strokes, closed or open.
+/// Makes a polyline of strokes, closed or open.
 void draw(std::vector<DrawnSegment<double>>& drawing, const Places<2>& line, double radius, bool closed) {
     for (std::size_t n = 0; n + (closed ? 0 : 1) < line.size(); ++n)
         drawing.push_back({line[n], line[(n + 1) % line.size()], radius});
@@ -156,7 +158,7 @@ TEST_CASE("the defaults of pins serve figures in the plane that they were not ch
     draw(fork, {{0, 0}, {0, 4}, {-1, 5}, {-1, 7}}, 0.2, false);
     draw(fork, {{0, 4}, {1, 5}, {1, 7}}, 0.2, false);
     check_in_plane("fork", made_cage(fork, 24));
-#if !defined(CAGEFORM_SANITIZED) // a minute there, and the same code
+#if !defined(CAGEFORM_SANITIZED) // takes a minute there, with the same code
     check_in_plane("biped", cageform::Polygon<double>(read_oracle("meanvalue2d_biped").vertices));
     draw(man, {{280, 218}, {304, 200}, {316, 164}, {292, 130}, {254, 130}, {232, 164}, {248, 206}, {214, 226},
                {142, 262}, {104, 334}, {132, 348}, {172, 292}, {212, 282}, {138, 452}, {84, 540},  {64, 596},
@@ -164,8 +166,8 @@ TEST_CASE("the defaults of pins serve figures in the plane that they were not ch
                {254, 352}, {272, 284}, {322, 322}, {392, 262}, {368, 236}, {326, 276}},
          3, true);
     check_in_plane("man", made_cage(man, 24));
-    // A long limb: at accuracies from 2e-3 to 1e-4, 13 to 24 of 300 random poses creep on by more than 5e-4. The
-    // farthest creeps by 4.4e-3.
+    // A long limb: for accuracies from 2e-3 to 1e-4, 13 to 24 of 300 random poses drift by more than 5e-4
+    // after settling, at most by 4.4e-3.
     draw(spiral, {{0, 0}, {1, 0}, {1, 1}, {-1, 1}, {-1, -1}, {2, -1}, {2, 2}, {-2, 2}}, 0.12, false);
     check_in_plane("spiral", made_cage(spiral, 40), 5e-3);
 #endif
@@ -175,7 +177,7 @@ TEST_CASE("the defaults of pins serve cages in space that they were not chosen o
     const auto bumpy = cageform_bench::bumpy112<double>();
     const auto figure = points_in(bumpy, 300, 5);
     const std::size_t seeds = effort<std::size_t>(5, 1);
-    // The reference has four times as many samples: under sanitizers half a minute, and the same code.
+    // The reference has four times as many samples: half a minute under sanitizers, with the same code.
     check_defaults("mean value", MeanValueCoordinates(bumpy), figure,
                    {seeds, 12, 1e-4, effort(0.01, 0.0), effort(0.02, 0.0)});
     check_defaults("Green", GreenCoordinates(bumpy), figure, {seeds, 12, 1e-4, 0, 0});
@@ -183,7 +185,7 @@ TEST_CASE("the defaults of pins serve cages in space that they were not chosen o
 
 #if !defined(CAGEFORM_SANITIZED)
 TEST_CASE("the defaults of pins serve a production cage of 762 vertices", "[pose][defaults]") {
-    // Its hands hang on thin arms: they creep after a pose counts as settled, by up to three hundredths of the size.
+    // Hands on thin arms drift after a pose counts as settled, by up to 0.03 of the size.
     const Fingers fingers(std::string(CAGEFORM_TEST_DATA) + "/fingers");
     check_defaults("mean value", MeanValueCoordinates(fingers.cage()), fingers.points, {2, 100, 0.04, 0, 0});
 }

@@ -1,4 +1,4 @@
-// The gradient of the energy of a pose by transposed clones: of the Jacobians of samples, of the spokes, of pins.
+// The gradient of a pose's energy by transposed clones: of the Jacobians of samples, of spokes, of pins.
 #include "../support/pins.hpp"
 
 #include <cageform/clone/clone_transposed.hpp>
@@ -14,8 +14,8 @@ using cageform::StridedMatrices;
 
 namespace {
 
-/// The energy's gradient, put together of what a program has: bindings and their transposed clones. Its rotations
-/// are those of SampledEnergy; the energy is least in them, so that they count as constant.
+/// The gradient of the energy from bindings and their transposed clones, as available to a program. The
+/// rotations of SampledEnergy minimise the energy, so they count as constant.
 template <class C>
 class TransposedGradient {
 public:
@@ -53,7 +53,7 @@ public:
             }
         }
         REQUIRE(clone_jacobians_transposed(axes_, jacobians, pulled) == Status::ok);
-        // Spokes, as SampledEnergy has them; the ones of points end at the middle of a cluster.
+        // Spokes, as in SampledEnergy; spokes of points end at the centre of a cluster.
         std::vector<Point> ends(samples_.cluster_count), of_ends(samples_.cluster_count, Point{});
         REQUIRE(clone(centres_, pose, ends) == Status::ok);
         for (const auto& spoke : energy.spokes()) {
@@ -68,13 +68,13 @@ public:
             pulled[spoke.handle] = pulled[spoke.handle] + gradient;
             if (spoke.is_point) of_ends[spoke.cluster] = of_ends[spoke.cluster] - gradient;
         }
-        REQUIRE(clone_transposed(centres_, of_ends, pulled, {.onto = CloneMode::output}) == Status::ok);
+        REQUIRE(clone_transposed(centres_, of_ends, pulled, {.mode = CloneMode::add}) == Status::ok);
         // Pins.
         std::vector<Point> places(targets.size());
         REQUIRE(clone(figure_.binding, pose, places) == Status::ok);
         const double factor = figure_.options.pin_weight / (figure_.size() * figure_.size());
         for (std::size_t n = 0; n < targets.size(); ++n) places[n] = 2 * factor * (places[n] - targets[n]);
-        REQUIRE(clone_transposed(figure_.binding, places, pulled, {.onto = CloneMode::output}) == Status::ok);
+        REQUIRE(clone_transposed(figure_.binding, places, pulled, {.mode = CloneMode::add}) == Status::ok);
         for (auto& g : pulled) g = figure_.size() * g;
         return pulled;
     }
@@ -94,7 +94,7 @@ void check_gradient(const C& coordinates, const Places<C::dimension>& pins,
     Pinned figure(coordinates, pins, how, {.iterations = 16});
     const SampledEnergy energy(figure, targets);
     const TransposedGradient gradient(figure);
-    // Somewhere on the way: differences of the energy, whose rotations follow the pose.
+    // At an intermediate pose: differences of the energy, with optimal rotations.
     figure.solve(targets);
     Random random(3);
     for (auto& h : figure.pose) {
@@ -117,7 +117,7 @@ void check_gradient(const C& coordinates, const Places<C::dimension>& pins,
     CAPTURE(worst, largest);
     CHECK(largest > 1);
     CHECK(worst <= 1e-6 * largest);
-    // The end of the solver is where this gradient vanishes. Pins of weight 1e4 amplify roundings of the pose.
+    // The gradient vanishes at the solver's limit. Pins of weight 1e4 amplify rounding of the pose.
     figure.solve(targets, 150);
     double left = 0;
     for (const auto& g : gradient(energy, targets)) left += dot(g, g);
@@ -131,7 +131,7 @@ TEST_CASE("transposed clones give the gradient of the energy, which vanishes whe
           "[pose][transposed]") {
     check_gradient(MeanValueCoordinates(cat_cage()), cat_pins(), cat_targets());
     HarmonicCoordinates harmonic(cat_cage());
-    REQUIRE(harmonic.solve().status == Status::ok); // all evaluate the same functions
+    REQUIRE(harmonic.solve().status == Status::ok); // all evaluations use the same functions
     check_gradient(harmonic, cat_pins(), cat_targets());
     check_gradient(GreenCoordinates(cat_cage()), cat_pins(), cat_targets());
     check_gradient(MeanValueCoordinates(bar().mesh<double>()), bar_pins(), bar_targets());

@@ -1,4 +1,4 @@
-// Laws of poses by pins: rest, rigid motions, an energy that falls to a stationary end, what must not matter.
+// Laws of poses by pins: rest, rigid motions, a decreasing energy with a stationary limit, invariance.
 #include "../support/pins.hpp"
 
 #include <cageform/coordinates/lattice.hpp>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr PoseSampleOptions few{.samples = effort<std::size_t>(1000, 300)};
 
-/// Calls f with pinned figures: in the plane and in space, with points and with vectors among the handles.
+/// Calls f with pinned figures in 2D and 3D, with point handles and vector handles.
 template <class F>
 void for_each_figure(const F& f, const PoseSampleOptions& how = few, const PoseOptions& options = {}) {
     const auto plane = [&](const char* name, const auto& coordinates) {
@@ -27,7 +27,7 @@ void for_each_figure(const F& f, const PoseSampleOptions& how = few, const PoseO
     };
     plane("mean value", MeanValueCoordinates(cat_cage()));
     HarmonicCoordinates harmonic(cat_cage());
-    REQUIRE(harmonic.solve().status == Status::ok); // all evaluate the same functions
+    REQUIRE(harmonic.solve().status == Status::ok); // all evaluations use the same functions
     plane("harmonic", harmonic);
     plane("Green", GreenCoordinates(cat_cage()));
     const auto space = [&](const char* name, const auto& coordinates) {
@@ -69,13 +69,13 @@ TEST_CASE("pins that move rigidly move the cage rigidly, in one frame and by any
         const auto report = figure.solve(motion.of(figure.pins));
         CHECK(figure.distance_from(motion) <= 1e-10);
         CHECK(report.rigid_energy <= 1e-12);
-        // From a bent pose too: the motion changes nothing of its shape.
+        // From a bent pose too: the motion preserves its shape.
         auto moved = figure;
         for (auto* one : {&figure, &moved}) {
             one->solver.reset();
             one->solve(targets, 2);
         }
-        figure.set_pins(); // so that it looks for a motion anew
+        figure.set_pins(); // forces a new rigid motion
         figure.solve(targets);
         moved.solve(motion.of(targets));
         for (std::size_t i = 0; i < figure.pose.size(); ++i)
@@ -98,7 +98,7 @@ TEST_CASE("two pins in space turn the cage as little as they must", "[pose]") {
     figure.solve({{-1, 0, 0}, {1, 0, 0}}); // a quarter turn about y
     const auto turned = [](const Vec<double, 3>& h, bool) { return Vec<double, 3>{h[2], h[1], -h[0]}; };
     CHECK(figure.distance_from(turned) <= 1e-12);
-    figure.solve({{1, 0, 0}, {-1, 0, 0}}); // half a turn: about some axis across
+    figure.solve({{1, 0, 0}, {-1, 0, 0}}); // a half turn about any orthogonal axis
     const auto report = figure.solve({{0, 0, 1}, {0, 0, -1}});
     CHECK(report.rigid_energy <= 1e-12);
     CHECK(report.miss <= 1e-12);
@@ -128,7 +128,7 @@ TEST_CASE("a settled pose is stationary", "[pose]") {
     const PoseSampleOptions how{.samples = effort<std::size_t>(1000, 300)};
     for_each_figure(
         [](auto figure, const auto& targets) {
-            // The gradient of the energy is known at any pose: it agrees with differences.
+            // The gradient of the energy at any pose agrees with differences.
             const SampledEnergy energy(figure, targets);
             figure.solve(targets);
             auto handles = energy.handles_of(figure.pose);
@@ -144,7 +144,7 @@ TEST_CASE("a settled pose is stationary", "[pose]") {
             figure.solve(targets, 150);
             const double left = energy.gradient(energy.handles_of(figure.pose)).norm();
             CAPTURE(left);
-            CHECK(left <= 1e-8); // pins of weight 1e4 amplify roundings of the pose
+            CHECK(left <= 1e-8); // pins of weight 1e4 amplify rounding of the pose
             CHECK(figure.solve(targets).settled);
         },
         how, {.iterations = 16});
@@ -155,7 +155,7 @@ TEST_CASE("the order of pins, and pins divided in weight, do not matter", "[pose
         const std::size_t count = targets.size();
         figure.solve(targets, 3);
         const auto pose = figure.pose;
-        // Backwards, as indices of the same binding.
+        // In reverse order, as indices of the same binding.
         std::vector<std::uint32_t> points;
         auto reversed = targets;
         std::reverse(reversed.begin(), reversed.end());
@@ -164,7 +164,7 @@ TEST_CASE("the order of pins, and pins divided in weight, do not matter", "[pose
         figure.solver.reset();
         figure.solve(reversed, 3);
         CHECK(figure.distance_from_pose(pose) <= 1e-9);
-        // The last one as three pins at one place.
+        // The last pin as three pins at the same point.
         std::vector<double> weights(count, 1.0);
         auto divided = targets;
         points.clear();
@@ -249,7 +249,7 @@ TEST_CASE("float and double agree", "[pose]") {
         return figure.pose[i];
     }) <= 1e-4);
     in_float.solver.reset();
-    std::vector<Vec<float, 2>> rest_pins; // as they were bound
+    std::vector<Vec<float, 2>> rest_pins; // as bound
     for (std::size_t n = 0; n < cat_pins().size(); ++n) rest_pins.push_back(in_float.binding.rest_point(n));
     const auto still = in_float.solver.solve(rest_pins, in_float.pose);
     CHECK(still.status == Status::ok);
@@ -263,7 +263,7 @@ TEST_CASE("packed pins pull as dense ones", "[pose]") {
     for (const auto format : {cageform::WeightFormat::scalar, cageform::WeightFormat::half,
                               cageform::WeightFormat::int16, cageform::WeightFormat::int8}) {
         CAPTURE(int(format));
-        // Among other points, so that the order of the points is another one.
+        // Among other points, so that the order of points differs.
         auto points = bar_pins();
         for (double z = -1.4; z < 1.5; z += 0.1) points.push_back({0.1 * z, 0.2, z});
         std::rotate(points.begin(), points.begin() + 7, points.end());

@@ -42,7 +42,7 @@ void add_clones(Hash& hash, const Bound& binding, const std::vector<Vec<T, D>>& 
     for (T& m : mask) m = numbers.fraction<T>();
     const cageform::StridedPoints<const T, 1> masked(mask.data(), points);
     for (const cageform::CloneOptions<T>& options :
-         {cageform::CloneOptions<T>{}, {masked}, {.onto = CloneMode::output}, {masked, CloneMode::output}}) {
+         {cageform::CloneOptions<T>{}, {masked}, {.mode = CloneMode::add}, {masked, CloneMode::add}}) {
         auto out = from, in_pieces = from;
         if (clone(binding, pose, out, options) != Status::ok ||
             clone(binding, pose, in_pieces, options, made_up::Backwards{}) != Status::ok || in_pieces != out)

@@ -98,7 +98,7 @@ int play(std::size_t points, std::size_t handles) {
             expect(blob.status());
             if (blob.status() != Status::ok) break;
             at += blob.report.bytes;
-            expect(clone(blob.value, pose, figure, {{mask.data(), points}, cageform::CloneMode::output}));
+            expect(clone(blob.value, pose, figure, {{mask.data(), points}, cageform::CloneMode::add}));
             expect(clone_tangent_frames(std::array{blob.value, blob.value}, pose, normals, tangents));
             expect(write_displacements(blob.value, pose, uniforms));
             expect(clone_transposed(blob.value, figure, gradients, {{mask.data(), points}}));

@@ -71,9 +71,9 @@ template <class T, std::size_t D>
 void check_transposed(const cageform::PackedBindingView<T, D>& view, const std::vector<Vec<T, D>>& pose,
                       const std::vector<Vec<T, D>>& gradients, const std::vector<T>& mask) {
     std::vector<Vec<T, D>> pulled(view.handles), moved(view.points, Vec<T, D>{});
-    cageform::CloneOptions<T> options{{mask.data(), view.points}, cageform::CloneMode::output};
+    cageform::CloneOptions<T> options{{mask.data(), view.points}, cageform::CloneMode::add};
     expect(cageform::clone(view, pose, moved, options) == Status::ok, "displacements");
-    options.onto = cageform::CloneMode::rest;
+    options.mode = cageform::CloneMode::replace;
     expect(cageform::clone_transposed(view, gradients, pulled, options, made_up::Backwards{}) == Status::ok,
            "a transposed clone");
     double of_points = 0, of_handles = 0;
@@ -106,7 +106,7 @@ void check_blobs() {
             const auto& view = opened.value;
             std::vector<Vec<T, D>> out(points), masked(from);
             expect(cageform::clone(view, pose, out) == Status::ok, "clone of a packed binding");
-            const cageform::CloneOptions<T> options{{mask.data(), points}, CloneMode::output};
+            const cageform::CloneOptions<T> options{{mask.data(), points}, CloneMode::add};
             expect(cageform::clone(view, pose, masked, options, made_up::Backwards{}) == Status::ok,
                    "with a mask");
             for (std::size_t place = 0; place < points; ++place) {

@@ -34,7 +34,6 @@ pose_samples(const C& coordinates, const R& points, const PoseSampleOptions& opt
     const Status status = detail::guard_memory([&] {
         given.reserve(std::size(points));
         for (std::size_t n = 0; n < std::size(points); ++n) given.push_back(to_vec<T>(points[n]));
-        return Status::ok;
     });
     if (status == Status::ok) return detail::make_pose_samples(coordinates, &given, options, running);
     Result<PoseSamples<T, C::dimension>, PoseSamplesReport> refused;

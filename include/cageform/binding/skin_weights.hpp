@@ -106,7 +106,6 @@ Result<Binding<T, D>> skin_to_binding(const BindingView<T, D>& binding, const Sk
             table(i / skin.influences, skin.joints[i]) += static_cast<T>(skin.weights[i]);
         result.value = Binding<T, D>(std::move(weights), {binding.rest.data, binding.rest.data + blocks * D},
                                      binding.handle_view(), binding.point_count());
-        return Status::ok;
     });
     return result;
 }

@@ -120,10 +120,7 @@ private:
     /// Runs add() and stores out_of_memory on failure.
     template <class Add>
     void keep(const Add& add) {
-        const Status status = detail::guard_memory([&] {
-            add();
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { add(); });
         if (status_ == Status::ok) status_ = status;
     }
     std::uint32_t vertex(const Vec<T, D>& p) {

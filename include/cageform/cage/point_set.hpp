@@ -25,7 +25,6 @@ public:
             const std::size_t count = std::size(sites);
             sites_.reserve(count);
             for (std::size_t i = 0; i < count; ++i) sites_.push_back(to_vec<T>(sites[i]));
-            return Status::ok;
         })) {
         if (status_ != Status::ok) sites_.clear();
     }

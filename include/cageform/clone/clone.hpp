@@ -1,4 +1,4 @@
-// The clone operator, called every frame: moves the points of a figure with a pose of the handles.
+// The clone operator: moves the points of a figure with a pose of the handles, every frame.
 #pragma once
 
 #include <cageform/clone/detail/block_cloner.hpp>
@@ -8,8 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bound figure: a BindingView, a PackedBindingView, or any type whose view() returns one, such
-/// as Binding and PackedBinding.
+/// A BindingView, a PackedBindingView, or a type whose view() returns one, such as Binding and PackedBinding.
 template <class B>
 concept AnyBinding = detail::is_binding_view<decltype(detail::view_of(std::declval<const B&>()))>;
 
@@ -17,20 +16,19 @@ concept AnyBinding = detail::is_binding_view<decltype(detail::view_of(std::declv
 ///
 ///   binding       dense or packed, an owner or a view
 ///   pose          any PointRange of #handles points
-///   out           any MutablePointRange of at least #points points, which may not overlap the
-///                 pose; points after the first #points are left alone. `out` and the mask are indexed
-///                 as the points were when bound, whatever their order in a packed binding
-///   options       a mask, and what the displacements are added to
-///   parallel_for  see core/types/parallel_for.hpp; the result does not depend on it
-///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is
-///                 then untouched), or ok
-///   cost          reads every stored weight once, of a dense binding #points × (#handles + D)
-///                 scalars; no allocation
+///   out           any MutablePointRange of at least #points points; may not overlap the pose. Further points
+///                 are unchanged. `out` and the mask are in the order of the bound points
+///   options       a mask, and whether displacements are added to `out`
+///   parallel_for  see core/types/parallel_for.hpp; no effect on the result
+///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is then
+///                 untouched), or ok
+///   cost          reads every stored weight once: #points × (#handles + D) scalars of a dense binding; no
+///                 allocation
 ///
-/// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by
-/// the same affine map, to rounding (points kept in place stay, and points outside that follow the
-/// nearest boundary point move as it does). For other poses the report of `pack` says how far
-/// packed bindings differ.
+/// The pose at rest reproduces the bound points bitwise. An affine pose applies its affine map to every bound
+/// point, to rounding. Exceptions are points outside the cage: those kept in place do not move, and those
+/// that follow the nearest boundary point move as that point does. For other poses, `pack` reports the
+/// deviation of packed bindings.
 template <AnyBinding B, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone(const B& binding, const Pose& pose, Out&& out,
@@ -48,7 +46,7 @@ Status clone(const B& binding, const Pose& pose, Out&& out,
     return Status::ok;
 }
 
-// Accepts any further arguments, so that the first line that compilers print names the reason.
+// Further arguments are accepted, so that the first line of the compiler's message names the reason.
 template <AnyBinding B, class Pose, class Out, class... More>
     requires(UnknownPointRange<Pose> || UnknownPointRange<Out>)
 detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints, Status> clone(const B&, const Pose&, Out&&,

@@ -7,13 +7,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The output of a figure's `clone`: `FigureOutput{points, normals, tangents}`. Tangents, or normals
-/// and tangents, can be left out. It refers to lvalue arguments and stores views that are temporaries.
+/// The output of a figure's `clone`: `FigureOutput{points, normals, tangents}`. Tangents, or normals and
+/// tangents, may be left out. Refers to lvalue arguments; stores temporary views.
 ///
 ///   points    as for `clone`
 ///   normals   any MutablePointRange of at least #points points
-///   tangents  likewise; if its points have four numbers, the fourth becomes the handedness of
-///             the texture, 1 or −1, as in glTF
+///   tangents  as normals. If points have four numbers, the fourth becomes the texture's handedness, 1 or −1,
+///             as in glTF
 template <class Points, class Normals = NoVectors, class Tangents = NoVectors>
 struct FigureOutput {
     Points points;
@@ -27,20 +27,20 @@ FigureOutput(Points&&, Normals&&) -> FigureOutput<Points, Normals>;
 template <class Points, class Normals, class Tangents>
 FigureOutput(Points&&, Normals&&, Tangents&&) -> FigureOutput<Points, Normals, Tangents>;
 
-/// A bound figure: a PackedFigureView, or any type whose view() returns one, such as FigureBinding.
+/// A PackedFigureView, or a type whose view() returns one, such as FigureBinding.
 template <class F>
 concept AnyFigure = detail::is_figure_view<decltype(detail::view_of(std::declval<const F&>()))>;
 
-/// Moves a figure with a pose of its handles. Points move as `clone` of their binding moves them,
-/// normals and tangents as `clone_tangent_frames` moves them, to the bit.
+/// Moves a figure with a pose of its handles. The results are bitwise those of `clone` for points and of
+/// `clone_tangent_frames` for normals and tangents.
 ///
-///   figure        opened by `open`, or bound by `bind`
+///   figure        from `open` or `bind`
 ///   pose          any PointRange of #handles points
-///   out           see FigureOutput. It is indexed as the points were when bound
-///   parallel_for  see core/types/parallel_for.hpp; the result does not depend on it
-///   returns       vectors_missing, if normals or tangents are requested that were not bound;
-///                 bindings_differ; or as `clone`. Nothing is written unless it is ok
-///   cost          that of a clone by each binding; no allocation
+///   out           see FigureOutput; in the order of the bound points
+///   parallel_for  see core/types/parallel_for.hpp; no effect on the result
+///   returns       vectors_missing (`out` has normals or tangents that were not bound); bindings_differ; or
+///                 as `clone`. `out` is untouched unless the status is ok
+///   cost          one clone per binding; no allocation
 template <AnyFigure F, PointRangeIn<F::dimension> Pose, class P, class N, class G, class Parallel = SerialFor>
     requires(MutablePointRangeIn<P, F::dimension>&& detail::NormalsOut<N, F::dimension>&&
                  detail::TangentsOut<G, F::dimension>)
@@ -61,7 +61,7 @@ noexcept {
     return status;
 }
 
-/// Moves the points of a figure alone.
+/// Moves only the points of a figure.
 template <AnyFigure F, PointRangeIn<F::dimension> Pose, MutablePointRangeIn<F::dimension> Points,
           class Parallel = SerialFor>
 Status clone(const F& figure, const Pose& pose, Points&& points, const Parallel& parallel_for = {}) noexcept {

@@ -1,5 +1,4 @@
-// The rational clone: every handle has a weight that may change every frame. A heavier handle pulls
-// the figure towards it.
+// The rational clone: handles have weights that may change every frame. Heavy handles attract the figure.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -14,11 +13,11 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Checks once, for all frames, whether a binding is suitable for rational clones.
 ///
-///   returns  the view, or handles_not_points; weight_not_finite; binding_weights_negative, if the
-///            negative weights of a point sum to more than 1/16: rounding to one-byte formats stays
-///            well below this, mean value coordinates in concave cages do not; or ok
-///   cost     reads every stored weight once; no allocation. The memory of the binding must not
-///            change while the view is used
+///   returns  the view, or handles_not_points; weight_not_finite; binding_weights_negative (the negative
+///            weights of a point sum to more than 1/16: more than rounding to one byte causes, less than mean
+///            value coordinates in concave cages)
+///   cost     reads every stored weight once; no allocation. The view refers to the memory of the binding,
+///            which must not change
 template <AnyBinding B>
 auto rational_view(const B& binding) noexcept {
     using T = typename B::scalar;
@@ -39,7 +38,7 @@ auto rational_view(const B& binding) noexcept {
     return result;
 }
 
-/// The input of `clone_rational`: a binding, or a view that was checked before.
+/// The input of `clone_rational`: a binding, or the result of `rational_view`.
 template <class B>
 concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
 
@@ -51,26 +50,24 @@ concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
 ///
 ///     p' = p + (N − Ω (p − g)) / (1 + Ω),  N = Σ w_i (d_i + (ω_i − 1)(C'_i − g)),  Ω = Σ w_i (ω_i − 1)
 ///
-/// Only ratios of weights matter. Equal weights give the result of `clone`, bit for bit. A handle
-/// heavier than others pulls points towards it even if nothing has moved. If no weight of a point
-/// is negative, the point stays in the convex hull of the handles that it has weights for. A point
-/// kept in place stays.
+/// Only ratios of weights matter. Equal weights give bitwise the result of `clone`. A heavier handle attracts
+/// points even in the pose at rest. If no weight of a point is negative, the point stays in the convex hull
+/// of its handles. Points kept in place do not move.
 ///
-///   binding       the result of `rational_view`, made once; or any binding, which is then checked
-///                 every time, at the cost of reading its weights twice
+///   binding       the result of `rational_view`, or a binding, which is then checked every time at the cost
+///                 of reading its weights twice
 ///   pose          any PointRange of #handles points
 ///   weights       #handles, finite and above 0
-///   out           any MutablePointRange of at least #points points, which may not overlap pose and
-///                 weights; indexed as the points were when bound
-///   parallel_for  see core/types/parallel_for.hpp; the result does not depend on it
-///   returns       as `rational_view`; weights_do_not_match, weights_not_positive;
-///                 weights_too_far_apart, if one is 2^60 times another, or so many times that small
-///                 negative weights of the binding could outweigh others;
+///   out           any MutablePointRange of at least #points points, in the order of the bound points; may
+///                 not overlap pose and weights
+///   parallel_for  see core/types/parallel_for.hpp; no effect on the result
+///   returns       as `rational_view`; weights_do_not_match, weights_not_positive; weights_too_far_apart (a
+///                 ratio of 2^60, or so large that small negative weights of the binding could dominate);
 ///                 pose_size_differs, pose_not_finite, output_too_small. `out` is then untouched
 ///   cost          as `clone`, with D + 1 sums instead of D; no allocation
 ///
-/// Rational DFFD: Moccozet, Magnenat-Thalmann, Computer Animation '97, sec. 2 and 3.2. As there, points
-/// are weighted and not displacements: weighted displacements would leave an unmoved figure where it is.
+/// Rational DFFD: Moccozet, Magnenat-Thalmann, Computer Animation '97, sec. 2 and 3.2. Points are weighted,
+/// as there; weighted displacements would not move a figure at rest.
 template <RationalBinding B, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone_rational(const B& binding, const Pose& pose, std::span<const typename B::scalar> weights,

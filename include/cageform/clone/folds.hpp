@@ -1,4 +1,4 @@
-// Folds: where a pose turns a figure inside out, and how far it may go until it does.
+// Folds: where a pose inverts a figure, and the largest step without a fold.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Reports where the deformation folds at the bound points. Points do not vouch for what lies between them:
-/// for a mesh, test its cells.
+/// Reports folds of the deformation at the bound points. The space between points is not tested; test the
+/// cells of a mesh instead.
 ///
 ///   columns  bindings of the D axes (`bind_jacobians`), D = 2 or 3, in one order
 ///   pose     as for `clone`
@@ -31,15 +31,15 @@ noexcept {
     return report;
 }
 
-/// Reports which cells of a mesh fold: those whose volume, relative to that at rest, is not above the
-/// threshold. Turned corners at rest do not matter.
+/// Reports folded cells of a mesh, whose volume relative to that at rest is not above the threshold. The
+/// orientation of cells at rest does not matter.
 ///
-///   rest, posed  as many points each, in two or three dimensions
-///   cells        a range of D + 1 indices each: triangles in the plane, tetrahedra in space. A triangle in
-///                space has no volume, and does not compile
-///   fails        threshold_not_supported; pose_size_differs; index_out_of_range and degenerate_simplex
-///                (flat at rest), with the cell. Cells with a corner that is not finite are skipped
-///   cost         proportional to the number of cells; no allocation
+///   rest, posed  the same number of points in 2D or 3D
+///   cells        a range of D + 1 indices each: triangles in 2D, tetrahedra in 3D. Triangles in 3D do not
+///                compile
+///   fails        threshold_not_supported; pose_size_differs; index_out_of_range and degenerate_simplex (flat
+///                at rest), with the cell. Cells with a corner that is not finite are skipped
+///   cost         O(#cells); no allocation
 template <PointRange Rest, PointRangeIn<range_dimension<Rest>> Posed,
           detail::SimplexRange<range_dimension<Rest>> Cells>
     requires(range_dimension<Rest> == 2 || range_dimension<Rest> == 3)
@@ -58,15 +58,15 @@ noexcept {
     return report;
 }
 
-/// Finds the largest step from one pose towards another in which no bound point folds. Jacobians are linear
-/// in the step, so the first root of a determinant is computed, not searched for.
+/// Finds the largest step from one pose towards another without a fold at a bound point. Jacobians are linear
+/// in the step, so the first fold is the root of a polynomial.
 ///
 ///   columns, from, to  as for `report_folds`
-///   returns            step 1 and nowhere, if nothing folds on the way; 0 and a point, if one is folded at
-///                      `from`; else the step, shorter than the first fold by 1e-9 of it or by what
-///                      rounding takes (floats: 1e-6), and the point that folds first
+///   returns            step 1 and nowhere if nothing folds; step 0 and a point that is folded at `from`;
+///                      else the step and the first point to fold. The step is shorter than the first fold by
+///                      a relative 1e-9, or by rounding (floats: 1e-6)
 ///   fails              as `report_folds`
-///   cost               that of 3 D clones, and some 100 operations a point; no allocation
+///   cost               3 D clones and some 100 operations a point; no allocation
 template <AnyBinding B, std::size_t D, PointRangeIn<D> From, PointRangeIn<D> To>
     requires(B::dimension == D && (D == 2 || D == 3))
 StepReport largest_step(const std::array<B, D>& columns, const From& from, const To& to,
@@ -81,8 +81,7 @@ noexcept {
     return detail::step_over(detail::JacobianPlaces(views), options, from, to);
 }
 
-/// Finds the largest step from one set of points towards another in which no cell folds; see above and
-/// `report_folds`.
+/// Finds the largest step from one set of points towards another in which no cell folds.
 template <PointRange Rest, PointRangeIn<range_dimension<Rest>> From, PointRangeIn<range_dimension<Rest>> To,
           detail::SimplexRange<range_dimension<Rest>> Cells>
     requires(range_dimension<Rest> == 2 || range_dimension<Rest> == 3)

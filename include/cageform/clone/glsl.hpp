@@ -1,32 +1,31 @@
-// The clone operator on the GPU: GLSL code that reads a blob without conversion, or the joints and
-// weights of a skin.
+// The clone operator on the GPU: GLSL code that reads a blob, or the joints and weights of a skin.
 //
-// Upload the bytes of a blob once, as one storage buffer. Upload the result of
-// `write_displacements` every frame, one vec4 a handle. Then a compute shader can write all points:
-//     #version 430                         (or 310 es)
+// Upload the bytes of a blob once, as a storage buffer. Upload the result of `write_displacements` every
+// frame, one vec4 per handle. A compute shader then writes all points:
+//
 //     #version 430                         (or 310 es)
 //     #define CAGEFORM_BLOB 0              bindings of the buffers: the blob,
 //     #define CAGEFORM_DISPLACEMENTS 1     the result of write_displacements,
-//     #define CAGEFORM_OUT 2               numbers of float: the points
-//     #define CAGEFORM_OUT_STRIDE 6        floats from one point to the next; default: the dimension
-//     #define CAGEFORM_OUT_OFFSET 0        floats before the first; default: 0
+//     #define CAGEFORM_OUT 2               the points, as floats
+//     #define CAGEFORM_OUT_STRIDE 6        floats per point; default: the dimension
+//     #define CAGEFORM_OUT_OFFSET 0        floats before the first point; default: 0
 //     #define CAGEFORM_BASE 0u             the four-byte word at which the blob begins; default: 0u
-//     #define CAGEFORM_TANGENTS 1000u      the words at which blobs of tangents and bitangents
-//     #define CAGEFORM_BITANGENTS 2000u    begin, if normals are wanted as well,
+//     #define CAGEFORM_TANGENTS 1000u      for normals: the words at which the blobs of tangents
+//     #define CAGEFORM_BITANGENTS 2000u    and bitangents begin,
 //     #define CAGEFORM_NORMAL_OFFSET 3     and the floats before the first normal
-//     glsl::displacements, glsl::blob, glsl::compute     in this order, one thread a point,
-//                                                        64 to a group
+//     glsl::displacements, glsl::blob, glsl::compute     in this order; one thread per point, 64 per group
 //
-// Or any shader can call the functions of `blob`: cageform_displacement, cageform_rest,
-// cageform_point, cageform_normal, for a position in the blob's order. A vertex shader of a skin
-// (binding/skin_weights.hpp) needs no blob:
+// Other shaders can call the functions of `blob` for a position in the blob's order: cageform_displacement,
+// cageform_rest, cageform_point, cageform_normal. A vertex shader of a skin (binding/skin_weights.hpp) needs
+// no blob:
 //
-//     #define CAGEFORM_UNIFORM_HANDLES 112 displacements are a uniform block of this size; default: a
-//                                          storage buffer. Works with #version 300 es (WebGL 2)
+//     #define CAGEFORM_UNIFORM_HANDLES 112 the size of a uniform block of displacements, as in #version 300
+//     es
+//                                          (WebGL 2); default: a storage buffer
 //     glsl::displacements, glsl::skin
 //     … gl_Position = view * vec4(rest + cageform_skin(joints, weights), 1) …
 //
-// The code has no #version, and no main except in `compute`. Its names begin with cageform_.
+// The code has no #version, and no main except in `compute`. All names begin with cageform_.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -42,12 +41,10 @@ constexpr std::size_t displacement_count(const PackedBindingView<float, D>& bind
     return binding.handle_count() + D + 1;
 }
 
-/// Writes the data that shaders read every frame: the displacements of the handles from rest, then
-/// their best affine fit, each as a vec4 (std140 and std430 alike). It depends on the handles
-/// alone, so it serves all bindings to the same cage.
+/// Writes the data that shaders read every frame: the displacements of the handles, then their best affine
+/// fit, each as a vec4 (std140 and std430). One result serves all bindings to the same cage.
 ///
-///   out      at least displacement_count() entries; it is only written, so it may be the memory of a
-///            mapped buffer
+///   out      at least displacement_count() entries, write-only: may be a mapped buffer
 ///   returns  pose_size_differs, pose_not_finite, output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles); no allocation
 template <std::size_t D, PointRangeIn<D> Pose>
@@ -89,14 +86,12 @@ layout(std430, binding = CAGEFORM_DISPLACEMENTS) readonly buffer CageformDisplac
 #endif
 )";
 
-/// Functions that read blobs (figure/types/blob.hpp) of float, at most 16 GiB of them. `base` is the
-/// four-byte word at which a blob begins in the buffer: a buffer may hold several blobs. A shader
-/// may be faster if it defines
+/// Functions that read blobs (figure/types/blob.hpp) of float, of at most 16 GiB. `base` is the four-byte
+/// word of the buffer at which a blob begins; a buffer may hold several blobs. If all blobs have the same
+/// format or dimension, a shader may be faster with
 ///
-///     #define CAGEFORM_FORMAT 0u       the number of a WeightFormat
+///     #define CAGEFORM_FORMAT 0u       the value of a WeightFormat
 ///     #define CAGEFORM_DIMENSION 3u
-///
-/// for all blobs that it reads; otherwise they are read from each blob.
 inline constexpr const char* blob = R"(
 layout(std430, binding = CAGEFORM_BLOB) readonly buffer CageformBlob {
     highp uint cageform_blob[];
@@ -194,8 +189,7 @@ highp vec3 cageform_normal(highp uint tangents, highp uint bitangents, highp uin
 }
 )";
 
-/// Writes the points of one blob, and their normals if wanted, one per thread: ⌈#points / 64⌉ work
-/// groups.
+/// Writes the points of one blob, and optionally their normals, one per thread: ⌈#points / 64⌉ work groups.
 inline constexpr const char* compute = R"(
 layout(local_size_x = 64) in;
 layout(std430, binding = CAGEFORM_OUT) writeonly buffer CageformOut {
@@ -227,8 +221,7 @@ void main() {
 }
 )";
 
-/// Returns the displacement of a point with four joints; for eight or more, add the results of
-/// their sets.
+/// Returns the displacement of a point with four joints. For more joints, add the results of several sets.
 inline constexpr const char* skin = R"(
 highp vec3 cageform_skin(highp uvec4 joints, highp vec4 weights) {
     return weights.x * cageform_displacements[joints.x].xyz + weights.y * cageform_displacements[joints.y].xyz +
@@ -238,7 +231,7 @@ highp vec3 cageform_skin(highp uvec4 joints, highp vec4 weights) {
 
 } // namespace glsl
 
-// The fields that `glsl::blob` reads, in words of four bytes.
+// Header fields read by `glsl::blob`, in words of four bytes.
 static_assert(offsetof(BlobHeader, dimension) == 9 * 4 && offsetof(BlobHeader, format) == 10 * 4 &&
               offsetof(BlobHeader, handles) == 12 * 4 && offsetof(BlobHeader, points) == 14 * 4 &&
               offsetof(BlobHeader, weights) == 22 * 4 && offsetof(BlobHeader, row_begin) == 24 * 4 &&

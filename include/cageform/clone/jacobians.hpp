@@ -1,4 +1,4 @@
-// Jacobians of a clone, every frame, from axes that `bind_jacobians` has bound.
+// Jacobians of a clone, every frame, from axes that `bind_jacobians` bound.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -6,13 +6,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view of square matrices at regular distances in memory, column after column. It owns and
-/// copies nothing.
+/// A view of strided square matrices in column-major order; owns nothing.
 ///
 ///   T              float or double, `const` for a read-only view
-///   matrix_stride  bytes from one matrix to the next
-///   column_stride  bytes from one column to the next of its matrix (16 for float columns padded to
-///                  four, as in std430)
+///   matrix_stride  bytes between matrices
+///   column_stride  bytes between columns of a matrix (16 for float columns padded to four, as in std430)
 template <class T, std::size_t D>
 class StridedMatrices {
 public:
@@ -42,13 +40,13 @@ private:
     std::ptrdiff_t column_stride_;
 };
 
-/// Computes the Jacobians of the deformation at all points, for objects with more than a position:
-/// a splat of covariance Σ becomes one of J Σ Jᵀ.
+/// Computes the Jacobian of the deformation at every point, for objects with more than a position: a splat of
+/// covariance Σ becomes one of J Σ Jᵀ.
 ///
 ///   columns    bindings of the D axes (`bind_jacobians`)
 ///   jacobians  out, at least #points matrices: column k is the image of axis k
 ///   returns    bindings_differ, or as `clone`; `jacobians` is then untouched
-///   cost       that of D clones; no allocation. The unmoved pose gives the identity, to the bit
+///   cost       D clones; no allocation. The pose at rest gives exactly the identity
 template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose, class S, class Parallel = SerialFor>
     requires(B::dimension == D)
 Status clone_jacobians(const std::array<B, D>& columns, const Pose& pose,

@@ -1,4 +1,4 @@
-// Normals and tangents of a clone, every frame, from tangents that `bind_vectors` has bound.
+// Normals and tangents of a clone, every frame, from tangents that `bind_vectors` bound.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -6,23 +6,23 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Computes the unit normals of the moved figure from the bound tangents as the pose moves them: in
-/// 3D n' = cross(t', b') / |…|, in 2D the tangent rotated counter-clockwise by 90 degrees. They are
-/// normals of the deformed surface itself, not of its triangles.
+/// Computes the unit normals of the moved figure from moved tangents: n' = cross(t', b') / |…| in 3D, the
+/// tangent rotated counter-clockwise by 90 degrees in 2D. They are exact normals of the deformed surface, not
+/// of its triangles.
 ///
-///   tangents      bound by `bind_vectors` from the result of `tangents_of`: in 3D tangents and
-///                 bitangents with cross(tangent, bitangent) along the normal, of the same points
-///                 in the same order; in 2D one binding. Dense or packed, owners or views
+///   tangents      bindings by `bind_vectors` of the result of `tangents_of`: in 3D tangents and bitangents
+///                 with cross(tangent, bitangent) along the normal, of the same points in the same order; in
+///                 2D one binding. Dense or packed, owners or views
 ///   pose          as for `clone`
 ///   normals       out, any MutablePointRange of at least #points points
 ///   parallel_for  as for `clone`
-///   degenerate    if the tangents are moved onto one line or shrink to nothing (to some roundings of
-///                 their former size), the normal at rest is returned; if they are so at rest, zero
+///   degenerate    if tangents become parallel or vanish (to some roundings of their size at rest), the
+///                 normal at rest is returned; if they are degenerate at rest, zero
 ///   returns       bindings_differ, or as `clone`; `normals` is then untouched
-///   cost          that of a clone by each binding, a square root a point, and a comparison of the
-///                 orders; no allocation
+///   cost          one clone per binding, a square root a point, and a comparison of the orders; no
+///                 allocation
 ///
-/// A mirroring pose flips normals as it flips the winding of triangles: they stay cross(t', b').
+/// A mirroring pose flips normals, as it flips the winding of triangles.
 template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
     requires(K + 1 == B::dimension)
@@ -38,13 +38,11 @@ noexcept {
     return Status::ok;
 }
 
-/// Computes normals as `clone_normals` does, and with them the moved tangents, of unit length and
-/// orthogonal to the normals.
+/// Computes normals as `clone_normals`, and the moved tangents, of unit length and orthogonal to the normals.
 ///
-///   unit_tangents  out, at least #points points. For tangents of four numbers (glTF) pass a
-///                  StridedPoints with a stride of 16 bytes: the fourth number, the sign of the
-///                  texture's handedness, is not touched, and no pose changes it
-///   degenerate     if the normal is that at rest, so is the tangent
+///   unit_tangents  out, at least #points points. For glTF tangents of four numbers pass StridedPoints with a
+///                  stride of 16 bytes: the fourth number, the texture's handedness, is not written
+///   degenerate     a point with the normal at rest has the tangent at rest
 template <AnyBinding B, PointRangeIn<3> Pose, MutablePointRangeIn<3> Out, MutablePointRangeIn<3> TangentsOut,
           class Parallel = SerialFor>
     requires(B::dimension == 3)

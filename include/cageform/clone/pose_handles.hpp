@@ -1,5 +1,5 @@
-// Computes a pose of all handles from a pose of the cage's vertices or of bones. It is called
-// before a clone if some handles are vectors.
+// Computes a pose of all handles from a pose of the cage's vertices or of bones. Needed before a clone if
+// some handles are vectors.
 //
 //     pose_handles(binding, cage_pose, handles);      // the vectors of faces follow their corners
 //     clone(binding, handles, out);
@@ -14,17 +14,17 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How a pose of handles went.
+/// Result of `pose_handles`.
 struct PoseReport {
     static constexpr std::size_t none = ~std::size_t{0};
     Status status = Status::ok;
-    /// Faces posed to zero area: their direction is unknown, their vector zero. Those of none at rest, as the
-    /// legs of curved cages may be, do not count.
+    /// Faces with zero area in the pose: their direction is unknown, their vector zero. Faces with zero area
+    /// at rest, such as legs of curved cages, do not count.
     std::size_t collapsed_faces = 0;
-    std::size_t first_collapsed = none; ///< the handle of the first of them
+    std::size_t first_collapsed = none; ///< the handle of the first collapsed face
 };
 
-/// A binding or its view, packed or not.
+/// A dense or packed binding, or its view.
 template <class B>
 concept HasHandles = requires(const B& binding) {
     typename B::scalar;
@@ -33,17 +33,17 @@ concept HasHandles = requires(const B& binding) {
 
 /// Computes a pose of all handles from a pose of the cage's vertices.
 ///
-///   pose     a point for every handle that is a point, in their order
-///   out      at least #handles points that can be read again; may begin with `pose` itself, whose
-///            vertices are then moved to their handles
-///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that
-///            belong to no face): `out` is then untouched. Or ok, and the faces without area
-///   cost     O(#handles), no allocation; 80 operations and two roots a face in 3D, two
-///            operations in 2D; the means of loops are computed for each of their triangles
+///   pose     one point for each point handle, in the order of the handles
+///   out      at least #handles points, readable. `out` may begin with `pose` itself: vertices are then moved
+///            to their handles
+///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors without a
+///            face): `out` is then untouched; or ok, and the faces without area
+///   cost     O(#handles), no allocation: 80 operations and two roots a face in 3D, two operations in 2D.
+///            Means of loops are recomputed for each of their triangles
 ///
-/// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A
-/// similarity transforms every vector as well, to rounding. A mirrored pose is allowed, but does
-/// not act as a similarity: normals point the other way.
+/// The pose at rest reproduces the handles at rest bitwise, so `clone` returns the bound points. A similarity
+/// also transforms every vector, to rounding. A mirrored pose is not a similarity here, because its normals
+/// are inverted.
 template <HasHandles B, PointRange Pose, class Out>
     requires(B::dimension == 2 || B::dimension == 3)
 &&MutablePointRange<std::remove_reference_t<Out>> PoseReport pose_handles(const B& binding, const Pose& pose,
@@ -62,8 +62,7 @@ template <HasHandles B, PointRange Pose, class Out>
     for (std::size_t n = 0; n < std::size(pose); ++n) {
         if (!detail::can_be_posed<T, Out>(to_vec<T>(pose[n]))) return refuse(Status::pose_not_finite);
     }
-    // Starts from the last handle, because `out` may be `pose`: the n-th point is handle n or a
-    // later one.
+    // Backwards, because `out` may be `pose`, and point n belongs to handle n or a later handle.
     for (std::size_t i = handles.count, n = std::size(pose); i-- > 0;) {
         if (handles.is_point(i)) store_point(out, i, to_vec<range_scalar_t<Out>>(pose[--n]));
     }
@@ -77,14 +76,14 @@ template <HasHandles B, PointRange Pose, class Out>
     return report;
 }
 
-/// Computes a pose of the handles of bones from the bones' transforms. A bone has D + 1 handles,
-/// side by side: a point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k
-/// a clone is linear blend skinning, Σ ω (A p + b).
+/// Computes a pose of the handles of bones from the bones' transforms. A bone has D + 1 consecutive handles:
+/// a point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k a clone is linear blend
+/// skinning, Σ ω (A p + b).
 ///
-///   bones    as many as the binding has points among its handles
+///   bones    one per point handle
 ///   out      at least #handles points; may not overlap `bones`
-///   returns  handles_not_bones (the handles are in another order), pose_size_differs,
-///            pose_not_finite, output_too_small (`out` is then untouched), or ok
+///   returns  handles_not_bones (handles in another order), pose_size_differs, pose_not_finite,
+///            output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles), no allocation
 template <HasHandles B, class Out>
     requires MutablePointRange<std::remove_reference_t<Out>>

@@ -1,4 +1,4 @@
-// Barycentric coordinates in one simplex: affine functions, to which all other coordinates reduce there.
+// Barycentric coordinates of a point in one simplex.
 #pragma once
 
 #include <cageform/cage/detail/refuse_interior_cells.hpp>
@@ -14,13 +14,12 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// Barycentric coordinates in a simplex of `D` dimensions: a triangle, a tetrahedron, ….
 ///
-/// The solution β of [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827; Ceva's masses). The inverse is
-/// computed once, in double.
+/// The weights β solve [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827). The matrix is inverted once, in double.
 ///
-///   range     sum to 1; all in [0, 1] inside, some negative outside (the same affine functions)
+///   range     sum to 1; in [0, 1] inside, some negative outside
 ///   cost      O(D²) a point
-///   faults    not_a_simplex, vertex_not_finite, degenerate_simplex (a vertex within rounding of
-///             the face that the others span)
+///   faults    not_a_simplex, vertex_not_finite, degenerate_simplex (the height of a vertex above the
+///             opposite face is within the tolerance)
 template <Scalar T, std::size_t D>
 class BarycentricCoordinates {
     static_assert(D >= 1 && D <= 8, "the nearest boundary point is searched among all 2^(D+1) faces");
@@ -37,7 +36,6 @@ public:
         const Status status = detail::guard_memory([&] {
             for (std::size_t i = 0; i < std::size(vertices); ++i) vertices_.push_back(to_vec<T>(vertices[i]));
             prepare();
-            return Status::ok;
         });
         if (status != Status::ok) report_ = {status, {}};
     }
@@ -45,7 +43,7 @@ public:
     explicit BarycentricCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Takes the cage of the other 2D types, so that types can be exchanged.
+    /// Takes a polygon of one loop and three vertices.
     explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)
         : BarycentricCoordinates(cage.vertices()) {
         if (cage.status() != Status::ok) {
@@ -57,7 +55,7 @@ public:
         }
     }
 
-    /// Uses only the boundary of a cell complex: interior_cells_not_supported if there are cells inside.
+    /// Takes the boundary of a cell complex. Interior cells are the fault interior_cells_not_supported.
     template <std::size_t E>
         requires(E == D)
     explicit BarycentricCoordinates(const CellComplex<T, E>& cage)
@@ -78,12 +76,11 @@ public:
                                           });
     }
 
-    /// Computes the gradients of all weights at a batch of points. The weights are affine, so the
-    /// gradients are the same everywhere.
+    /// Computes the gradients of all weights. They are constant, because the weights are affine.
     ///
-    ///   points     as for `evaluate`; so are the states on entry and on return
-    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
-    ///              length
+    ///   points, states   as for `evaluate`
+    ///   gradients        out, row axis · #handles + handle: the derivative along the axis, per unit of
+    ///                    length
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return detail::evaluate_blocks<T>(report_, D * (D + 1), {points, gradients, states}, running,
@@ -127,7 +124,7 @@ private:
         if (!(unit_ > 0)) return report_.add(CageFaultKind::degenerate_simplex);
         const auto gradients = detail::simplex_gradients<D>(in_unit(handles()));
         if (gradients.empty()) return report_.add(CageFaultKind::degenerate_simplex);
-        // The gradient of β_k has the length of one over the height of vertex k above the opposite face.
+        // |∇β_k| is the reciprocal of the height of vertex k above the opposite face.
         const double tolerance = coincidence_tolerance(bounds_of(handles())) / unit_;
         for (std::size_t k = 0; k <= D; ++k) {
             for (std::size_t axis = 0; axis < D; ++axis)
@@ -157,7 +154,7 @@ private:
     }
 
     void weigh(const Lanes<T>* position, Lanes<T>* row) const noexcept {
-        // β_k is measured from a vertex of the opposite face, so that it is accurate on that face.
+        // β_k is computed relative to a vertex of the opposite face, for accuracy on that face.
         for (std::size_t k = 0; k <= D; ++k) {
             const Vec<T, D>& from = vertices_[k < D ? D : 0];
             Simd beta(T(0));

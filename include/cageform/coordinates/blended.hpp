@@ -8,24 +8,20 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Coordinates with respect to several cages, for example one for the body and one for the head.
-/// The handles are those of the first cage, then of the second, and so on. If a point lies inside
-/// several cages, its weights are
+/// Coordinates with respect to several cages, for example one for the body and one for the head. The handles
+/// of the first cage come first, then those of the second, and so on. The weights are
 ///
 ///     w = Σ_k β_k w^k,   β_k = d_k² / Σ_j d_j²
 ///
-/// where d_k is the depth of the point in cage k (cage/detail/depth.hpp), relative to the diagonal
-/// of that cage. The weights are C¹ across the boundary of a cage that lies inside another. They sum
-/// to 1 and reproduce the point as the components' weights do, so the figure is exact at rest and when
-/// all cages make the same affine move. A point inside a single cage has the weights of that cage.
+/// summed over the cages that contain the point. d_k is the depth of the point in cage k, divided by the
+/// diagonal of the cage (cage/detail/depth.hpp). The weights are C¹ across the boundary of a cage that lies
+/// inside another cage. They sum to 1 and reproduce the point if the weights w^k do.
 ///
-///   range     that of the components, with linear precision restored
-///   cost      that of all components for all points, plus O(edges or faces) a point and cage, and the
-///             components' weights once more
+///   range     that of the components, with linear precision restored in each component
+///   outside   undefined outside all cages
+///   cost      all components at all points, O(edges or faces) per point and cage, and memory for the weights
+///             of one component
 ///   fails     as the first component that fails; too_few_vertices without components
-///
-/// Outside all cages they are not defined (no extension). Linear precision that a solver misses is
-/// restored in each component separately, so no cage moves a point outside it.
 template <CageCoordinates C>
     requires requires(const C& c) {
         detail::Depth<std::decay_t<decltype(c.cage())>>(c.cage());
@@ -40,27 +36,23 @@ public:
 
     explicit BlendedCoordinates(std::vector<C> components)
         : components_(std::move(components)) {
-        const Status status = detail::guard_memory([&] {
-            join_components();
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { join_components(); });
         if (status != Status::ok) report_ = {status, {}};
     }
 
     std::span<const C> components() const noexcept { return components_; }
-    /// Returns the first handle of a component; for component = #components the number of all handles.
+    /// Returns the first handle of a component, or the number of handles for component = #components.
     std::size_t first_handle(std::size_t component) const noexcept { return first_[component]; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
 
-    /// Returns the report of the first refused cage, which is `refused_component()`; if none is, the
-    /// warnings of all.
+    /// Returns the report of `refused_component()`, the first refused cage, or the warnings of all cages.
     const CageReport& cage_report() const noexcept { return report_; }
     static constexpr std::size_t none = ~std::size_t{0};
     std::size_t refused_component() const noexcept { return refused_; }
 
-    /// Solves and keeps the functions of all components, for types of components that can.
+    /// Solves all components and keeps their functions. Only for components that have `solve`.
     Evaluation solve(const Running& running = {}) requires requires(C c) { c.solve(running); }
     {
         Evaluation result;
@@ -153,7 +145,7 @@ private:
         }
     }
 
-    /// Calls evaluation = f(component, running) for one component after the other, until one fails.
+    /// Calls evaluation = f(component, running) for each component until one fails. Adds up the reports.
     template <class F>
     Evaluation for_each_component(const Running& running, const F& f) const {
         Evaluation total;
@@ -198,8 +190,7 @@ private:
             for (auto& row : share) row[lane] = scalar(0);
             if (i >= count || states[i] == PointState::not_finite) continue;
             const auto of_component = [&](std::size_t k) { return all[k * count + i]; };
-            // The components that count: those that the point is inside, or if there are none, on whose
-            // boundary it is.
+            // Blends the components that contain the point, or else those with the point on their boundary.
             states[i] = PointState::outside;
             for (const auto state : {PointState::unreached, PointState::on_boundary, PointState::inside}) {
                 for (std::size_t k = 0; k < components; ++k) {
@@ -216,7 +207,7 @@ private:
                     const double depth = (equal ? 1 : depths_[k](p)) * scales_[k];
                     sum += depth_weight[k] = depth * depth;
                 }
-                if (sum > 0) break; // else the point is too close to all boundaries to use depths
+                if (sum > 0) break; // else all depths underflow, and the components get equal shares
             }
             for (std::size_t k = 0; k < components; ++k)
                 share[k][lane] = static_cast<scalar>(depth_weight[k] / sum);
@@ -230,7 +221,7 @@ private:
                 any = any || share[k][lane] != scalar(0);
                 bound[lane] = share[k][lane] != scalar(0) ? scalar(1) : scalar(0);
                 if (bound[lane] != scalar(0)) continue;
-                // Unspecified so far.
+                // The component left these weights unspecified.
                 for (std::size_t h = 0; h < handles; ++h) row[h][lane] = scalar(0);
             }
             if (!any) continue;
@@ -244,7 +235,7 @@ private:
     using Cage = std::decay_t<decltype(std::declval<const C&>().cage())>;
 
     std::vector<C> components_;
-    std::vector<std::size_t> first_; ///< first handle of every component, and the end
+    std::vector<std::size_t> first_; ///< first handle of every component, then the number of handles
     std::vector<Vec<scalar, dimension>> handles_;
     std::vector<HandleKind> kinds_;
     std::vector<HandleFace<dimension>> faces_;

@@ -18,8 +18,8 @@ struct Batch {
     std::span<PointState> states;
 };
 
-/// The constants of a coordinate type: its scalar, its dimension, whether it is defined outside the
-/// cage, and whether a point's weights cost the same alone as in a batch.
+/// The constants of a coordinate type: scalar, dimension, whether weights are defined outside the cage, and
+/// whether batches of any size cost the same per point.
 template <class C>
 concept CageCoordinateConstants = requires {
     typename C::scalar;
@@ -29,35 +29,31 @@ concept CageCoordinateConstants = requires {
     { C::closed_form } -> std::convertible_to<bool>;
 };
 
-/// Coordinates of points with respect to a cage, one weight per *handle*. For most types a handle
-/// is a cage vertex; a type may have others (scaled face normals, for example), so code must not
-/// assume that weights belong to vertices.
+/// Coordinates of points with respect to a cage: one weight per *handle*. Handles are the cage's vertices;
+/// some types have more, for example scaled face normals.
 ///
-///   handles()           the handles at rest; a pose holds as many points, in the same order
-///   handle_kinds()      optional: a span of the kinds of the handles (core/types/handles.hpp); if it is
-///                       absent or empty, all are points
-///   handle_faces()      optional: a span of the faces that vector handles belong to, in their order,
-///                       so that `pose_handles` can compute their poses from a pose of the vertices
-///   handle_loops()      optional, with handle_faces(): a span of the table of loops whose means are corners
-///                       of faces (HandleView)
-///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that
-///                       status
+///   handles()           the handles at rest. A pose has as many points, in the same order
+///   handle_kinds()      optional: the kind of each handle (core/types/handles.hpp). If absent or empty, all
+///                       handles are points
+///   handle_faces()      optional: the faces of the vector handles, in the order of those handles.
+///                       `pose_handles` computes the vectors from a pose of the vertices
+///   handle_loops()      optional, with handle_faces(): the table of loops whose means are corners of faces
+///                       (HandleView)
+///   cage_report()       faults of the cage. If its status is not ok, `evaluate` returns that status
 ///   has_extension       whether weights are defined outside the cage
-///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in
-///                       cache
-///   local               optional: whether most weights of a point are exact zeros, which `bind` then
-///                       preserves when it restores linear precision
+///   closed_form         whether `bind` may evaluate small batches, which stay in the caches
+///   local               optional: whether most weights of a point are exact zeros. `bind` then keeps the
+///                       zeros when it restores linear precision
 ///   evaluate(points, weights, states, running)
-///                       fills the weights of a whole batch (rows of `weights` are handles) and
-///                       where each point lies. Points whose state is not_finite on entry are
-///                       skipped. Weights of points that are not_finite or unreached, and of
-///                       outside points when there is no extension, are left unspecified. Every
-///                       lane of the last block is written.
+///                       fills a batch: one row of `weights` per handle, and the state of each point. Points
+///                       whose state is not_finite on entry are skipped. Weights of not_finite and unreached
+///                       points are unspecified, and those of outside points if there is no extension. Every
+///                       lane of the last block is written
 ///   nearest_boundary(p, row)
-///                       returns the boundary point nearest to the finite point `p`, and fills its
-///                       weights (#handles)
-///   distance_outside(p) optional: the distance of a point outside from the cage and its gradient, by which
-///                       BindOptions::falloff fades; without it that from the nearest boundary point
+///                       returns the boundary point nearest to the finite point `p`, and fills its weights
+///                       (#handles)
+///   distance_outside(p) optional: the distance of an outside point from the cage, and its gradient, for
+///                       BindOptions::falloff. Default: the distance from the nearest boundary point
 template <class C>
 concept CageCoordinates = CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,
@@ -69,13 +65,11 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
-/// Coordinates that can be differentiated.
+/// Coordinates with gradients.
 ///
 ///   evaluate_gradients(points, gradients, states, running)
-///                       as `evaluate`, but fills row axis · #handles + handle with the derivative
-///                       of the handle's weight along the axis. Those of points that are not_finite
-///                       or unreached, and of outside points when there is no extension, are left
-///                       unspecified
+///                       as `evaluate`, but row axis · #handles + handle holds the derivative of the handle's
+///                       weight along the axis
 template <class C>
 concept GradientCoordinates = CageCoordinates<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> gradients,
@@ -104,9 +98,8 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
     return view;
 }
 
-/// Implements `nearest_boundary` for types whose handles are a cage's vertices and whose weights on
-/// the boundary are `data`. Returns the nearest boundary point and fills `row`
-/// (#V) with its weights.
+/// Implements `nearest_boundary` for types whose handles are the cage's vertices and whose boundary values
+/// are `data`. Returns the nearest boundary point and fills `row` (#V) with its weights.
 template <class Cage, class Data = detail::LinearBoundaryData<Cage::dimension>>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
@@ -116,20 +109,16 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
     const auto value = nearest_boundary_value(cage, p, position);
     std::fill(row.begin(), row.end(), T(0));
     const auto add = [&](std::uint32_t handle, double weight) { row[handle] += static_cast<T>(weight); };
-    const Status status = detail::guard_memory([&] {
-        data.for_each_weight(value, add);
-        return Status::ok;
-    });
-    if (status != Status::ok) // out of memory: uses the hat functions of the point's facet
+    const Status status = detail::guard_memory([&] { data.for_each_weight(value, add); });
+    if (status != Status::ok) // out of memory: linear on the point's facet
         detail::LinearBoundaryData<Cage::dimension>::for_each_weight(value, add);
     return position;
 }
 
-/// Computes the weights of a single point; a convenience on top of `evaluate`.
+/// Computes the weights of a single point by `evaluate`.
 ///
-///   weights  out, #handles
-///   returns  where the point lies, unreached if evaluating fails; `weights` is set for inside
-///            and on_boundary, and for outside when the type has an extension, else left as it is
+///   weights  out, #handles; unchanged for points without weights
+///   returns  the state of the point; unreached if `evaluate` fails
 template <CageCoordinates C, Point P>
 PointState weights_at(const C& coordinates, const P& point, std::span<typename C::scalar> weights) {
     using T = typename C::scalar;

@@ -1,4 +1,4 @@
-// Coordinates of cages whose edges are Bézier curves: deformations preserve angles.
+// Green coordinates for cages of Bézier curves in the plane. Deformations preserve angles.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -8,36 +8,34 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Green coordinates in the plane for cages of Bézier curves, in Cauchy's form. With z = x + iy, edges e at
-/// rest of degree 1 to 3 and their posed curves F of degree m up to 5,
+/// Green coordinates in the plane for cages of Bézier curves, in Cauchy's form. With z = x + iy, edges e of
+/// degree 1 to 3 at rest, and their posed curves F of degree m ≤ 5,
 ///
 ///     f(z) = 1/2πi Σ_edges ∫ F(t) e'(t)/(e(t) − z) dt = Σ c_k(z) P'_k
 ///
-/// where P' are the posed control points. (Liu, Liu, Fu, arXiv 2408.06831; Michel, Thiery, Polynomial 2D
-/// Green coordinates, 2023, for straight edges at rest.)
+/// where P' are the posed control points. Liu, Liu, Fu, arXiv 2408.06831; for straight edges at rest: Michel,
+/// Thiery, Polynomial 2D Green coordinates, 2023.
 ///
-///   handles    the control points of all edges in poses, around the loops, ends once; then the legs of the
-///              control polygon, from each to the next, as normal vectors of the leg's length. At rest they
-///              are those of the curves raised to their degree in poses. The weights are Re c_k and, for
-///              legs, sums of Im c_k. `pose_handles` makes a pose of all from one of the control points
+///   handles    first the control points of the edges, degree-elevated to m, around each loop, with shared
+///              ends once; then the legs of the control polygon as normal vectors of the leg's length. The
+///              weight of a control point is Re c_k, of a leg a partial sum of Im c_k. `pose_handles`
+///              computes the legs
 ///   range      the weights of control points sum to 1. Weights have both signs
-///   poses      holomorphic inside, whatever the pose: angles are preserved where the derivative is not
-///              zero. Similarities are reproduced, other affine maps and reflections are not
-///   boundary   the limits from inside. They do not interpolate
-///   outside    continued to first order across the nearest place of the cage. In a pose there are jumps
-///              where the nearest place changes to another edge. Before a cusp inside an edge that points
-///              outwards weights are as large as 1/|e'| there, or the point is unreached: divide the edge at
-///              the cusp (the warning edge_has_cusp names it)
-///   accuracy   double: 1e-14, next to edges and ends too, but beside a cusp inside an edge at distance δ
-///              only 2e-16/√δ (divide the edge there); float: 1e-6
-///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). On its circle
-///              and outside, the continuation remains
-///   cost       O(#edges) a point: 16 reciprocals for an edge that is far, the roots of e(s) = z and a
-///              logarithm of each for one that is near
-///   faults     those of the cage; curve_degree (5 < m, or m below the degree at rest, or not one for every
-///              edge: a is then their number), disk_too_small
-///   gradients  as accurate as the weights, except on vertices, where those at a place 1e-6 diagonals inside
-///              are returned
+///   poses      holomorphic inside for every pose: angles are preserved where the derivative is not zero.
+///              Similarities are reproduced; other affine maps and reflections are not
+///   boundary   the limits from inside. They do not interpolate the posed curve
+///   outside    continued to first order across the nearest point of the cage. Posed figures jump where the
+///              nearest point changes to another edge. Near an outward cusp inside an edge, weights grow like
+///              1/|e'|, or the point is unreached: split the edge there (warning edge_has_cusp)
+///   accuracy   double: 1e-14, also next to edges and ends; 2e-16/√δ at distance δ from a cusp inside an
+///              edge. float: 1e-6
+///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic. This is our own
+///              variant. On the circle and outside, the continuation is used
+///   cost       O(#edges) a point: 16 reciprocals for a far edge; the roots of e(s) = z and a logarithm of
+///              each root for a near edge
+///   faults     those of the cage; curve_degree (m > 5, m below the degree at rest, or another number of
+///              degrees than edges; `a` is then that number); disk_too_small
+///   gradients  as accurate as the weights. At a vertex: the gradient 1e-6 diagonals inside
 template <Scalar T>
 class CurvedGreenCoordinates {
 public:
@@ -48,10 +46,7 @@ public:
 
     explicit CurvedGreenCoordinates(CurvedPolygon<T> cage, const CurvedGreenOptions<T>& options = {})
         : cage_(std::move(cage)) {
-        const Status status = detail::guard_memory([&] {
-            prepare(options);
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { prepare(options); });
         if (status != Status::ok) report_ = {status, {}};
     }
 
@@ -67,8 +62,7 @@ public:
     /// See GradientCoordinates. On the boundary the limits from inside are returned.
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const;
-    /// Returns the nearest boundary point, with the limits from inside as weights. May throw
-    /// std::bad_alloc.
+    /// Returns the nearest boundary point and its weights, the limits from inside. May throw std::bad_alloc.
     Vec<T, 2> nearest_boundary(const Vec<T, 2>& p, std::span<T> row) const;
     /// See CageCoordinates.
     detail::OutsideDistance<2> distance_outside(const Vec<T, 2>& p) const noexcept;
@@ -129,7 +123,7 @@ private:
                 }
             });
     }
-    /// Scales gradients, and finds points whose numbers are too large for the scalar.
+    /// Scales gradients. Marks points whose weights overflow the scalar as unreached.
     template <bool gradients>
     void finish_rows(Lanes<double>* rows, std::size_t count, std::span<PointState> states) const noexcept {
         using X = detail::Simd<double>;
@@ -147,14 +141,14 @@ private:
         }
     }
 
-    /// Evaluates the points of a block, whose states are unreached, or not_finite where they are skipped.
+    /// Evaluates a block. On entry a state is unreached, or not_finite if the point is skipped.
     template <bool gradients>
     void evaluate_block(detail::CurvedBlock<T>& block, Lanes<double>* rows, std::span<PointState> states,
                         double tolerance) const {
         const detail::CurvedPoint<T> point(tables_);
         const std::size_t count = (gradients ? 2 : 1) * tables_.handles.size(),
                           vertices = tables_.vertices.size();
-        // Farther away the integrals change by less than a rounding error of the continuation.
+        // Beyond this distance the integrals change by less than a rounding error of the continuation.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
         std::array<ComplexNumber, detail::CurvedBlock<T>::lanes> place{};
         std::array<std::size_t, detail::CurvedBlock<T>::lanes> vertex{};
@@ -194,14 +188,14 @@ private:
             states[lane] = complete<gradients>(where, to, tolerance);
         }
     }
-    /// Where a point lies, by the integrals.
+    /// The location of a point, computed from the integrals.
     struct Where {
         ComplexNumber z;
         bool is_vertex;
         double winding;
         detail::EdgeTouch touch;
     };
-    /// Adds what the integrals miss on the boundary and outside, and returns the state.
+    /// Adds the jump on the boundary or the continuation outside. Returns the state.
     template <bool gradients>
     PointState complete(const Where& where, const detail::CurvedRow& to, double tolerance) const noexcept {
         if (where.is_vertex && !gradients) return PointState::on_boundary;
@@ -216,7 +210,7 @@ private:
         (void)add_nearest<gradients>(where.z, to);
         return PointState::outside;
     }
-    /// Adds the continuation across the nearest place, and returns the distance from it.
+    /// Adds the continuation across the nearest boundary point. Returns the distance from that point.
     template <bool gradients>
     double add_nearest(const ComplexNumber& z, const detail::CurvedRow& to) const noexcept {
         const auto nearest = nearest_of({z.re, z.im});
@@ -226,7 +220,7 @@ private:
         return nearest.place.distance;
     }
 
-    /// Returns the place 1e-6 diagonals from a vertex along the middle of its corner.
+    /// Returns the point 1e-6 diagonals from a vertex on the bisector of its corner.
     ComplexNumber inside_of(std::size_t vertex) const noexcept {
         const auto& [at, before, after, handle] = tables_.vertices[vertex];
         const auto leaving = [](const detail::CurvedEdge::End& end) {
@@ -246,8 +240,8 @@ private:
         std::size_t edge = 0;
         detail::NearestPlace place;
     };
-    /// Finds the nearest place of all edges. Among edges as near it is on the one whose tangent the point
-    /// lies farthest beyond, then on the first.
+    /// Finds the nearest point of all edges. Of several edges at the same distance it takes the one whose
+    /// tangent the point lies farthest beyond, then the first.
     Nearest nearest_of(const Vec<double, 2>& q) const noexcept {
         Nearest best;
         double farthest_beyond = 0;
@@ -268,7 +262,7 @@ private:
         }
         return best;
     }
-    /// Returns how far a point lies to the right of the tangent at a place of an edge.
+    /// Returns the distance of a point to the right of the tangent of an edge at t.
     static double beyond_tangent(const detail::CurvedEdge& edge, double t, const Vec<double, 2>& q) noexcept {
         auto along = edge.curve.slope().at(t);
         if (t == 0) along = edge.curve.leaving();

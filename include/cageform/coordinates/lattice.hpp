@@ -1,4 +1,4 @@
-// Free-form deformation: the control points of a lattice of splines in a box are the handles.
+// Free-form deformation by a lattice of spline control points in a box.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -11,22 +11,22 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Coordinates in a box that is divided by a lattice of control points (Sederberg, Parry, Free-form
-/// deformation of solid geometric models, SIGGRAPH 1986; B-splines: Griessmair, Purgathofer, Eurographics
-/// 1989). A point o + A u of the box, u in [0, 1]^D, has the weights
+/// Coordinates in a box with a lattice of control points as handles (Sederberg, Parry, Free-form deformation
+/// of solid geometric models, SIGGRAPH 1986; B-splines: Griessmair, Purgathofer, Eurographics 1989). The
+/// weights at the point o + A u of the box, u in [0, 1]^D, are
 ///
 ///     w_i = Π_k N_{i_k}(u_k)       control point i at rest: o + A g_i
 ///
-/// with the splines N of each axis and their Greville abscissae g, so that Σ w = 1 and Σ w H = p. The first
-/// axis of the handles is the fastest.
+/// with the splines N of each axis and their Greville abscissae g, so Σ w = 1 and Σ w H = p. Handles are
+/// ordered with the first axis fastest.
 ///
-///   range     [0, 1] in the box. Outside, the functions go straight on, with both signs
-///   smooth    as the splines: C^(degree − 1) in the box, at most C¹ at its faces.
-///   falloff   outside, displacements fade to zero at this distance from the box, C¹ at both ends. They are
-///             C⁰ beyond edges of the box if its axes are not at right angles. The handles are then
-///             followed by D + 1 still handles, o and o + A_k, which poses must leave at rest.
-///             BindOptions::falloff fades by the same distance without them; given both, points fade by both
-///   zeros     all but (degree + 1)^D weights in the box, exactly
+///   range     [0, 1] in the box. Outside, the functions are extended linearly, with both signs
+///   smooth    C^(degree − 1) in the box, at most C¹ at its faces
+///   falloff   outside, displacements fade to zero at this distance from the box, C¹ at both ends; C⁰ beyond
+///             edges of the box if its axes are not orthogonal. D + 1 still handles, o and o + A_k, then
+///             follow the control points, and poses must leave them at rest. BindOptions::falloff fades by
+///             the same distance without still handles; with both, points fade twice
+///   zeros     all but (degree + 1)^D weights in the box are exactly zero
 ///   cost      O(#handles) a point, to write the weights
 ///   faults    lattice_degree, lattice_knots, frame_not_finite, frame_flat (the axis depends on the others),
 ///             falloff_negative; too_many_handles above 2^24
@@ -41,34 +41,31 @@ public:
     static constexpr bool local = true;
     static constexpr std::size_t most_handles = std::size_t{1} << 24;
 
-    /// Makes a lattice in the box `box`, the image of [0, 1]^D.
+    /// Makes a lattice in `box`, the image of [0, 1]^D.
     ///
-    ///   falloff  the distance at which displacements have faded, in the units of the box; 0: they do not
+    ///   falloff  the distance at which displacements are zero, in the units of the box; 0: no falloff
     explicit LatticeCoordinates(const std::array<LatticeAxis, D>& axes, const Transform<T, D>& box,
                                 T falloff = 0)
         : box_(box)
         , falloff_(falloff) {
-        const Status status = detail::guard_memory([&] {
-            prepare(axes);
-            return Status::ok;
-        });
+        const Status status = detail::guard_memory([&] { prepare(axes); });
         if (status != Status::ok) report_ = {status, {}};
     }
 
     std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
     const CageReport& cage_report() const noexcept { return report_; }
-    /// Returns how many handles at the end must stay at rest.
-    std::size_t frame_handles() const noexcept {
+    /// Returns the number of still handles, the last handles, which must stay at rest.
+    std::size_t still_handles() const noexcept {
         return handles_.size() - (std::min)(points_, handles_.size());
     }
     const Transform<T, D>& box() const noexcept { return box_; }
     /// Returns the number of control points along an axis.
     std::size_t points(std::size_t axis) const noexcept { return axes_[axis].points(); }
-    /// Returns the Greville abscissa of control point i of an axis: where it is at rest, in [0, 1].
+    /// Returns the Greville abscissa of control point i of an axis, its position at rest, in [0, 1].
     double greville(std::size_t axis, std::size_t i) const noexcept { return axes_[axis].greville(i); }
 
-    /// Returns the control points within so many layers of a face of the box, ascending. Left at rest, they
-    /// keep displacements at the faces of order `layers`, so that points outside may stay where they are.
+    /// Returns the control points within `layers` layers of a face of the box, ascending. If poses leave them
+    /// at rest, displacements vanish at the faces to order `layers`.
     std::vector<std::uint32_t> frozen_handles(std::size_t layers) const {
         std::vector<std::uint32_t> list;
         for (std::size_t n = 0; n < points_ && n < handles_.size(); ++n) {
@@ -90,18 +87,18 @@ public:
                                           [&](std::size_t begin, std::size_t end) {
                                               Scratch scratch(*this);
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, false, scratch);
+                                                  evaluate_axes(b, points, states, false, scratch);
                                                   multiply(functions_of(scratch.value), weights.block(b));
                                                   fade(scratch, weights.block(b));
                                               }
                                           });
     }
 
-    /// Computes the gradients of all weights at a batch of points.
+    /// Computes the gradients of all weights.
     ///
-    ///   points     as for `evaluate`; so are the states on entry and on return
-    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length. On
-    ///              a knot of degree 1 the slope of the span above counts
+    ///   points, states   as for `evaluate`
+    ///   gradients        out, row axis · #handles + handle: the derivative along the axis, per unit of
+    ///                    length. At a knot of degree 1: the slope of the span above
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return detail::evaluate_blocks<T>(report_, D * handles_.size(), {points, gradients, states}, running,
@@ -109,14 +106,14 @@ public:
                                               Scratch scratch(*this);
                                               scratch.rows.resize((D + 1) * handles_.size());
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, true, scratch);
+                                                  evaluate_axes(b, points, states, true, scratch);
                                                   differentiate(scratch, gradients.block(b));
                                               }
                                           });
     }
 
-    /// Returns the place of the box nearest to a point outside, along its axes, and for a point inside the
-    /// foot on the nearest face.
+    /// Returns the nearest point of the box, measured along its axes; for a point inside, the foot on the
+    /// nearest face.
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
         auto u = in_box(p);
         bool is_inside = true;
@@ -156,7 +153,7 @@ public:
         }
         return box_.translation + box_.map_vector(u);
     }
-    /// Returns the distance of a point outside from that place of the box, and its gradient.
+    /// Returns the distance of an outside point from `nearest_boundary`, and its gradient.
     detail::OutsideDistance<D> distance_outside(const Vec<T, D>& p) const noexcept {
         auto u = in_box(p);
         (void)state_at(u);
@@ -168,7 +165,7 @@ private:
     using Values = typename detail::SplineAxis<T>::Values;
     using Fault = CageFaultKind;
 
-    /// Holds the functions of the axes at the points of a block.
+    /// The functions of the axes at the points of a block.
     struct Scratch {
         explicit Scratch(const LatticeCoordinates& lattice) {
             for (std::size_t k = 0; k < D; ++k) {
@@ -178,10 +175,10 @@ private:
             }
             Simd(T(1)).store(kept);
         }
-        Lanes<T> kept;                                     ///< the share of displacements that is not faded
+        Lanes<T> kept;                                     ///< the factor of displacements by the falloff
         std::array<Lanes<T>, D> place, kept_gradient;      ///< u and ∇kept
-        std::vector<Lanes<T>> rows;                        ///< weights, and their derivatives by u
-        std::array<std::vector<Lanes<T>>, D> value, slope; ///< by axis and control point of it
+        std::vector<Lanes<T>> rows;                        ///< weights, then their derivatives by u
+        std::array<std::vector<Lanes<T>>, D> value, slope; ///< by axis and control point of the axis
     };
 
     static double length(const Vec<double, D>& v) noexcept { return std::sqrt(dot(v, v)); }
@@ -228,8 +225,8 @@ private:
         report_.add(Fault::frame_not_finite, D);
         handles_.clear();
     }
-    /// Sets the rows of A⁻¹ in double, and what lies on the faces. An axis is refused whose component at a
-    /// right angle to the others is within rounding.
+    /// Computes A⁻¹ in double and the tolerances of faces. Refuses an axis whose component orthogonal to the
+    /// others is within rounding.
     void set_inverse() {
         T largest = 0;
         for (const auto& column : box_.columns) {
@@ -240,7 +237,7 @@ private:
         scale_ = std::ldexp(1.0, std::clamp(-exponent, -1000, 1000));
         std::array<Vec<double, D>, D> columns;
         for (std::size_t k = 0; k < D; ++k) columns[k] = scale_ * vec_cast<double>(box_.columns[k]);
-        std::array<Vec<double, D>, D> across; // at right angles to the other axes
+        std::array<Vec<double, D>, D> across; // orthogonal to the other axes
         if constexpr (D == 2) {
             across[0] = {-columns[1][1], columns[1][0]};
             across[1] = {-columns[0][1], columns[0][0]};
@@ -263,11 +260,11 @@ private:
         }
     }
 
-    /// Sets the states of a block's points, the functions of each axis there, and how displacements fade.
+    /// Sets the states of a block's points, the functions of each axis, and the falloff.
     ///
     ///   sloped   whether the slopes of the functions are wanted
-    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
-              Scratch& scratch) const noexcept {
+    void evaluate_axes(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
+                       Scratch& scratch) const noexcept {
         const bool all_inside = place(b, points, states, scratch);
         for (std::size_t k = 0; k < D; ++k)
             axes_[k].evaluate(scratch.place[k], sloped || !all_inside, scratch.value[k].data(),
@@ -277,7 +274,8 @@ private:
         for (auto& lanes : scratch.kept_gradient) Simd(T(0)).store(lanes);
         for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) fade_at(lane, scratch);
     }
-    /// Sets the places u and the states of a block's points. Returns whether all lie inside, off the faces.
+    /// Sets the positions u and the states of a block's points. Returns whether all are inside, off the
+    /// faces.
     bool place(std::size_t b, BlockView<const T> points, std::span<PointState> states,
                Scratch& scratch) const noexcept {
         std::array<Simd, D> from_origin;
@@ -311,9 +309,9 @@ private:
         }
         return count == lane_count<T>;
     }
-    /// Returns where a place of the box lies, and moves it onto the faces that it is within the tolerance of.
+    /// Returns the state of a position in the box. Snaps it to faces within the tolerance.
     PointState state_at(Vec<T, D>& u) const noexcept {
-        // Farther away, numbers are farther apart than an eighth of the box.
+        // Beyond this distance the spacing of numbers exceeds an eighth of the box.
         constexpr auto farthest = T(sizeof(T) == 8 ? 1e15 : 1e6);
         auto state = PointState::inside;
         for (std::size_t k = 0; k < D; ++k) {
@@ -327,8 +325,8 @@ private:
         }
         return state;
     }
-    /// Returns the distance |A (u − c)| of a place u from the nearest one in the box, c along its axes, and
-    /// its gradient: c stays where u_k is in [0, 1].
+    /// Returns the distance |A (u − c)| of a position u from the nearest position c in the box, measured
+    /// along the axes, and its gradient. c_k is constant where u_k is outside [0, 1].
     detail::OutsideDistance<D> distance_at(const Vec<T, D>& u) const noexcept {
         Vec<T, D> beyond{};
         for (std::size_t k = 0; k < D; ++k) beyond[k] = u[k] - std::clamp(u[k], T(0), T(1));
@@ -346,7 +344,7 @@ private:
         }
         return result;
     }
-    /// Sets how displacements fade at a point.
+    /// Sets the falloff at a point.
     void fade_at(std::size_t lane, Scratch& scratch) const noexcept {
         Vec<T, D> u{};
         for (std::size_t k = 0; k < D; ++k) u[k] = scratch.place[k][lane];
@@ -380,7 +378,7 @@ private:
             for (const auto& z : *of[2]) add_rows(Simd::load(z));
         }
     }
-    /// Fades weights, and sets those of the still handles.
+    /// Applies the falloff to weights, and sets those of the still handles.
     void fade(const Scratch& scratch, Lanes<T>* row) const noexcept {
         if (!(falloff_ > 0)) return;
         const Simd kept = Simd::load(scratch.kept), lost = Simd(T(1)) - kept;
@@ -430,7 +428,7 @@ private:
     std::array<Vec<T, D>, D> inverse_{}; ///< the rows of A⁻¹
     std::array<T, D> on_face_{};         ///< the tolerance in u
     double scale_ = 1;                   ///< a power of two that makes the box about 1 in size
-    std::size_t points_ = 0;             ///< control points, which come before the still handles
+    std::size_t points_ = 0;             ///< number of control points; still handles follow
     std::vector<Vec<T, D>> handles_;
     CageReport report_;
 };

@@ -1,5 +1,4 @@
-// Three-point coordinates in 2D: a family of closed forms for convex polygons that includes
-// Wachspress and discrete harmonic coordinates.
+// Three-point coordinates of convex polygons: a family with Wachspress and discrete harmonic coordinates.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -29,7 +28,7 @@ struct DiscreteHarmonic {
     }
 };
 
-/// Whether f(μr) is a multiple of f(r) for every μ, so that the unit of length does not matter.
+/// Whether f(μr) is a multiple of f(r) for every μ. The unit of length then has no effect.
 template <class F>
 inline constexpr bool is_homogeneous = false;
 template <class F>
@@ -41,34 +40,30 @@ inline constexpr bool is_homogeneous<F> = true;
 ///   w_i = (c_{i+1} A_{i−1} − c_i B_i + c_{i−1} A_i) / (A_{i−1} A_i),  c_i = f(r_i),  λ_i = w_i / Σ w,
 ///   A_i and B_i the signed areas of p C_i C_{i+1} and p C_{i−1} C_{i+1}
 ///
-/// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons
-/// (Adv. Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 gives Wachspress
-/// coordinates, f = r mean value coordinates (see `MeanValueCoordinates`, for any polygon), f = r²
-/// discrete harmonic coordinates. The first and the last are equal if all vertices lie on a circle.
-/// For f = 1 and f = r² only products and one division per edge are computed. (Functions of other
-/// distances, such as arcs about p, reproduce p for linear f alone, which is mean value again.) The
-/// formula in code: `weigh_three_points` in three_point/formula.hpp.
+/// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons (Adv.
+/// Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 gives Wachspress coordinates, f =
+/// r mean value coordinates (see `MeanValueCoordinates`, for any polygon), f = r² discrete harmonic
+/// coordinates. The first and the last agree if all vertices lie on a circle. f = 1 and f = r² need only
+/// products and one division per edge. Code: `weigh_three_points` in three_point/formula.hpp.
 ///
-///   F        f as a function of r², a template of its number X: called with scalars, registers of
-///            them, and both with a gradient. For √(1 + r²): `using std::sqrt;
-///            return sqrt(X(1) + rr);`. The optional F::homogeneous says that f(μr) is a multiple of
-///            f(r)
-///   cage     one strictly convex loop, of either orientation. Vertices on the line of their
-///            neighbours are refused: Wachspress would give them no weight
-///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': so
-///            for 1, r and √(1 + r²), not for r² and √r
-///   outside  not defined: there are poles on the lines of the edges
-///   limits   on vertices the unit row, on edges linear, whatever f; on_boundary
-///   accuracy a few roundings; next to a vertex whose outer angle is θ, a few over θ. For f other
-///            than 1 and r² the differences f(r_{i+1}) − f(r_i) have the rounding of f: a few over the
-///            length of the shortest edge, in diagonals
-///   units    unless F is homogeneous, r² is in the user's unit and must be in the range of T. If Σ w
-///            is zero or not a number, the point is unreached
-///   cost     O(#V) a point: a division a vertex and eight (sixteen) points, and f
-///   gradients  in double whatever the scalar; those of points on the boundary are taken at a point
-///              1e-6 diagonals inside. double: 1e-11 of one over the diagonal; closer to the boundary
-///              than 1e-8 diagonals 1e-19 over the distance, where long double is wider than double.
-///              Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold as exactly
+///   F        f as a function of r², a template of its number X: a scalar, a register of scalars, or either
+///            with a gradient. For √(1 + r²): `using std::sqrt; return sqrt(X(1) + rr);`. Optional
+///            F::homogeneous: f(μr) is a multiple of f(r)
+///   cage     one strictly convex loop, of either orientation. Vertices on the line of their neighbours are
+///            refused, because Wachspress coordinates would give them no weight
+///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': for 1, r and
+///            √(1 + r²), not for r² and √r
+///   outside  undefined: there are poles on the lines of the edges
+///   limits   the unit row on vertices, linear on edges, for every f
+///   accuracy a few roundings; next to a vertex of outer angle θ, a few over θ. For other f than 1 and r² the
+///            differences f(r_{i+1}) − f(r_i) have the rounding of f: a few over the length of the shortest
+///            edge, in diagonals
+///   units    unless F is homogeneous, r² is in the user's unit and must be in the range of T. If Σ w is zero
+///            or not a number, the point is unreached
+///   cost     O(#V) a point: a division per vertex and eight (sixteen) points, and f
+///   gradients  always in double. At boundary points: the gradient 1e-6 diagonals inside. Errors for double:
+///              1e-11 of 1/diagonal; within 1e-8 diagonals of the boundary 1e-19/distance, where long double
+///              is wider than double. Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold as exactly
 ///   faults   those of `check`, vertex_not_convex, interior_cells_not_supported
 template <Scalar T, class F>
 class ThreePointCoordinates : public detail::CheckedCage<Polygon<T>> {
@@ -77,7 +72,7 @@ class ThreePointCoordinates : public detail::CheckedCage<Polygon<T>> {
 public:
     static constexpr bool has_extension = false;
 
-    /// Takes a Polygon, its vertices, or a cell complex without cells inside.
+    /// Takes a Polygon, its vertices, or a cell complex without interior cells.
     template <class Cage>
         requires std::constructible_from<Base, const Cage&>
     explicit ThreePointCoordinates(const Cage& cage, F f = {})
@@ -169,8 +164,8 @@ private:
             });
     }
 
-    /// Evaluates the lanes of block `b` from `first` on, as many as N has. Points next to the line
-    /// of an edge are not decided in registers and follow one by one.
+    /// Evaluates as many lanes of block `b` as N has, from `first` on. Points next to the line of an edge are
+    /// evaluated one by one.
     template <class N>
     void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first,
                         std::vector<N>& memory) const {
@@ -206,15 +201,15 @@ private:
         }
     }
 
-    /// Returns the distance from the line of an edge above which registers suffice, in units of the
-    /// frame. Next to the boundary gradients in double lose accuracy in proportion to 1/distance.
+    /// Returns the distance from the line of an edge above which registers are accurate enough, in units of
+    /// the frame. Next to the boundary, gradients in double lose accuracy in proportion to 1/distance.
     template <class N, class S = detail::ScalarOf<detail::ValueOf<N>>>
     S near_distance() const noexcept {
         const double edge = scale_ * tolerance_;
         return static_cast<S>(detail::has_gradient<N> && sizeof(T) == 8 ? std::fmax(edge, 1e-5) : edge);
     }
 
-    /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
+    /// Evaluates one point in a wider scalar. On the boundary it returns the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, 2>& p, Lanes<T>* rows, std::size_t lane) const {
         Vec<T, 2> position;

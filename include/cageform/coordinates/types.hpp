@@ -1,7 +1,5 @@
-// The list of coordinate types: names, cages, outside, and how each is made.
-//
-// Programs, the C interface, Python, JavaScript and the site take names and facts from this list. Types of
-// several cages (BlendedCoordinates) are not in the list.
+// The list of coordinate types. The programs, the C interface, the bindings and the site take names and facts
+// from this list. BlendedCoordinates, a type of several cages, is not in the list.
 #pragma once
 
 #include <cageform/coordinates/barycentric.hpp>
@@ -18,13 +16,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-// X(name, NAME, cages, handles, outside, "description", how it is made)
+// X(name, NAME, cages, handles, outside, "description", how to construct the type)
 //
-//   name, NAME   the enumerator here, and of C: CAGEFORM_NAME. Other languages and the command line write
-//                name with "-" for "_". New types stand at the end: numbers are part of the C interface
-//   cages        cage_kinds that the type takes
+//   name, NAME   the enumerator here, and CAGEFORM_NAME in C. The command line and other languages write
+//   `name`
+//                with "-" for "_". Add new types at the end: values are part of the C interface
+//   cages        accepted cage_kinds
 //   handles      vertices, or with_normals: edges or faces are handles too
-//   outside      extended: weights are defined outside the cage; undefined: they are not
+//   outside      extended: weights are defined outside the cage; or undefined
 //   how          an expression of T, D, `cage` and `options` (CoordinateOptions)
 // clang-format off
 #define CAGEFORM_COORDINATE_TYPES(X)                                                                         \
@@ -57,22 +56,22 @@ enum class CoordinateType : std::uint8_t {
 #undef CAGEFORM_DETAIL_TYPE
 };
 
-/// Kinds of cage, as bits.
+/// Kinds of cage, as bit flags.
 namespace cage_kinds {
 enum : std::uint32_t {
     polygon = 1,
     triangles = 2,    ///< TriangleMesh
-    fans = 4,         ///< PolyhedralMesh, its faces fans about their means
+    fans = 4,         ///< PolyhedralMesh whose faces are fans around their means
     planar_faces = 8, ///< PolyhedralMesh with planar faces of any number of corners
     mesh = triangles | fans | planar_faces,
-    cells = 16,  ///< CellComplex with cells inside
+    cells = 16,  ///< CellComplex with interior cells
     curves = 32, ///< CurvedPolygon
     lattice = 64,
     sites = 128, ///< PointSet
 };
 } // namespace cage_kinds
 
-/// What is known of a coordinate type without a cage.
+/// Properties of a coordinate type that do not depend on the cage.
 struct CoordinateFacts {
     const char* name;    ///< of the enumerator
     std::uint32_t cages; ///< cage_kinds

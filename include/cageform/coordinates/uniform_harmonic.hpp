@@ -1,21 +1,22 @@
-// A uniform grid of a given resolution, as a solver of harmonic coordinates.
+// A solver of harmonic coordinates on a uniform grid of given resolution.
 #pragma once
 
 #include <cageform/coordinates/harmonic.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Solves on a uniform grid (harmonic/multigrid_solver.hpp) with HarmonicOptions::resolution cells along
-/// the cage's longest side: `HarmonicCoordinates coordinates(cage, {.resolution = 128}, UniformGrid{})`.
-/// The default, AdaptiveGrid, needs less time for the same accuracy. Errors on a uniform grid fall
-/// regularly with the resolution.
+/// Solves on a uniform grid (harmonic/multigrid_solver.hpp) with HarmonicOptions::resolution cells along the
+/// cage's longest side: `HarmonicCoordinates coordinates(cage, {.resolution = 128}, UniformGrid{})`. The
+/// default, AdaptiveGrid, is faster for the same accuracy. Errors on a uniform grid decrease regularly with
+/// the resolution.
 ///
-///   accuracy  of order h² away from the boundary and around corners with one cell of room (two if
-///             that holds too few nodes for a fit; grid/corners/corner_functions.hpp); of order
-///             h^(π/ω) next to an untreated corner of interior angle ω, or such an edge in 3D
-///   smooth    not continuous: weights jump between cells, by about the error at most
-///   cost      as AdaptiveGrid; #V numbers more for a point next to treated corners
+///   accuracy  of order h² away from the boundary, and around corners with one free cell (two if one has too
+///             few nodes for a fit; grid/corners/corner_functions.hpp); of order h^(π/ω) next to an untreated
+///             corner or 3D edge of interior angle ω
+///   smooth    not continuous: weights jump between cells, by at most about the error
+///   cost      as AdaptiveGrid; #V more numbers for a point next to treated corners
 ///   fails     as AdaptiveGrid, but not accuracy_not_supported; tolerance_not_positive;
+///             resolution_not_supported if the resolution is not set or out of range
 ///             resolution_not_supported, if the resolution is not set or out of range
 struct UniformGrid {
     template <class T, std::size_t D>

@@ -34,10 +34,8 @@ Result<CageParts, CageReport> find_parts(const TriangleMesh<T>& cage) {
     Result<CageParts, CageReport> found;
     found.report = check(cage);
     if (!found) return found;
-    const Status status = detail::guard_memory([&] {
-        found.value = detail::parts_of_cage(cage.vertices(), cage.faces());
-        return Status::ok;
-    });
+    const Status status =
+        detail::guard_memory([&] { found.value = detail::parts_of_cage(cage.vertices(), cage.faces()); });
     if (status != Status::ok) found = {{}, {status, {}, 0, {}}};
     return found;
 }

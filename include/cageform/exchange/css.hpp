@@ -100,10 +100,7 @@ inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
         before = ", ";
     }
     append(")");
-    result.report = detail::guard_memory([&] {
-        result.value.assign(buffer.data(), end);
-        return Status::ok;
-    });
+    result.report = detail::guard_memory([&] { result.value.assign(buffer.data(), end); });
     return result;
 }
 

@@ -36,10 +36,8 @@ keys_from_gltf(std::span<const float> times, std::span<const float> values, std:
     if (const auto sound = detail::check_gltf(times, values, components, rows); sound.status != Status::ok)
         return {{}, sound};
     Result<std::vector<std::vector<Key>>, ExchangeReport> result;
-    result.report.status = detail::guard_memory([&] {
-        result.value.assign(components, std::vector<Key>(keys));
-        return Status::ok;
-    });
+    result.report.status =
+        detail::guard_memory([&] { result.value.assign(components, std::vector<Key>(keys)); });
     for (std::size_t index = 0; index < result.value.size() * keys; ++index) {
         const std::size_t k = index / components, c = index % components;
         const auto of_key = [&](std::size_t row) {
@@ -71,7 +69,6 @@ from_gltf_cubicspline(std::span<const float> times, std::span<const float> value
         for (std::size_t k = 0; k + 1 < times.size(); ++k) {
             for (const auto& curve : keys.value) result.value.push_back(key_interval(curve, k));
         }
-        return Status::ok;
     });
     return result;
 }
@@ -103,7 +100,6 @@ inline Result<GltfTrack, ExchangeReport> to_gltf_cubicspline(std::span<const Bez
     const Status status = detail::guard_memory([&] {
         track.times.resize(intervals + 1);
         track.values.resize(3 * (intervals + 1) * components);
-        return Status::ok;
     });
     if (status != Status::ok) return refused(status, 0);
     for (std::size_t index = 0; index < curves.size(); ++index) {

@@ -72,7 +72,6 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
     const Status status = detail::guard_memory([&] {
         kinds.reserve(given.size());
         for (const std::uint8_t mark : given) kinds.push_back(mark != 0 ? Cell::given : Cell::unknown);
-        return Status::ok;
     });
     if (status != Status::ok) return {status, {}};
     return solve_dirichlet(cells, std::span<const Cell>(kinds), values, options, running);

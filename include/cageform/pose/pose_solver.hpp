@@ -1,4 +1,4 @@
-// Moves a cage by pins on the figure, every frame: as rigidly as possible inside.
+// Poses a cage by pins on the figure, every frame, as rigidly as possible inside.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -9,25 +9,21 @@
 #include <cageform/pose/detail/rotation_pass.hpp>
 #include <cageform/pose/types/pose_blob.hpp>
 
-#include <utility>
-
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Finds poses of a cage whose inside is as rigid as possible while pinned points go to targets: few local
-/// rotations and many samples (Jacobson, Baran, Kavan, Popović, Sorkine, Fast automatic skinning
-/// transformations, ACM Trans. Graph. 31 (2012)), over the inside of a cage (Ben-Chen, Weber, Gotsman,
+/// Finds poses of a cage that keep its inside as rigid as possible while pinned points follow targets. The
+/// energy has few local rotations and many samples (Jacobson, Baran, Kavan, Popović, Sorkine, Fast automatic
+/// skinning transformations, ACM Trans. Graph. 31 (2012)) of the inside of a cage (Ben-Chen, Weber, Gotsman,
 /// Variational harmonic maps for space deformation, ACM Trans. Graph. 28 (2009)).
 ///
 ///     PoseSolver<double, 2> solver(pose_samples(coordinates).value);  // once; the samples ship with a game
-///     Status status = solver.set_pins({.binding = pins.view()});      // a click: it factors a matrix
-///     const PoseSolverReport report = solver.solve(targets, pose);    // a frame; then clone(…, pose, out)
+///     Status status = solver.set_pins({.binding = pins.view()});      // per click: factors a matrix
+///     const PoseSolverReport report = solver.solve(targets, pose);    // per frame; then clone(…, pose, out)
 ///
-/// A frame begins with the best rigid motion of the pins, then repeats: it turns each cluster of samples as
-/// fits best, and solves for the handles. Everything is a displacement from rest, in a frame that moves
-/// along, so that pins at rest leave the pose at rest to the bit. It is computed in double, but for sums over
-/// the samples' gradients.
-///
-/// Coordinates of every kind serve, with vectors among their handles too.
+/// Each frame starts with the best rigid motion of the pins. Each iteration then rotates every cluster of
+/// samples to its best fit and solves for the handles. Handles are stored as displacements in the moving
+/// frame of the rigid motion, so pins at rest give bitwise the pose at rest. All numbers are double, except
+/// sums over the samples' gradients. All coordinate types are supported, including those with vector handles.
 template <Scalar T, std::size_t D>
 class PoseSolver {
 public:
@@ -35,34 +31,35 @@ public:
     static constexpr std::size_t dimension = D;
 
     PoseSolver() = default;
-    /// Takes the samples over. `status` is then ok, samples_missing, too_many_handles or out_of_memory.
+    /// Takes ownership of the samples. `status` becomes ok, samples_missing, too_many_handles or
+    /// out_of_memory.
     explicit PoseSolver(PoseSamples<T, D> samples, const PoseOptions& options = {});
 
     Status status() const noexcept { return status_; }
     const PoseSamples<T, D>& samples() const noexcept { return samples_; }
-    /// Returns the pin or handle that the last refusal of `set_pins` or `set_held` names; else none.
+    /// Returns the pin or handle that `set_pins` or `set_held` refused last, or none.
     std::size_t culprit() const noexcept { return culprit_; }
 
-    /// Sets the pins, instead of those before, and keeps the pose. {} takes all pins away.
+    /// Replaces the pins and keeps the pose. {} removes all pins.
     ///
     ///   cost   O(#handles³ / 3 + #pins #handles²) operations; allocates
     ///   fails  as `status`; bindings_differ (other handles, or axes of other points); pins_do_not_match
-    ///          (the numbers of pins, weights and turns differ, or turns have no axes); index_out_of_range
-    ///          (a pin); weights_not_positive; pin_without_weights (no pose moves it); pose_not_determined
-    ///          (the culprit is a handle that nothing ties); out_of_memory. The pins before then stay
+    ///          (different numbers of pins, weights and turns, or turns without axes); index_out_of_range (a
+    ///          pin); weights_not_positive; pin_without_weights (no pose moves the pin); pose_not_determined
+    ///          (a handle without constraint, the culprit); out_of_memory. The previous pins are then kept
     Status set_pins(const PosePins<T, D>& pins);
 
-    /// Sets the handles that `solve` leaves where the caller's pose has them; all others follow. While some
-    /// are held, frames do not begin with a rigid motion.
+    /// Sets the handles that `solve` keeps at their positions in the caller's pose; all others follow. With
+    /// held handles, frames do not start with a rigid motion.
     ///
     ///   handles  in any order
-    ///   fails    index_out_of_range, and as `set_pins`. The handles before then stay held
+    ///   fails    index_out_of_range, and as `set_pins`. The previous handles are then kept
     Status set_held(std::span<const std::uint32_t> handles);
 
-    /// Starts from another pose than that of the last frame.
+    /// Replaces the pose from which the next frame starts.
     ///
     ///   pose   #handles
-    ///   fails  as `status`; pose_size_differs; pose_not_finite. The pose before then stays
+    ///   fails  as `status`; pose_size_differs; pose_not_finite. The previous pose is then kept
     template <PointRangeIn<D> Pose>
     Status set_pose(const Pose& pose) noexcept {
         if (status_ != Status::ok) return status_;
@@ -78,20 +75,20 @@ public:
         remember_pose();
         return Status::ok;
     }
-    /// Starts from rest.
+    /// Makes the next frame start from the pose at rest.
     void reset() noexcept;
 
-    /// Moves the pose towards the targets: PoseOptions::iterations steps. Call it with the same targets until
-    /// the report says that the pose has settled.
+    /// Moves the pose towards the targets by PoseOptions::iterations iterations. Call it with the same
+    /// targets until the report says `settled`.
     ///
-    ///   targets  one for each pin, in the units of the cage
-    ///   pose     out, #handles, for `clone`; in: where held handles are
-    ///   turns    one for each pin if some turn; else empty. Those of pins that do not turn are not read
-    ///   returns  the report. Its status is as `status`; pins_do_not_match (the number of targets or turns);
+    ///   targets  one per pin, in the units of the cage
+    ///   pose     in: positions of held handles; out: #handles, for `clone`
+    ///   turns    empty, or one per pin; ignored for pins that do not turn
+    ///   returns  the report. Status: as `status`; pins_do_not_match (the number of targets or turns);
     ///            pose_size_differs; pose_not_finite (a target, a turn, a held handle, or the result). `pose`
-    ///            is then untouched, and the next frame begins where this one did
-    ///   cost     (4 #clusters D² + 2 #handles D) #handles operations a step, and as many to report; no
-    ///            allocation
+    ///            and the start of the next frame are then unchanged
+    ///   cost     (4 #clusters D² + 2 #handles D) #handles operations per iteration, and as many for the
+    ///            report; no allocation
     template <PointRangeIn<D> Targets, MutablePointRangeIn<D> Pose>
     PoseSolverReport solve(const Targets& targets, Pose&& pose,
                            std::span<const PoseTurn<D>> turns = {}) noexcept {
@@ -139,17 +136,17 @@ private:
 
     Status begin();
 
-    /// Makes a system by set(system) and factors it; takes it only if all goes well.
+    /// Factors a system made by set(system). Takes the system only on success.
     template <class Set>
     Status change_system(const Set& set);
     void take(detail::PoseSystem<T, D>&& system);
 
-    // ---- frames: h = Q (H + d) + b, in units of the samples ---------------------------------------
-    /// Returns the displacement of a handle from rest.
+    // Frames: h = Q (H + d) + b, in units of the samples.
+    /// Returns h − H of a handle.
     Vec<double, D> displacement_of(const Vec<double, D>& h, std::size_t i) const noexcept {
         return (1 / samples_.size) * (h - vec_cast<double>(samples_.rest_handles[i]));
     }
-    /// Returns how far a handle is from rest.
+    /// Returns the displacement of a handle from rest, including the frame's motion.
     Vec<double, D> moved(std::size_t i) const noexcept {
         const auto rest = detail::PinRows<T, D>::unit_handle(samples_, i);
         return frame_.rotate(displacements_.get(i)) + frame_.change(rest) + is_point(i) * frame_.shift;
@@ -157,7 +154,7 @@ private:
     Vec<double, D> handle(std::size_t i) const noexcept {
         return vec_cast<double>(samples_.rest_handles[i]) + samples_.size * moved(i);
     }
-    /// Keeps the pose, and sets the frame to that of rest.
+    /// Resets the frame to the identity and keeps the pose.
     void leave_frame() noexcept;
     void remember_pose() noexcept;
     static Vec<double, D> turned_axis(std::size_t axis, const PoseTurn<D>& turn) noexcept {
@@ -173,14 +170,14 @@ private:
 
     void run(PoseSolverReport& report) noexcept;
 
-    /// Moves the frame by the rigid motion that takes the pins nearest to their targets.
+    /// Sets the frame to the rigid motion that fits the pins to their targets best.
     void align() noexcept;
-    /// Returns whether neither the pose nor a target has moved.
+    /// Returns whether pose and targets are at rest.
     bool is_at_rest() const noexcept;
-    /// Sets where the rows of pins are to be, as displacements in the frame.
+    /// Sets the targets of the rows of pins, as displacements in the frame.
     void set_demands() noexcept;
 
-    /// Turns the clusters, and sets the right side and the energies. Returns the energy of the pose.
+    /// Rotates the clusters, and sets the right-hand side and the energies. Returns the energy of the pose.
     double evaluate(detail::Stretches* stretches, PoseSolverReport& report) noexcept;
     /// Returns tr(d K dᵀ).
     double strain() const noexcept;
@@ -204,18 +201,18 @@ private:
     detail::PoseSystem<T, D> system_;
     detail::RotationPass<T, D> pass_;
     detail::Anderson anderson_;
-    std::vector<Lanes<double>> stiffness_; ///< rows of K to the diagonal, twice before it
+    std::vector<Lanes<double>> stiffness_; ///< lower triangle of K by rows, doubled off the diagonal
     std::vector<std::size_t> stiffness_begin_;
     detail::RigidFrame<D> frame_;
     detail::AxisVectors<D> displacements_; ///< d of all handles
-    detail::AxisVectors<D> kept_;          ///< d at the begin of a frame
-    detail::AxisVectors<D> last_;          ///< how far the handles were from rest after the last frame
+    detail::AxisVectors<D> kept_;          ///< d at the start of the frame
+    detail::AxisVectors<D> last_;          ///< displacements from rest after the previous frame
     detail::AxisVectors<D> right_;         ///< A d of all handles
-    detail::AxisVectors<D> from_, to_;     ///< d of unknown handles before and after a step
+    detail::AxisVectors<D> from_, to_;     ///< d of unknown handles before and after an iteration
     std::vector<Vec<T, D>> sample_displacements_;
     std::vector<Vec<double, D>> offsets_; ///< of the rows' targets from rest
     std::vector<Vec<double, D>> demands_; ///< the offsets in the frame
-    bool is_new_ = true;                  ///< pins, targets or the pose are others than in the last frame
+    bool is_new_ = true;                  ///< whether pins, targets or the pose changed since the last frame
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -38,7 +38,7 @@ public:
         for (auto& moment : moments_) {
             for (double& x : moment) x /= double(count);
         }
-        for (std::size_t i = 0; i < handles_; ++i) own_stiffness_.push_back(stiffness_[i * handles_ + i]);
+        for (std::size_t i = 0; i < handles_; ++i) diagonal_.push_back(stiffness_[i * handles_ + i]);
     }
     /// Adds a spoke: `gradient` times the handles at rest is `direction`.
     void add_spoke(std::span<const double> gradient, const Vec<double, D>& direction, std::size_t cluster,
@@ -71,19 +71,19 @@ public:
                 to.moments[block * D * D + n][lane] = exists ? T(moments_[c][n]) : T(n % (D + 1) == 0);
         }
         double mean = 0;
-        for (const double stiffness : own_stiffness_) mean += stiffness / double(handles_);
+        for (const double entry : diagonal_) mean += entry / double(handles_);
         for (std::size_t i = 0; i < handles_; ++i) {
             for (std::size_t j = 0; j <= i; ++j) to.stiffness.push_back(stiffness_[j * handles_ + i]);
-            if (!(own_stiffness_[i] > 1e-6 * mean)) to.weak_handles.push_back(std::uint32_t(i));
+            if (!(diagonal_[i] > 1e-6 * mean)) to.weak_handles.push_back(std::uint32_t(i));
         }
     }
 
 private:
     std::size_t handles_;
-    std::vector<double> stiffness_;                  ///< the lower triangle
-    std::vector<double> gradients_;                  ///< D columns per cluster
-    std::vector<std::array<double, D * D>> moments_; ///< by rows
-    std::vector<double> own_stiffness_;              ///< the diagonal without spokes
+    std::vector<double> stiffness_;                  ///< its lower half
+    std::vector<double> gradients_;                  ///< D columns for each cluster
+    std::vector<std::array<double, D * D>> moments_; ///< row after row
+    std::vector<double> diagonal_;                   ///< the diagonal without spokes
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

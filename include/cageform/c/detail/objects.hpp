@@ -90,10 +90,7 @@ cageform_status guarded(const F& f) noexcept {
 #if defined(__cpp_exceptions)
     try {
         cageform_status code = CAGEFORM_OK;
-        const Status status = guard_memory([&] {
-            code = f();
-            return Status::ok;
-        });
+        const Status status = guard_memory([&] { code = f(); });
         return status == Status::ok ? code : code_of(status);
     } catch (...) {
         return CAGEFORM_FAILED;

@@ -1,4 +1,4 @@
-// Clones blocks: computes weighted sums of displacements and adds them to the points at rest.
+// Clones blocks: computes weighted sums of displacements and passes them to a target.
 #pragma once
 
 #include <cageform/clone/detail/row_sums.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The best affine fit to the displacements: a_r = Σ_i F_ir d_i, with `K` numbers each.
+/// The best affine fit to displacements of `K` numbers: a_r = Σ_i F_ir d_i.
 template <Scalar T, std::size_t D, std::size_t K = D>
 struct AffineFit {
     Vec<T, K> rows[D + 1]{};
@@ -33,7 +33,7 @@ struct AffineFit {
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < K; ++k) {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
-            // If unrolled, GNU would fuse another product with its sum.
+            // Not unrolled, because GCC would then fuse another product with its sum.
             for (std::size_t r = 0; r <= D; ++r)
                 sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(rows[r][k]), sum);
             sum.store(sums[k]);
@@ -41,10 +41,9 @@ struct AffineFit {
     }
 };
 
-inline constexpr std::size_t clone_grain = 256; ///< the number of blocks that justify a thread
+inline constexpr std::size_t clone_grain = 256; ///< blocks per thread, at least
 
-/// Sums the rows of blocks, completes the sums and passes them to a target, which chooses how many
-/// numbers a point has.
+/// Sums the rows of blocks and passes the completed sums to a target, with Target::columns numbers a point.
 template <Scalar T, std::size_t D, class Target>
 class BlockAccumulator {
 public:
@@ -52,8 +51,8 @@ public:
         : binding_(binding)
         , target_(target) {}
 
-    /// Writes blocks [begin, end). `View` is the type of the caller's binding: a dense binding is a
-    /// packed one from which nothing was dropped, but it has a single format.
+    /// Writes blocks [begin, end). `View` is the type of the caller's binding. A BindingView has one format
+    /// and no pruned rows.
     template <class View, class Source>
     void write(const Source& source, std::size_t begin, std::size_t end) const noexcept {
         const Displacements<Source> displacements(source, binding_.handles);
@@ -72,7 +71,7 @@ private:
     static constexpr std::size_t K = Target::columns;
     using Fit = AffineFit<T, D, K>;
 
-    /// Adds blocks with rows for all handles or for some.
+    /// Adds blocks with all or some rows.
     template <WeightFormat Format, class Displacement>
     void add(const Displacement& displacement, const Fit& fit, std::size_t begin,
              std::size_t end) const noexcept {
@@ -92,17 +91,16 @@ private:
     template <WeightFormat Format, class Displacement>
     void add_dense(const Displacement& displacement, const Fit& fit, std::size_t begin,
                    std::size_t end) const noexcept {
-        // If weights are in the caches, processing adjacent blocks together takes a third less
-        // time, because it saves loads. From memory it takes a third longer: prefetching works
-        // better with one stream than with several that break off at every block.
+        // For cached weights, blocks are processed together, which saves loads and a third of the time. From
+        // memory the time would grow by a third, because prefetching works better for a single stream.
         constexpr std::size_t cached = std::size_t{16} << 20;
         constexpr std::size_t together = blocks_together<K>;
         using Rows = RowSums<Format, T, K>;
         const std::size_t handles = binding_.handles, block_bytes = handles * Rows::row_bytes;
         std::size_t b = begin;
         if (binding_.block_count() * block_bytes < cached) {
-            // The last blocks are processed one by one, with the same order of additions, so ranges
-            // may be cut anywhere.
+            // The last blocks are processed singly in the same order of additions, so any range gives the
+            // same bits.
             const auto sum = [&](auto count, std::size_t block) {
                 Lanes<T> sums[count][K];
                 Rows::template of_blocks<count>(binding_.weights + block * block_bytes, handles, displacement,
@@ -131,14 +129,14 @@ private:
     Target target_;
 };
 
-/// One clone: moves `View` by `pose` into `out`, any of its blocks at a time.
+/// One clone of `View` by `pose` into `out`.
 template <class View, class Pose, class Out>
 class BlockCloner {
 public:
     using T = typename View::scalar;
     static constexpr std::size_t D = View::dimension;
 
-    /// Refers to all its arguments except the view.
+    /// Refers to its arguments, except to the view.
     BlockCloner(const View& binding, const Pose& pose, Out& out, const CloneOptions<T>& options) noexcept
         : blocks_(binding, {binding, options, out})
         , displacements_{binding.rest_handles, pose} {}
@@ -151,29 +149,27 @@ private:
     PoseDisplacements<T, D, Pose> displacements_;
 };
 
-// Defined outside the class, and so not inline: compilers instantiate inline functions in spite of the
-// declarations of explicit instantiations below.
+// Defined outside the class, so not inline: compilers instantiate inline functions in spite of the `extern
+// template` declarations below.
 template <class View, class Pose, class Out>
 void BlockCloner<View, Pose, Out>::run(std::size_t begin, std::size_t end) const noexcept {
     blocks_.template write<View>(displacements_, begin, end);
 }
 
-/// The cloner of poses and figures whose numbers lie at regular distances.
+/// The cloner of poses and outputs with strided numbers.
 template <class View>
 using StridedCloner = BlockCloner<View, StridedPoints<const typename View::scalar, View::dimension>,
                                   StridedPoints<typename View::scalar, View::dimension>>;
 
-#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
-extern template void StridedCloner<BindingView<float, 2>>::run(std::size_t, std::size_t) const noexcept;
-extern template void StridedCloner<BindingView<float, 3>>::run(std::size_t, std::size_t) const noexcept;
-extern template void StridedCloner<BindingView<double, 2>>::run(std::size_t, std::size_t) const noexcept;
-extern template void StridedCloner<BindingView<double, 3>>::run(std::size_t, std::size_t) const noexcept;
-extern template void StridedCloner<PackedBindingView<float, 2>>::run(std::size_t, std::size_t) const noexcept;
-extern template void StridedCloner<PackedBindingView<float, 3>>::run(std::size_t, std::size_t) const noexcept;
-extern template void StridedCloner<PackedBindingView<double, 2>>::run(std::size_t,
-                                                                      std::size_t) const noexcept;
-extern template void StridedCloner<PackedBindingView<double, 3>>::run(std::size_t,
-                                                                      std::size_t) const noexcept;
+#if defined(CAGEFORM_COMPILED) // optimised in the library, even if the program is not
+#define CAGEFORM_DETAIL_CLONER(T, D)                                                                         \
+    extern template void StridedCloner<BindingView<T, D>>::run(std::size_t, std::size_t) const noexcept;     \
+    extern template void StridedCloner<PackedBindingView<T, D>>::run(std::size_t, std::size_t) const noexcept;
+CAGEFORM_DETAIL_CLONER(float, 2)
+CAGEFORM_DETAIL_CLONER(float, 3)
+CAGEFORM_DETAIL_CLONER(double, 2)
+CAGEFORM_DETAIL_CLONER(double, 3)
+#undef CAGEFORM_DETAIL_CLONER
 #endif
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

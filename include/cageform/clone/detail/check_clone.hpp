@@ -1,4 +1,4 @@
-// Finds the view of a binding, and checks what is given to a clone.
+// The view of a binding, and the checks of a clone's arguments.
 #pragma once
 
 #include <cageform/clone/detail/target.hpp>
@@ -8,11 +8,9 @@
 
 #include <array>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// Returns the view of a binding; a view is returned as it is.
+/// Returns the view of a binding, or a view itself.
 template <class B>
 auto view_of(const B& binding) noexcept {
     if constexpr (requires { binding.view(); }) {
@@ -48,7 +46,7 @@ Status check_clone(const View& binding, const Pose& pose, const Out& out,
     return check_pose(binding, pose);
 }
 
-/// Checks bindings that are processed together, block by block.
+/// Checks bindings that are processed together.
 template <class View, std::size_t K, class Pose, class Out>
 Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out& out) noexcept {
     using Packed = PackedBindingView<typename View::scalar, View::dimension>;
@@ -58,6 +56,4 @@ Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out
     return check_clone(views[0], pose, out);
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Checks what is given to the clone of a figure, and writes tangents with their handedness.
+// Checks the arguments of a figure's clone, and stores tangents with their handedness.
 #pragma once
 
 #include <cageform/clone/detail/check_clone.hpp>
@@ -7,9 +7,7 @@
 
 #include <cstdint>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 template <class V>
 inline constexpr bool is_figure_view = false;
@@ -22,7 +20,7 @@ template <class Out, std::size_t D>
 concept TangentsOut =
     !is_wanted<Out> || (D == 3 && (MutablePointRangeIn<Out, 3> || MutablePointRangeIn<Out, 4>));
 
-/// Writes tangents of four numbers, the last of which is the handedness, or of three.
+/// Stores tangents of three numbers, or of four with the handedness last.
 template <class Out>
 struct SignedTangents {
     Out& out;
@@ -38,7 +36,7 @@ struct SignedTangents {
     }
 };
 
-/// Checks everything for which a clone of the figure can be refused.
+/// Checks all arguments of a figure's clone.
 template <Scalar T, std::size_t D, class Pose, class Output>
 Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose,
                           const Output& out) noexcept {
@@ -58,6 +56,4 @@ Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose
     return check_clone(figure.points, pose, out.points);
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

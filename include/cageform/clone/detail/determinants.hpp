@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A square matrix, column after column.
+/// A square matrix in column-major order.
 template <std::size_t D>
 using Columns = std::array<Vec<double, D>, D>;
 
@@ -33,14 +33,14 @@ inline double largest_singular_value(const Columns<2>& m) noexcept {
             std::hypot(m[0][0] - m[1][1], m[0][1] + m[1][0])) /
            2;
 }
-/// By the trigonometric roots of the characteristic polynomial of MᵀM (Smith 1961).
+/// From the largest eigenvalue of MᵀM in trigonometric form (Smith 1961).
 inline double largest_singular_value(const Columns<3>& m) noexcept {
     double size = 0;
     for (const auto& column : m) {
         for (const double x : column.v) size = std::fabs(x) > size ? std::fabs(x) : size;
     }
     if (!(size > 0)) return 0;
-    Columns<3> scaled = m, g{}; // so that squares neither vanish nor overflow
+    Columns<3> scaled = m, g{}; // so that squares neither underflow nor overflow
     for (auto& column : scaled) column = (1 / size) * column;
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) g[i][j] = dot(scaled[i], scaled[j]);
@@ -61,7 +61,7 @@ inline double largest_singular_value(const Columns<3>& m) noexcept {
 struct SingularValues {
     double largest, least;
 };
-/// The least one comes from the determinant, and so keeps its digits.
+/// The least singular value is computed from the determinant, without cancellation.
 inline SingularValues singular_values(const Columns<2>& m) noexcept {
     const double largest = largest_singular_value(m);
     return {largest, largest > 0 ? std::fabs(determinant(m)) / largest : 0};
@@ -71,14 +71,14 @@ inline SingularValues singular_values(const Columns<3>& m) noexcept {
     return {largest_singular_value(m), of_faces > 0 ? std::fabs(determinant(m)) / of_faces : 0};
 }
 
-/// No root in (0, 1].
+/// Stands for no root in (0, 1].
 inline constexpr double no_root = 2;
 
-/// Returns the least root of a + b t + c t² in (0, 1], for a > 0; else `no_root`.
+/// Returns the least root of a + b t + c t² in (0, 1], for a > 0, or `no_root`.
 inline double first_root(double a, double b, double c) noexcept {
     const double discriminant = b * b - 4 * a * c;
     if (discriminant < 0) return no_root;
-    // Half the sum of two numbers of one sign: no digits cancel. Roots are q / c and a / q.
+    // Both terms have the same sign and do not cancel. The roots are q / c and a / q.
     const double q = -(b + std::copysign(std::sqrt(discriminant), b)) / 2;
     double least = no_root;
     const auto take = [&](double numerator, double denominator) {
@@ -95,7 +95,7 @@ inline double first_root(double a, double b, double c) noexcept {
 template <std::size_t D>
 class DeterminantAlong {
 public:
-    /// The determinants are multiplied by `factor`.
+    /// `factor` scales the determinants.
     DeterminantAlong(const Columns<D>& a, const Columns<D>& b, double factor, double threshold) noexcept {
         const auto from_a = cofactors(a), from_b = cofactors(b);
         c_[0] = factor * determinant(a) - threshold;
@@ -122,13 +122,13 @@ public:
         return true;
     }
 
-    /// Returns the first t in [0, 1] where it is not above 0; else `no_root`.
+    /// Returns the first t in [0, 1] where the value is not above 0, or `no_root`.
     double first_fold() const noexcept {
         if (!(c_[0] > 0)) return 0;
         if constexpr (D == 2) {
             return first_root(c_[0], c_[1], c_[2]);
         } else {
-            // Between its extrema it is monotone.
+            // The value is monotone between its extrema.
             const double a = c_[1], b = 2 * c_[2], c = 3 * c_[3], discriminant = b * b - 4 * a * c;
             double places[] = {1, 1, 1};
             if (discriminant > 0) {
@@ -147,11 +147,11 @@ public:
     }
 
 private:
-    /// Returns a place between 0 and 1, or 1.
+    /// Returns t if it is between 0 and 1, else 1.
     static double inside(double t) noexcept { return t > 0 && t < 1 ? t : 1; }
 
-    /// Returns the root between `above`, where it is above 0, and `below`, where it is not: the last number
-    /// found where it is.
+    /// Bisects between `above`, where the value is positive, and `below`, where it is not. Returns the last t
+    /// with a positive value.
     double between(double above, double below) const noexcept {
         for (int n = 0; n < 200; ++n) {
             const double middle = above + (below - above) / 2;

@@ -1,4 +1,4 @@
-// The places where folds are looked for: points with bound Jacobians, and cells of a mesh.
+// Where folds are tested: points with bound Jacobians, and cells of a mesh.
 #pragma once
 
 #include <cageform/clone/detail/check_clone.hpp>
@@ -14,7 +14,7 @@ inline bool is_supported(const FoldOptions& options) noexcept {
     return is_finite(options.threshold) && options.threshold < 1;
 }
 
-/// Adds a place with its Jacobian to a report.
+/// Adds the Jacobian of a place to a report.
 template <std::size_t D>
 void add_to_report(FoldReport& report, const FoldOptions& options, std::size_t place,
                    const Columns<D>& jacobian) noexcept {
@@ -53,7 +53,7 @@ struct PoseBetween {
     }
 };
 
-/// Points whose Jacobians are bound.
+/// Points with bound Jacobians.
 template <class View>
 class JacobianPlaces {
 public:
@@ -63,7 +63,7 @@ public:
     explicit JacobianPlaces(const std::array<View, D>& columns) noexcept
         : columns_(columns) {}
 
-    /// Calls visit(point, Jacobian…) with a Jacobian for each of the poses.
+    /// Calls visit(point, Jacobians…) for every point, with one Jacobian per pose.
     template <class Visit, class... Poses>
     void for_each(const Visit& visit, const Poses&... poses) const noexcept {
         const PackedBindingView<T, D> layout(columns_[0]);
@@ -87,11 +87,11 @@ public:
         }
     }
 
-    /// A determinant here is that of the Jacobian.
+    /// Determinants of Jacobians are relative to 1.
     static double rest_volume(std::size_t) noexcept { return 1; }
 
 private:
-    using Tile = VectorTile<T, D, 8>; // six of them are on the stack
+    using Tile = VectorTile<T, D, 8>; // up to six tiles are on the stack
 
     template <class Pose>
     void load(std::array<Tile, D>& tiles, const Pose& pose, std::size_t from, std::size_t to) const noexcept {
@@ -109,7 +109,7 @@ private:
     const std::array<View, D>& columns_;
 };
 
-/// Whether the elements of a range are D + 1 indices each.
+/// A range whose elements are D + 1 indices each.
 template <class Cells, std::size_t D>
 concept SimplexRange = requires(const Cells& cells, std::size_t i) {
     { std::size(cells) } -> std::convertible_to<std::size_t>;
@@ -118,7 +118,7 @@ concept SimplexRange = requires(const Cells& cells, std::size_t i) {
     { cells[i][0] } -> std::convertible_to<std::size_t>;
 };
 
-/// Triangles in the plane or tetrahedra in space.
+/// Triangles in 2D or tetrahedra in 3D.
 template <class Rest, class Cells>
 class CellPlaces {
 public:
@@ -128,7 +128,7 @@ public:
         : rest_(rest)
         , cells_(cells) {}
 
-    /// Checks the cells at rest. Those with a corner that is not finite are not refused: they are skipped.
+    /// Checks the cells at rest. Cells with a corner that is not finite pass; they are skipped later.
     Status check(std::size_t& culprit) const noexcept {
         for (std::size_t c = 0; c < std::size(cells_); ++c) {
             culprit = c;
@@ -150,7 +150,7 @@ public:
         return Status::ok;
     }
 
-    /// Calls visit(cell, edges…) with the edges from its first corner in each of the poses.
+    /// Calls visit(cell, edges…) for every cell, with the edges from its first corner in each pose.
     template <class Visit, class... Poses>
     void for_each(const Visit& visit, const Poses&... poses) const noexcept {
         for (std::size_t c = 0; c < std::size(cells_); ++c) visit(c, edges(poses, c)...);
@@ -187,7 +187,7 @@ private:
     const Cells& cells_;
 };
 
-/// Checks what is given for points.
+/// Checks the arguments for points.
 template <class View, std::size_t D, class Pose>
 Status check_jacobians(const std::array<View, D>& columns, const Pose& pose) noexcept {
     using Packed = PackedBindingView<typename View::scalar, D>;
@@ -197,7 +197,7 @@ Status check_jacobians(const std::array<View, D>& columns, const Pose& pose) noe
     return check_pose(columns[0], pose);
 }
 
-/// Checks what is given for cells, and names the cell that is refused.
+/// Checks the arguments for cells. `culprit` becomes the refused cell.
 template <class Places, class Rest, class Posed>
 Status check_cells(const Places& places, const FoldOptions& options, std::size_t& culprit, const Rest& rest,
                    const Posed& posed) noexcept {
@@ -206,7 +206,7 @@ Status check_cells(const Places& places, const FoldOptions& options, std::size_t
     return places.check(culprit);
 }
 
-/// Returns the step that no place forbids: a little shorter than the first fold, so that none is left.
+/// Returns the largest step without a fold, slightly shorter than the first fold.
 template <class Places, class From, class To>
 StepReport step_over(const Places& places, const FoldOptions& options, const From& from,
                      const To& to) noexcept {
@@ -226,7 +226,7 @@ StepReport step_over(const Places& places, const FoldOptions& options, const Fro
         },
         from, to);
     if (first == 0) return report;
-    // Determinants of the pose between are rounded otherwise than those along the way.
+    // Determinants at the step round differently from those along the line.
     for (double margin = 1e-9;; margin *= 8) {
         report.step = first > 1 ? 1 : first * (1 - margin);
         std::size_t folded = FoldReport::nowhere;

@@ -1,5 +1,4 @@
-// Computes unit normals and tangents from moved tangents, with a fallback if a pose makes them
-// degenerate.
+// Unit normals and tangents from moved tangents. Degenerate frames fall back to those at rest.
 #pragma once
 
 #include <cageform/clone/detail/vector_tile.hpp>
@@ -9,16 +8,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The direction of a vector that a pose made from a vector of the size of `rest`. The moved vector
-/// has rounding errors of that size; if it is smaller than them, it has no direction.
+/// The direction of a vector that a pose moved. Rounding errors are relative to the size of `rest`; a vector
+/// smaller than these errors has no direction.
 template <Scalar T, std::size_t D>
 struct Direction {
     static constexpr T some_roundings = 64 * epsilon<T>;
 
-    /// Its largest component is ±1, so that squares neither vanish nor overflow.
+    /// Scaled to a largest component of ±1, so that squares neither underflow nor overflow.
     Vec<T, D> along{};
     T size = 0;        ///< the vector is `size` times `along`
-    T uncertainty = 1; ///< the size of errors of `along`
+    T uncertainty = 1; ///< size of the errors of `along`
 
     Direction(const Vec<T, D>& v, const Vec<T, D>& rest) noexcept {
         const T before = largest_component(rest);
@@ -46,7 +45,7 @@ struct Frame {
     Vec<T, D> normal{}, tangent{};
 };
 
-/// Sets the frame of one tangent in 2D; returns false if it has no direction.
+/// Sets the frame from one tangent in 2D. Returns false if the tangent has no direction.
 template <Scalar T>
 bool set_frame(Frame<T, 2>& frame, const Direction<T, 2>& t) noexcept {
     if (!t.exists()) return false;
@@ -55,7 +54,7 @@ bool set_frame(Frame<T, 2>& frame, const Direction<T, 2>& t) noexcept {
     return true;
 }
 
-/// Sets the frame of two tangents in 3D; returns false if they are parallel to rounding.
+/// Sets the frame from two tangents in 3D. Returns false if they are parallel to rounding.
 template <Scalar T>
 bool set_frame(Frame<T, 3>& frame, const Direction<T, 3>& t, const Direction<T, 3>& b) noexcept {
     if (!t.exists() || !b.exists()) return false;
@@ -71,7 +70,8 @@ bool set_frame(Frame<T, 3>& frame, const Direction<T, 3>& t, const Direction<T, 
 template <Scalar T, std::size_t D>
 using TangentBlocks = std::array<VectorBlock<T, D>, D - 1>;
 
-/// Returns the frame of a lane as the pose moves it; if there is none, the frame at rest; else zero.
+/// Returns the moved frame of a lane; if it is degenerate, the frame at rest; if that is degenerate too,
+/// zero.
 template <Scalar T, std::size_t D>
 Frame<T, D> frame_of_lane(const TangentBlocks<T, D>& tangents, std::size_t lane) noexcept {
     const auto set = [&](Frame<T, D>& frame, auto rows) {
@@ -111,8 +111,8 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     const P n[3] = {t[1] * b[2] - t[2] * b[1], t[2] * b[0] - t[0] * b[2], t[0] * b[1] - t[1] * b[0]};
     const auto square = [](const P* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const P nn = square(n), tt = square(t), bb = square(b);
-    // Certain means: no shorter than a hundredth of the vector at rest, at least half a degree from
-    // parallel, and all squares in a range where their products neither overflow nor vanish.
+    // Certain frames have vectors not shorter than a hundredth of those at rest, an angle of at least half a
+    // degree, and squares whose products neither overflow nor underflow.
     const P some(T(1e-4)), least((std::numeric_limits<T>::min)() * T(1e12)),
         most((std::numeric_limits<T>::max)() * T(1e-12));
     const auto certain = (some * square(t_rest) <= tt) & (some * square(b_rest) <= bb) &
@@ -171,7 +171,7 @@ void for_moved_frames(const std::array<View, K>& tangents, const Pose& pose, con
             });
     };
     parallel_for(block_count<T>(layout.points), clone_grain, [&](std::size_t begin, std::size_t end) {
-        std::array<VectorTile<T, D>, K> tiles{}; // lanes after the last point are computed with
+        std::array<VectorTile<T, D>, K> tiles{}; // zeroed, because lanes after the last point are read
         for (std::size_t from = begin; from < end; from += step) {
             const std::size_t to = end - from < step ? end : from + step;
             for (std::size_t k = 0; k < K; ++k) tiles[k].load(tangents[k], pose, from, to);

@@ -1,21 +1,19 @@
-// Sums over points: the gradients of points, times the weights of handles. The inner loops of transposed
-// clones.
+// The inner loops of transposed clones: sums over points of gradients times weights of handles.
 #pragma once
 
 #include <cageform/clone/detail/block_cloner.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Rows of adjacent blocks.
+/// Rows of adjacent blocks of a binding.
 struct BlockRows {
     const std::byte* weights;
-    std::size_t stride; ///< bytes from a row to that of the next block
-    std::size_t count;  ///< rows of a block
+    std::size_t stride; ///< bytes from a row to the same row of the next block
+    std::size_t count;  ///< rows per block
 };
 
 /// Adds w g of some rows of adjacent blocks to the sums of their handles, lane by lane. `sums_of(row)`
-/// returns D rows of sums. If this is the last block, lanes without a point are not read: they may hold
-/// anything.
+/// returns D rows of sums. `Last` marks the last block; its lanes without a point may have any weight.
 template <std::size_t Blocks, bool Last, WeightFormat Format, Scalar T, std::size_t D, class SumsOf>
 void add_transposed(const BlockRows& rows, const Lanes<T> (*gradients)[D], const Lanes<T>& has_point,
                     const SumsOf& sums_of) noexcept {
@@ -38,7 +36,7 @@ void add_transposed(const BlockRows& rows, const Lanes<T> (*gradients)[D], const
             unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
                 Register w = load_weights<Format, T>(begin + row * row_bytes + b * rows.stride);
                 if constexpr (Last) w = used ? w : Register{};
-                optimizer_barrier(w); // otherwise GNU would load it again for every product
+                conceal(w); // otherwise GCC would reload it for every product
                 unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { sum[k] = multiply_add(w, g[b][k], sum[k]); });
             });
             unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { store_bytes(sums[k].v + group * lanes, sum[k]); });
@@ -46,7 +44,7 @@ void add_transposed(const BlockRows& rows, const Lanes<T> (*gradients)[D], const
     }
 }
 
-/// Returns the sum of the lanes, added in pairs: the same bits whatever the registers.
+/// Returns the sum of the lanes, added in pairs: the same bits for every register width.
 template <Scalar T>
 T sum_of_lanes(const Lanes<T>& row) noexcept {
     constexpr std::size_t n = 16 / sizeof(T); // a quarter of the lanes, which every register holds
@@ -66,18 +64,18 @@ T sum_of_lanes(const Lanes<T>& row) noexcept {
     }
 }
 
-/// After so many blocks with a row for every handle, sums are put into double. It is a multiple of
-/// `blocks_together` in the plane and in space, and of the blocks of a VectorTile.
+/// Sums move to double after this many blocks of full rows. A multiple of `blocks_together` in 2D and 3D, and
+/// of the blocks of a VectorTile.
 inline constexpr std::size_t blocks_in_lanes = 192;
 
-/// The sums of up to `Capacity` handles, Σ_p w_hp g_p, each a vector of D numbers. A lane adds up some blocks
-/// in T; then all lanes are added to a total in double.
+/// The sums Σ_p w_hp g_p of up to `Capacity` handles. Each lane adds up some blocks in T; then all lanes are
+/// added to totals in double.
 template <Scalar T, std::size_t D, std::size_t Capacity>
 class HandleSums {
 public:
     static constexpr std::size_t capacity = Capacity;
 
-    /// Starts with handles [first, first + count), their totals 0.
+    /// Starts handles [first, first + count) with totals 0.
     void start(std::size_t first, std::size_t count) noexcept {
         first_ = first;
         count_ = count;
@@ -90,8 +88,7 @@ public:
         }
     }
 
-    /// Adds blocks [begin, end) to the lanes. `load(block, rows)` reads the gradients of a block's points, D
-    /// rows.
+    /// Adds blocks [begin, end) to the lanes. `load(block, rows)` reads a block's gradients into D rows.
     template <WeightFormat Format, class Load>
     void add(const PackedBindingView<T, D>& binding, std::size_t begin, std::size_t end,
              const Load& load) noexcept {
@@ -101,7 +98,7 @@ public:
             add_sparse<Format>(binding, begin, end, load);
         }
     }
-    /// Adds the lanes to the totals. Called now and then, because floats would lose digits.
+    /// Adds the lanes to the totals. Called often enough to bound rounding errors of floats.
     void add_lanes_to_totals() noexcept {
         for (std::size_t h = 0; h < count_; ++h) {
             CAGEFORM_DETAIL_UNROLL
@@ -116,7 +113,7 @@ private:
     template <WeightFormat Format>
     static constexpr std::size_t row_bytes = lanes* weight_bytes<T>(Format);
 
-    /// Returns 1 for the lanes of a block that have a point, 0 for others.
+    /// Returns 1 for lanes with a point, else 0.
     static Lanes<T> points_of(const PackedBindingView<T, D>& binding, std::size_t block) noexcept {
         Lanes<T> has_point;
         for (std::size_t lane = 0; lane < lanes; ++lane)
@@ -136,7 +133,7 @@ private:
                                  count_};
             add_transposed<count, last, Format, T, D>(rows, gradients, points_of(binding, block), sums_of);
         };
-        // Each lane adds its blocks one after the other, however many are read together.
+        // The order of additions in a lane does not depend on the number of blocks read together.
         constexpr std::size_t together = blocks_together<D>;
         const std::size_t full = binding.points / lanes;
         std::size_t b = begin;
@@ -185,7 +182,7 @@ private:
         if (from == to || handles[from] >= handle) return from;
         if (handles[to - 1] < handle) return to;
         std::size_t left = to - from;
-        while (left > 1) { // without branches, which would be mispredicted
+        while (left > 1) { // branch-free, because branches would be mispredicted
             const std::size_t half = left / 2;
             from += half * std::size_t(handles[from + half - 1] < handle);
             left -= half;

@@ -1,11 +1,11 @@
-// The gradients of moved tangents from those of the normals that they span.
+// Gradients of moved tangents from the gradients of the normals that they span.
 #pragma once
 
 #include <cageform/clone/detail/frames.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The gradients of the tangents of one point: 0 if its normal is that at rest.
+/// The gradients of the tangents of one point; 0 if its normal is the normal at rest.
 template <Scalar T, std::size_t D>
 using TangentGradients = std::array<Vec<T, D>, D - 1>;
 
@@ -31,8 +31,8 @@ TangentGradients<T, 3> tangent_gradients(const Vec<T, 3>& g, const Direction<T, 
     return {(1 / t.size) * cross(b.along, across), (1 / b.size) * cross(across, t.along)};
 }
 
-/// The input of a transposed clone of normals: the tangents' gradients, computed a few blocks at a time from
-/// the tangents as the pose moves them. `Rows` reads the normals' gradients.
+/// The input of a transposed clone of normals: gradients of tangents, computed a few blocks at a time from
+/// the moved tangents. `Rows` reads the gradients of normals.
 template <class View, class Pose, class Rows>
 struct NormalGradients {
     using T = typename View::scalar;
@@ -55,7 +55,7 @@ struct NormalGradients {
         }
 
     private:
-        /// Replaces the moved tangents of blocks from `begin` on by their gradients.
+        /// Replaces the moved tangents of the blocks from `begin` on by their gradients.
         void fill(std::size_t begin) noexcept {
             const std::size_t blocks = block_count<T>(of_.tangents[0].point_count());
             begin_ = begin;
@@ -85,7 +85,7 @@ struct NormalGradients {
             }
         }
 
-        /// Sets the lanes whose frames are certain.
+        /// Sets all lanes; the result is valid where frames are certain.
         static void set_rows(const TangentBlocks<T, 3>& blocks, const FrameRows<T>& frames,
                              const Lanes<T>* gradients, Lanes<T> (*result)[3]) noexcept {
             using P = Simd<T>;

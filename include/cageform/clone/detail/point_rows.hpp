@@ -1,4 +1,4 @@
-// Reads vectors of points, a block at a time, into rows of one axis each: what target.hpp writes, backwards.
+// Reads vectors of points in blocks, into one row per axis: the inverse of target.hpp.
 #pragma once
 
 #include <cageform/clone/detail/target.hpp>
@@ -6,7 +6,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
-/// Returns one axis of N points from D registers of N numbers x y z x y z ….
+/// Returns one axis of N points from D registers with N numbers x y z x y z … each.
 template <std::size_t D, std::size_t N, std::size_t Axis, class Register, std::size_t... L>
 Register axis_register(const Register* numbers, std::index_sequence<L...>) noexcept {
     // Point L has this axis in number D·L + Axis.
@@ -48,7 +48,7 @@ void deinterleave(const T* points, Lanes<T>* rows) noexcept {
     }
 }
 
-/// The vectors of the points of a binding, multiplied by a mask. `Source` is what `as_strided` returns.
+/// The vectors of a binding's points, multiplied by a mask. `Source` is the result of `as_strided`.
 template <Scalar T, std::size_t D, class Source>
 class PointRows {
 public:
@@ -64,7 +64,7 @@ public:
         }
     }
 
-    /// Reads block `block`; lanes without a point are 0.
+    /// Reads a block. Lanes without a point become 0.
     void load(std::size_t block, Lanes<T>* rows) const noexcept {
         constexpr std::size_t lanes = lane_count<T>;
         const std::size_t first = block * lanes, left = points_ - first, used = left < lanes ? left : lanes;

@@ -1,4 +1,4 @@
-// Sums the negative weights of each point of a binding, in all storage formats.
+// Sums the negative weights of each point of a binding, for all storage formats.
 #pragma once
 
 #include <cageform/clone/detail/weight_rows.hpp>
@@ -6,11 +6,9 @@
 #include <cstddef>
 #include <limits>
 
-namespace cageform::inline CAGEFORM_ABI {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace detail {
-
-/// Sums max(−w, 0) for the points of a block, given their weights one handle after the other.
+/// Sums max(−w, 0) for the points of a block, one handle at a time.
 template <Scalar T>
 struct BlockSlack {
     Simd<T> negative = Simd<T>(T(0)), sum = Simd<T>(T(0));
@@ -20,8 +18,7 @@ struct BlockSlack {
         negative -= (min)(w, Simd<T>(T(0)));
     }
 
-    /// Returns the largest sum of the first `used` points, or infinity if one of their weights is
-    /// not finite.
+    /// Returns the largest sum of the first `used` points, or infinity if a weight is not finite.
     T largest(std::size_t used) const noexcept {
         Lanes<T> negatives, sums;
         negative.store(negatives);
@@ -36,7 +33,7 @@ struct BlockSlack {
     }
 };
 
-/// Loads a block's row of weights from their storage format.
+/// Loads a row of a block's weights from its storage format.
 template <WeightFormat Format, Scalar T>
 Simd<T> load_row(const std::byte* row) noexcept {
     constexpr std::size_t group_bytes = lane_count<T> * weight_bytes<T>(Format) / Simd<T>::count;
@@ -46,7 +43,7 @@ Simd<T> load_row(const std::byte* row) noexcept {
     return w;
 }
 
-/// Returns the slack of one block, for the weights in effect, which include the residual of the format.
+/// Returns the slack of one block. Weights include the residual of the format.
 template <WeightFormat Format, Scalar T, std::size_t D>
 T block_slack(const PackedBindingView<T, D>& binding, std::size_t block) noexcept {
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
@@ -70,7 +67,7 @@ T block_slack(const PackedBindingView<T, D>& binding, std::size_t block) noexcep
     return slack.largest(left < lane_count<T> ? left : lane_count<T>);
 }
 
-/// Returns the largest slack of all points; not finite if a weight is not.
+/// Returns the largest slack of all points; not finite if a weight is not finite.
 template <Scalar T, std::size_t D>
 T largest_slack(const PackedBindingView<T, D>& binding) noexcept {
     T most = 0;
@@ -83,6 +80,4 @@ T largest_slack(const PackedBindingView<T, D>& binding) noexcept {
     return most;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// The sums of a rational clone: checks the weights of handles, and moves the points of a block.
+// The sums of a rational clone, and the check of the handles' weights.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -30,14 +30,14 @@ auto as_rational(const B& binding) noexcept {
     }
 }
 
-/// The range of the weights of handles.
+/// The range of the handles' weights.
 template <Scalar T>
 struct WeightRange {
     T least, most;
 };
 
-/// Checks the weights of handles. Their ratio is bounded, so that 1 + Ω of every point is at least
-/// 1/2 and no product overflows unless the pose itself is out of range.
+/// Checks the handles' weights. The bounded ratio keeps 1 + Ω of every point at least 1/2, and products do
+/// not overflow unless the pose is out of range.
 template <Scalar T>
 Status check_weights(std::span<const T> weights, std::size_t handles, T slack,
                      WeightRange<T>& range) noexcept {
@@ -64,8 +64,8 @@ Vec<T, D> middle_of(const Pose& pose, std::size_t handles) noexcept {
     return middle;
 }
 
-/// Returns the terms of a handle in the numerator and denominator of a rational clone: d + (ω −
-/// 1)(C' − g) and ω − 1. ω is relative to the smallest weight, so nothing cancels.
+/// The terms of a handle in the numerator and denominator of a rational clone: d + (ω − 1)(C' − g) and ω − 1.
+/// ω is relative to the smallest weight, so nothing cancels.
 template <Scalar T, std::size_t D, class Pose>
 struct RationalDisplacements {
     PoseDisplacements<T, D, Pose> displacement;
@@ -82,7 +82,7 @@ struct RationalDisplacements {
     }
 };
 
-/// Writes the points of a rational clone: p + (N − Ω (p − g)) / (1 + Ω).
+/// Stores the points of a rational clone: p + (N − Ω (p − g)) / (1 + Ω).
 template <Scalar T, std::size_t D, class Out>
 struct RationalTarget {
     static constexpr std::size_t columns = D + 1;

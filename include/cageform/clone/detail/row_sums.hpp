@@ -1,4 +1,4 @@
-// The inner loops of a clone: sums of the handles' displacements, weighted by the rows of a block.
+// The inner loops of a clone: sums of displacements, weighted by the rows of a block.
 #pragma once
 
 #include <cageform/clone/detail/weight_rows.hpp>
@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the displacement of a handle from a table.
+/// Returns displacements from a table.
 template <class Displacement>
 struct TabledDisplacements {
     const Displacement* table;
@@ -18,7 +18,7 @@ struct TabledDisplacements {
     const Displacement& operator()(std::size_t i) const noexcept { return table[i]; }
 };
 
-/// Computes the displacement of a handle from the pose.
+/// Computes displacements from the pose.
 template <Scalar T, std::size_t D, class Pose>
 struct PoseDisplacements {
     const Vec<T, D>* rest;
@@ -27,7 +27,7 @@ struct PoseDisplacements {
     Vec<T, D> operator()(std::size_t i) const noexcept { return to_vec<T>(pose[i]) - rest[i]; }
 };
 
-/// Returns the displacement of a row's handle, in bindings whose rows store their handles.
+/// Returns the displacements of rows that store their handles.
 template <class Source>
 struct DisplacementsOfRows {
     Source source;
@@ -36,8 +36,8 @@ struct DisplacementsOfRows {
     decltype(auto) operator()(std::size_t row) const noexcept { return source(handle[row]); }
 };
 
-/// The displacements of the handles. Up to 16 kB of them are stored in a table on the stack; if
-/// there are more, each is computed again when used. So nothing is allocated, whatever their number.
+/// The displacements of the handles, without allocation: up to 16 kB are tabulated on the stack; more are
+/// recomputed at each use.
 template <class Source>
 class Displacements {
 public:
@@ -48,7 +48,7 @@ public:
         for (std::size_t i = 0; i < handles; ++i) table_[i] = source_(i);
     }
 
-    /// Calls f(displacement), where displacement(i) is that of handle i.
+    /// Calls f(displacement), where displacement(i) is the displacement of handle i.
     template <class F>
     void with(const F& f) const noexcept {
         if (tabled_) {
@@ -67,7 +67,7 @@ private:
     Displacement table_[capacity];
 };
 
-/// Calls f(0), f(1), … f(N − 1), with constant indices: arrays indexed by them stay in registers.
+/// Calls f(0) … f(N − 1) with constant indices, so that arrays indexed by them stay in registers.
 template <std::size_t N, class F>
 CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     [&]<std::size_t... I>(std::index_sequence<I...>) CAGEFORM_DETAIL_INLINE {
@@ -76,12 +76,12 @@ CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     (std::make_index_sequence<N>{});
 }
 
-/// Where the weights are.
+/// Where weights are read from.
 enum class WeightsIn : std::uint8_t { caches, memory };
 
-/// How far ahead weights are prefetched from memory, in bytes. The hardware prefetcher of Intel's server
-/// cores stops at the end of each page: with this a clone takes 5 ms instead of 8. The prefetcher of Zen
-/// cores continues, and they lose a tenth by it; all processors with narrow registers lose more.
+/// Prefetch distance of weights in memory, in bytes. The hardware prefetcher of Intel's server cores stops at
+/// page boundaries: with software prefetching a clone takes 5 ms instead of 8. The prefetcher of Zen cores
+/// does not stop; they would lose a tenth, and processors with narrow registers more.
 #if CAGEFORM_REGISTER_BYTES == 64 && !defined(__znver1__) && !defined(__znver2__) && !defined(__znver3__) && \
     !defined(__znver4__) && !defined(__znver5__)
 inline constexpr std::size_t weights_ahead = 8192;
@@ -89,31 +89,30 @@ inline constexpr std::size_t weights_ahead = 8192;
 inline constexpr std::size_t weights_ahead = 0;
 #endif
 
-/// The number of sums that fit into registers beside the operands.
+/// The number of sums that fit into registers besides the operands.
 template <std::size_t D>
 inline constexpr std::size_t sums_in_registers = (CAGEFORM_REGISTER_BYTES >= 32 ? 12 : 9) / D;
 #if defined(CAGEFORM_DETERMINISTIC)
-inline constexpr std::size_t most_chains = 1; // the same order of additions whatever the registers
+inline constexpr std::size_t most_chains = 1; // one order of additions for all register widths
 #else
 inline constexpr std::size_t most_chains = 4;
 #endif
 
-/// The number of blocks summed together. If results keep more digits than their type (x87), only
-/// identical instructions give identical bits; then all blocks are summed alone, as the last ones
-/// always are.
+/// The number of blocks summed together. It is 1 if intermediate results have excess precision (x87): then
+/// only identical instructions give identical bits, and the last blocks are always summed singly.
 template <std::size_t D>
 inline constexpr std::size_t blocks_together = FLT_EVAL_METHOD == 0 ? sums_in_registers<D> : 1;
 
 #if !defined(__GNUC__) || defined(__OPTIMIZE__)
-/// Computes Σ w_r d_r over the rows of blocks. Weights are of a format, and displacements have `D` numbers.
-/// One register's width of a block is processed at a time: its rows stay in the first-level cache.
+/// Computes Σ w_r d_r over the rows of blocks, for weights of a format and displacements of `D` numbers. One
+/// register's width of a block is processed at a time, so rows stay in the first-level cache.
 template <WeightFormat Format, Scalar T, std::size_t D>
 class RowSums {
 public:
     static constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
 
-    /// Sums one block, read as one stream from its first row on, in independent sums. `displacement(row)`
-    /// returns d for the rows [0, rows).
+    /// Sums one block, read as one stream, in independent chains. `displacement(row)` returns d for rows
+    /// [0, rows).
     template <WeightsIn Where, class Displacement>
     static void of_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
                          Lanes<T>* sums) noexcept {
@@ -138,7 +137,7 @@ public:
         }
     }
 
-    /// Sums `Blocks` adjacent blocks together, whose displacements are the same.
+    /// Sums `Blocks` adjacent blocks together, with common displacements.
     template <std::size_t Blocks, class Displacement>
     static void of_blocks(const std::byte* weights, std::size_t rows, const Displacement& displacement,
                           Lanes<T> (*sums)[D]) noexcept {
@@ -155,7 +154,7 @@ private:
     using Register = typename Simd<T>::Register;
     static constexpr std::size_t groups = Simd<T>::count;
 
-    /// Adds w d of one row to the sums of blocks that are `block_bytes` apart.
+    /// Adds w d of one row to the sums of blocks at a distance of `block_bytes`.
     template <std::size_t Blocks>
     CAGEFORM_DETAIL_INLINE static void add_row(const std::byte* row, std::size_t block_bytes,
                                                const Vec<T, D>& d, Register (*sum)[D]) noexcept {
@@ -163,7 +162,7 @@ private:
         unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
         unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
             Register w = load_weights<Format, T>(row + b * block_bytes);
-            optimizer_barrier(w); // otherwise GNU would load it again for every product
+            conceal(w); // otherwise GCC would reload it for every product
             unroll<D>([&](auto k)
                           CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
         });
@@ -176,9 +175,9 @@ private:
     }
 };
 #else
-/// The same in builds without optimisation, where each lambda and each function of a row is a call. There
-/// the class above takes sixty times as long as with optimisation, this one ten times with clang and a few
-/// times with GNU.
+/// A variant for builds without optimisation, where each lambda and function is a call. There the class above
+/// is sixty times slower than with optimisation; this class is ten times slower with clang and a few times
+/// with GCC.
 template <WeightFormat Format, Scalar T, std::size_t D>
 class RowSums {
 public:
@@ -213,8 +212,8 @@ public:
 private:
     using Register = typename Simd<T>::Register;
 
-    /// Adds w d of some adjacent rows to the sums of a block. GNU compilers optimise this one function
-    /// even in builds without optimisation; clang has no such attribute.
+    /// Adds w d of some adjacent rows to the sums of a block. GCC optimises this function in every build;
+    /// clang has no such attribute.
     template <std::size_t... R>
 #if !defined(__clang__)
     __attribute__((optimize("O2")))

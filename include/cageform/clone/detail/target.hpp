@@ -1,4 +1,4 @@
-// Writes the points of a clone, a block at a time, to any range; fast if its numbers are contiguous.
+// Stores the points of a clone in blocks, to any range; fast for contiguous numbers.
 #pragma once
 
 #include <cageform/clone/types/clone_options.hpp>
@@ -10,14 +10,13 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
-/// Registers whose lanes are shuffled. Registers of 32 bytes shuffle only within their halves, so
-/// halves are used.
+/// Registers for shuffles. Registers of 32 bytes shuffle only within halves, so halves are used.
 template <class T>
 struct ShuffledOf {
     typedef T type __attribute__((vector_size(register_bytes == 64 ? 64 : 16)));
 };
 
-/// Returns register `O` of D · N numbers x y z x y z …, from D registers of N numbers, one per axis.
+/// Returns register `O` of D · N numbers x y z x y z …, from D registers with N numbers of one axis each.
 template <std::size_t D, std::size_t N, std::size_t O, class Register, std::size_t... L>
 Register interleaved_register(const Register* axis, std::index_sequence<L...>) noexcept {
     // Number O·N + L belongs to point (O·N + L) / D and axis (O·N + L) % D.
@@ -32,7 +31,7 @@ Register interleaved_register(const Register* axis, std::index_sequence<L...>) n
 }
 #endif
 
-/// Writes a block's points as x y z x y z …, from its D rows.
+/// Stores a block's D rows as points x y z x y z ….
 template <Scalar T, std::size_t D>
 void interleave(const Simd<T>* rows, T* points) noexcept {
 #if CAGEFORM_REGISTER_BYTES != 0
@@ -76,8 +75,8 @@ template <class P, class T, std::size_t D>
 inline constexpr bool is_plain_point =
     std::is_same_v<P, Vec<T, D>> || std::is_same_v<P, std::array<T, D>> || std::is_same_v<P, T[D]>;
 
-/// Returns a range as a clone reads it (`Number` is const) or writes it. Contiguous numbers are viewed
-/// as StridedPoints, whatever their type, so that they share code.
+/// Returns a range as a clone reads it (`Number` is const) or writes it. Contiguous numbers of any type
+/// become StridedPoints and share code.
 template <class Number, std::size_t D, class Points>
 decltype(auto) as_strided(Points& points) noexcept {
     if constexpr (requires {
@@ -93,11 +92,11 @@ decltype(auto) as_strided(Points& points) noexcept {
     }
 }
 
-/// Writes the points of a clone.
+/// Stores the points of a clone.
 template <Scalar T, std::size_t D, class Out>
 class CloneTarget {
 public:
-    static constexpr std::size_t columns = D; ///< numbers per point that `write` receives
+    static constexpr std::size_t columns = D; ///< numbers per point passed to `write`
 
     CloneTarget(const PackedBindingView<T, D>& binding, const CloneOptions<T>& options, Out& out) noexcept
         : rest_(binding.rest)
@@ -111,7 +110,7 @@ public:
         }
     }
 
-    /// Writes the points of a block, displaced by `sums`.
+    /// Stores the points of a block, displaced by `sums`.
     void write(std::size_t block, Lanes<T>* sums) const noexcept {
         const std::size_t first = block * lanes;
         if (points_ - first >= lanes) {
@@ -125,7 +124,7 @@ private:
     static constexpr std::size_t lanes = lane_count<T>;
     static constexpr bool is_strided = std::is_same_v<Out, StridedPoints<T, D>>;
 
-    /// `used` is a constant for full blocks, so that their loops are unrolled.
+    /// `used` is a constant for full blocks, so that loops are unrolled.
     template <class Count>
     void write(std::size_t block, Count used, Lanes<T>* sums) const noexcept {
         const std::size_t first = block * lanes;
@@ -136,24 +135,24 @@ private:
                 for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
         }
-        Lanes<T> onto[D];
-        if (options_.onto == CloneMode::output) {
-            load(first, used, onto);
+        Lanes<T> base[D];
+        if (options_.mode == CloneMode::add) {
+            load(first, used, base);
         } else {
             CAGEFORM_DETAIL_UNROLL
-            for (std::size_t k = 0; k < D; ++k) onto[k] = rest_[block * D + k];
+            for (std::size_t k = 0; k < D; ++k) base[k] = rest_[block * D + k];
         }
         Simd<T> moved[D];
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < D; ++k) {
-            const Simd<T> from = Simd<T>::load(onto[k]), to = from + Simd<T>::load(sums[k]);
-            // An unmoved point keeps its bits: −0 + 0 would be +0.
+            const Simd<T> from = Simd<T>::load(base[k]), to = from + Simd<T>::load(sums[k]);
+            // Keeps the bits of unmoved points: −0 + 0 would be +0.
             moved[k] = select<T>((to <= from) & (from <= to), from, to);
         }
         store(first, used, moved);
     }
 
-    /// Loads the `used` points of a block from the output; other lanes get the first point.
+    /// Loads the `used` points of a block from the output. Other lanes get the first point.
     template <class Count>
     void load(std::size_t first, Count used, Lanes<T>* rows) const noexcept {
         const auto take = [&](const auto& point_at) {
@@ -187,7 +186,7 @@ private:
             return interleave<T, D>(moved, numbers_ + first * D);
         alignas(64) T numbers[lanes * D];
         interleave<T, D>(moved, numbers);
-        // A copy, because a compiler must assume that the output overlaps this object.
+        // A copy, because the output could alias this object.
         const PointIndices index_of = index_of_;
         if (T* const to = numbers_; to != nullptr) {
             for (std::size_t lane = 0; lane < used; ++lane)

@@ -1,9 +1,9 @@
-// Transposed clones: the gradient of each handle, from the gradients of points.
+// Transposed clones: the gradients of handles from the gradients of points.
 //
 //     g_hi = Σ_blocks s_b Σ_p q_ip m_p g_p + Σ_r F_ir a'_r,   a'_r = Σ_p e_pr m_p g_p
 //
-// A range of handles is processed by itself, over all blocks in order. So threads need no memory, and do not
-// change a bit.
+// Each thread processes a range of handles over all blocks in order. Threads therefore need no memory and
+// have no effect on the result.
 #pragma once
 
 #include <cageform/clone/detail/handle_sums.hpp>
@@ -12,7 +12,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Checks what is given to a transposed clone.
+/// Checks the arguments of a transposed clone.
 template <class View, class Gradients, class Out>
 Status check_transposed(const View& binding, const Gradients& gradients, const Out& out,
                         const StridedPoints<const typename View::scalar, 1>& mask = {nullptr, 0}) noexcept {
@@ -22,7 +22,7 @@ Status check_transposed(const View& binding, const Gradients& gradients, const O
     return Status::ok;
 }
 
-/// The gradients of points that the caller gives, for each of N bindings.
+/// The caller's gradients of points, for each of N bindings.
 template <Scalar T, std::size_t D, class Source, std::size_t N = 1>
 struct GivenGradients {
     static constexpr std::size_t blocks_at_once = blocks_in_lanes;
@@ -34,16 +34,16 @@ struct GivenGradients {
     void load(std::size_t n, std::size_t block, Lanes<T>* to) const noexcept { rows[n].load(block, to); }
 };
 
-/// A transposed clone by N bindings of as many points and handles, whose sums are added up. `reader()` of
-/// `Gradients` makes what one thread reads the gradients of points with: its `load(n, block, rows)` is
-/// called for `blocks_at_once` blocks by one binding, then for those blocks by the next.
+/// A transposed clone by N bindings with the same points and handles, whose sums are added. Each thread reads
+/// gradients by its own `gradients.reader()`: load(n, block, rows) is called for `blocks_at_once` blocks of
+/// one binding, then for the same blocks of the next.
 template <class View, std::size_t N, class Gradients>
 class TransposedClone {
 public:
     using T = typename View::scalar;
     static constexpr std::size_t D = View::dimension;
 
-    /// Sums up what the bindings' residuals take. Refers to `gradients`.
+    /// Sums up the gradients for the bindings' residuals. Refers to `gradients`.
     TransposedClone(const std::array<View, N>& bindings, const Gradients& gradients) noexcept
         : gradients_(gradients) {
         bool exact = true;
@@ -57,8 +57,8 @@ public:
         if (!exact) sum_residuals();
     }
 
-    /// Returns how many handles justify a thread: as many rows as `clone_grain` blocks have, and enough for
-    /// the reading of the gradients.
+    /// Returns the least number of handles per thread: as many rows as `clone_grain` blocks have, and enough
+    /// to outweigh the reading of the gradients.
     std::size_t grain() const noexcept {
         const std::size_t blocks = bindings_[0].block_count(), rows = clone_grain * bindings_[0].handles;
         const std::size_t handles = blocks == 0 ? rows : rows / blocks;
@@ -67,20 +67,20 @@ public:
 
     /// Writes the gradients of handles [begin, end).
     template <class Out>
-    void run(Out& out, CloneMode onto, std::size_t begin, std::size_t end) const noexcept;
+    void run(Out& out, CloneMode mode, std::size_t begin, std::size_t end) const noexcept;
 
 private:
     static constexpr std::size_t handles_at_once = Gradients::bytes_of_sums / (D * sizeof(Lanes<T>));
     using Packed = PackedBindingView<T, D>;
 
-    /// Returns in how many blocks a handle has one row, on average, at most 8.
+    /// Returns the average number of blocks per row of a handle, at most 8.
     static std::size_t blocks_with_a_row(const Packed& binding) noexcept {
         const std::size_t rows = binding.row_count(), all = binding.block_count() * binding.handles;
         return rows == 0 || all / 8 > rows ? 8 : all / rows;
     }
 
-    /// Calls body(reader, n, from, to) for all blocks and bindings; before every `blocks_between_` blocks
-    /// clear(), after them finish().
+    /// Calls body(reader, n, from, to) for all blocks and bindings; clear() before and finish() after every
+    /// `blocks_between_` blocks.
     template <class Clear, class Body, class Finish>
     void for_blocks(const Clear& clear, const Body& body, const Finish& finish) const noexcept {
         auto&& reader = gradients_.reader();
@@ -117,7 +117,7 @@ private:
         }
     }
 
-    /// The residuals are the rows of a binding of D + 1 handles.
+    /// Treats the residuals as rows of a binding with D + 1 handles.
     void sum_residuals() noexcept {
         HandleSums<T, D, D + 1> sums[N];
         for (auto& s : sums) s.start(0, D + 1);
@@ -144,7 +144,7 @@ private:
     }
 
     template <class Out>
-    void write(Out& out, CloneMode onto, std::size_t handle, Vec<double, D> sum) const noexcept {
+    void write(Out& out, CloneMode mode, std::size_t handle, Vec<double, D> sum) const noexcept {
         for (std::size_t n = 0; n < N; ++n) {
             if (bindings_[n].affine_fit == nullptr) continue;
             for (std::size_t r = 0; r <= D; ++r) {
@@ -153,20 +153,20 @@ private:
                                                   affine_[n][r][k], sum[k]);
             }
         }
-        if (onto == CloneMode::output) sum = to_vec<double>(out[handle]) + sum;
+        if (mode == CloneMode::add) sum = to_vec<double>(out[handle]) + sum;
         store_point(out, handle, sum);
     }
 
     std::array<Packed, N> bindings_;
     const Gradients& gradients_;
-    std::size_t blocks_between_ = blocks_in_lanes; ///< until sums are put into double
-    Vec<double, D> affine_[N][D + 1]{};            ///< a'
+    std::size_t blocks_between_ = blocks_in_lanes; ///< number of blocks until sums move to double
+    Vec<double, D> affine_[N][D + 1]{};            ///< a'_r by binding
 };
 
-// Not inline, for `extern template` below, as BlockCloner::run.
+// Not inline, see BlockCloner::run.
 template <class View, std::size_t N, class Gradients>
 template <class Out>
-void TransposedClone<View, N, Gradients>::run(Out& out, CloneMode onto, std::size_t begin,
+void TransposedClone<View, N, Gradients>::run(Out& out, CloneMode mode, std::size_t begin,
                                               std::size_t end) const noexcept {
     HandleSums<T, D, handles_at_once> sums;
     const std::size_t parts = (end - begin + handles_at_once - 1) / handles_at_once;
@@ -179,18 +179,18 @@ void TransposedClone<View, N, Gradients>::run(Out& out, CloneMode onto, std::siz
                        add(sums, reader, n, from, to);
                    },
                    [&] { sums.add_lanes_to_totals(); });
-        for (std::size_t h = first; h < last; ++h) write(out, onto, h, sums.total(h));
+        for (std::size_t h = first; h < last; ++h) write(out, mode, h, sums.total(h));
     }
 }
 
-/// The transposed clone of gradients and handles whose numbers lie at regular distances.
+/// The transposed clone of strided gradients.
 template <class View>
 using StridedTransposed =
     TransposedClone<View, 1,
                     GivenGradients<typename View::scalar, View::dimension,
                                    StridedPoints<const typename View::scalar, View::dimension>>>;
 
-#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
+#if defined(CAGEFORM_COMPILED) // optimised in the library, even if the program is not
 #define CAGEFORM_DETAIL_TRANSPOSED(T, D)                                                                     \
     extern template void StridedTransposed<BindingView<T, D>>::run(StridedPoints<T, D>&, CloneMode,          \
                                                                    std::size_t, std::size_t) const noexcept; \
@@ -203,14 +203,14 @@ CAGEFORM_DETAIL_TRANSPOSED(double, 3)
 #undef CAGEFORM_DETAIL_TRANSPOSED
 #endif
 
-/// Runs a transposed clone on the threads of the caller.
+/// Runs a transposed clone on the caller's threads.
 template <class View, std::size_t N, class Gradients, class Out, class Parallel>
 void transpose(const std::array<View, N>& bindings, const Gradients& gradients, Out& handle_gradients,
-               CloneMode onto, const Parallel& parallel_for) noexcept {
+               CloneMode mode, const Parallel& parallel_for) noexcept {
     auto&& out = as_strided<typename View::scalar, View::dimension>(handle_gradients);
     const TransposedClone<View, N, Gradients> clone(bindings, gradients);
     parallel_for(bindings[0].handle_count(), clone.grain(),
-                 [&](std::size_t begin, std::size_t end) { clone.run(out, onto, begin, end); });
+                 [&](std::size_t begin, std::size_t end) { clone.run(out, mode, begin, end); });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

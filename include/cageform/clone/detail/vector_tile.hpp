@@ -7,13 +7,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A block of bound vectors, one row per axis, moved by a pose and at rest.
+/// A block of bound vectors, one row per axis, moved and at rest.
 template <Scalar T, std::size_t D>
 struct VectorBlock {
     std::array<const Lanes<T>*, D> moved;
     std::array<const Lanes<T>*, D> rest;
 
-    /// Returns the vectors of one lane.
+    /// Returns the vector of one lane.
     static Vec<T, D> at(const std::array<const Lanes<T>*, D>& rows, std::size_t lane) noexcept {
         Vec<T, D> v{};
         for (std::size_t k = 0; k < D; ++k) v[k] = (*rows[k])[lane];
@@ -21,7 +21,7 @@ struct VectorBlock {
     }
 };
 
-/// Clones the vectors of a few blocks into its own memory, in the order of the binding.
+/// The moved vectors of a few blocks, in the order of the binding.
 template <Scalar T, std::size_t D, std::size_t Blocks = 32>
 class VectorTile {
 public:
@@ -30,7 +30,7 @@ public:
     template <class View, class Pose>
     void load(View view, const Pose& pose, std::size_t begin, std::size_t end) noexcept {
         if constexpr (requires { view.order; }) view.order = nullptr;
-        // Written axis by axis. The view begins where point 0 would be if it were in the tile.
+        // The view starts where point 0 would be stored if it were in the tile.
         StridedPoints<T, D> tile(moved_[0][0].v - begin * lane_count<T>, view.point_count(), sizeof(T),
                                  sizeof(moved_[0]));
         auto&& source = as_strided<const T, D>(pose);
@@ -47,7 +47,7 @@ public:
         }
         return rows;
     }
-    /// Returns an axis of a block's moved vectors, to be written over.
+    /// Returns an axis of a block's moved vectors, for writing.
     Lanes<T>& moved(std::size_t b, std::size_t axis) noexcept { return moved_[axis][b - first_]; }
 
 private:

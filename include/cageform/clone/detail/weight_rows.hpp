@@ -1,4 +1,4 @@
-// Loads rows of weights from their storage formats into registers.
+// Loads rows of weights from storage formats into registers.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -29,7 +29,7 @@ CAGEFORM_DETAIL_INLINE inline To convert_lanes(From from) noexcept {
 template <class Whole, class T>
 using Wholes = typename WholeOf<Whole, T>::type;
 
-/// Calls use.operator()<Format>() with the format as a constant, and returns its result.
+/// Calls use.operator()<Format>() with a constant format, and returns its result.
 template <class Use>
 auto with_format(WeightFormat format, const Use& use) noexcept {
     switch (format) {
@@ -41,7 +41,7 @@ auto with_format(WeightFormat format, const Use& use) noexcept {
     return decltype(use.template operator()<WeightFormat::scalar>())();
 }
 
-/// Loads one register of numbers from the bytes of a format.
+/// Loads one register of weights in a format.
 template <WeightFormat Format, Scalar T>
 CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std::byte* bytes) noexcept {
     using Register = typename Simd<T>::Register;
@@ -52,11 +52,11 @@ CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std:
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(q));
     } else if constexpr (Format == WeightFormat::int8) {
         const auto q = load_bytes<Wholes<std::int8_t, T>>(bytes);
-        const auto wider =
-            convert_lanes<Wholes<std::int16_t, T>>(q); // in two steps, for which GNU has instructions
+        // Two steps, for which GCC has instructions.
+        const auto wider = convert_lanes<Wholes<std::int16_t, T>>(q);
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(wider));
     } else {
-        // The exponent is shifted to its position in a float; a factor corrects the different bias.
+        // Shifts the exponent to its position in a float. The factor corrects the different bias.
         const auto h = load_bytes<Wholes<std::uint16_t, T>>(bytes);
         const auto wide = convert_lanes<Wholes<std::uint32_t, T>>(h);
         const Wholes<std::uint32_t, T> bits = ((wide & 0x7FFFu) << 13) | ((wide & 0x8000u) << 16);

@@ -7,19 +7,17 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The points to which a clone adds its displacements.
+/// What a clone does with the previous points of the output.
 enum class CloneMode : std::uint8_t {
-    rest, ///< the bound points
-    /// The points in the output, so that clones by several bindings of the same points add up.
-    output,
+    replace, ///< overwrites them with the moved points
+    add,     ///< adds displacements to them, so that clones by several bindings of the same points add up
 };
 
 template <Scalar T>
 struct CloneOptions {
-    /// A number per point, which multiplies its displacement; empty: no mask. May lie in a vertex
-    /// buffer.
+    /// A factor of each point's displacement; empty: no mask. May be part of a vertex buffer.
     StridedPoints<const T, 1> mask{nullptr, 0};
-    CloneMode onto = CloneMode::rest;
+    CloneMode mode = CloneMode::replace;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,4 +1,4 @@
-// Reports of folds: where a deformation turns space inside out.
+// Options and reports of folds: places where a deformation inverts space.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -9,23 +9,22 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct FoldOptions {
-    /// A place is folded where the determinant of the deformation, the ratio of volumes, is not above this.
-    /// Finite and below 1, the determinant at rest.
+    /// A place is folded if the determinant of the deformation, the ratio of volumes, is not above this
+    /// value. Finite and below 1, the determinant at rest.
     double threshold = 0;
 };
 
-/// Folds at some points, or of some cells. Places are indices of points or of cells.
+/// Folds at points or of cells. A place is the index of a point or cell.
 struct FoldReport {
     static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
 
     Status status = Status::ok;
-    std::size_t culprit = nowhere; ///< the cell for which it was refused
-    std::size_t count = 0;         ///< of folded places
-    /// The first of the folded places, in the order of the binding or of the cells; `count` of them if there
-    /// are fewer.
+    std::size_t culprit = nowhere; ///< the cell that caused the status
+    std::size_t count = 0;         ///< number of folded places
+    /// The first folded places in the order of the binding or the cells: min(count, 64) entries.
     std::array<std::size_t, 64> folded{};
-    std::size_t skipped = 0;      ///< places where a number is not finite
-    double least_determinant = 0; ///< 0 as all below, if there is no place
+    std::size_t skipped = 0;      ///< number of places with a number that is not finite
+    double least_determinant = 0; ///< this and the following are 0 if there are no places
     std::size_t least_determinant_at = nowhere;
     double largest_stretch = 0; ///< the largest singular value
     std::size_t largest_stretch_at = nowhere;
@@ -33,13 +32,13 @@ struct FoldReport {
     std::size_t least_stretch_at = nowhere;
 };
 
-/// How far a figure may go from one pose towards another.
+/// The largest step from one pose towards another without a fold.
 struct StepReport {
     static constexpr std::size_t nowhere = FoldReport::nowhere;
 
     Status status = Status::ok;
     double step = 0;               ///< in [0, 1]: the pose `from + step (to - from)` has no fold
-    std::size_t culprit = nowhere; ///< the place that stops it, or for which it was refused
+    std::size_t culprit = nowhere; ///< the place that limits the step, or that caused the status
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,4 +1,4 @@
-// A binding that was checked once, for rational clones of all frames.
+// A binding that was checked for rational clones.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A binding whose weights are suitable for rational clones; owns nothing. Made by `rational_view`.
+/// A binding with weights suitable for rational clones, made by `rational_view`; owns nothing.
 template <class View>
 class RationalView {
 public:
@@ -22,7 +22,7 @@ public:
     std::size_t handle_count() const noexcept { return binding_.handle_count(); }
     std::size_t point_count() const noexcept { return binding_.point_count(); }
     const View& binding() const noexcept { return binding_; }
-    /// Returns the largest absolute sum of a point's negative weights.
+    /// Returns the largest sum of the absolute negative weights of a point.
     scalar slack() const noexcept { return slack_; }
 
 private:

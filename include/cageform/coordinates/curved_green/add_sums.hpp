@@ -5,11 +5,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Adds weights: to control points Im J_k, and to legs ln(diagonal/|V_end − z|) + Σ_{j>k} Re J_j, times a
-/// share of ±1/2π.
+/// Adds weights: Im J_k for control points and ln(diagonal/|V_end − z|) + Σ_{j>k} Re J_j for legs, times
+/// `share` = ±1/2π.
 ///
 ///   logarithm   ln(diagonal/|V_end − z|)
-///   add         of a row, a value, and whether the row belongs to this edge alone, as all but the ends do
+///   add         called as add(row, value, whether only this edge writes the row)
 template <class R, class Add>
 void add_edge_weights(const CurvedEdge& edge, const EdgeMoments<R>& j, const R& logarithm, const R& share,
                       const Add& add) noexcept {
@@ -21,10 +21,10 @@ void add_edge_weights(const CurvedEdge& edge, const EdgeMoments<R>& j, const R& 
     }
 }
 
-/// Adds gradients. With h_k = m/2π ∫ b_k/(e − z) dt, of degree m − 1, a leg has the gradient
-/// (Re h_k, −Im h_k), and a control point Im and Re of h_{k−1} − h_k.
+/// Adds gradients. With h_k = m/2π ∫ b_k/(e − z) dt, of degree m − 1, the gradient of a leg is
+/// (Re h_k, −Im h_k), and that of a control point consists of Im and Re of h_{k−1} − h_k.
 ///
-///   sign      of the derivatives by x and by y
+///   sign      signs of the derivatives by x and by y
 ///   along_y   the first row of the derivatives by y
 template <class R, class Add>
 void add_edge_slopes(const CurvedEdge& edge, const EdgeMoments<R>& g, const std::array<double, 2>& sign,

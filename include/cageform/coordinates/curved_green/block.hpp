@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Computes the integrals of a block of points. Edges that are far, and lines, are done for all points at
-/// once; curves that are near, one by one.
+/// Computes the integrals of a block of points: far edges and lines in SIMD registers, near curves point by
+/// point.
 template <Scalar T>
 class CurvedBlock {
     using X = Simd<double>;
@@ -22,11 +22,12 @@ public:
         , logs_(tables.vertices.size()) {}
 
     Lanes<double> x, y;                      ///< the points, in units of 1/scale
-    Lanes<double> winding;                   ///< out: the angle over 2π that the edges turn by: 1 inside
+    Lanes<double> winding;                   ///< out: the winding number of the cage, 1 inside
     std::array<EdgeTouch, lanes> touch;      ///< out
-    std::array<std::size_t, lanes> vertex{}; ///< that a point lies on, or the number of vertices
+    std::array<std::size_t, lanes> vertex{}; ///< the vertex that a point lies on, else #vertices
 
-    /// Sets rows to the integrals. In weights a point within the tolerance of a vertex counts as being there.
+    /// Sets `rows` to the integrals. For weights, a point within the tolerance of a vertex lies on the
+    /// vertex.
     template <bool gradients>
     void integrate(Lanes<double>* rows) {
         touch.fill({});
@@ -36,7 +37,7 @@ public:
             for (const auto& v : tables_.vertices) X(0.0).store(rows[v.handle]);
         }
         const Complex<X> z{X::load(x), X::load(y)};
-        look_at_vertices<gradients>(z);
+        find_vertices<gradients>(z);
         X turning(0.0);
         for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
             Sums sums;
@@ -55,9 +56,9 @@ private:
     using Sums = EdgeSums<X>;
 
     ComplexNumber place(std::size_t lane) const noexcept { return {x[lane], y[lane]}; }
-    /// Finds the points on vertices, and sets the logarithms of distances.
+    /// Finds the vertices that points lie on, and the logarithms of the distances from the vertices.
     template <bool gradients>
-    void look_at_vertices(const Complex<X>& z) noexcept {
+    void find_vertices(const Complex<X>& z) noexcept {
         vertex.fill(tables_.vertices.size());
         on_vertices_ = false;
         X least((std::numeric_limits<double>::max)());
@@ -109,7 +110,7 @@ private:
         }
         if (is_stored) stored.store(sums, degree);
     }
-    /// Sums in memory, where single points can be set.
+    /// Sums in memory, for writing single lanes.
     struct Values {
         std::array<Lanes<double>, most_posed_degree + 1> re, im;
         Lanes<double> turning;
@@ -134,7 +135,7 @@ private:
         }
     };
 
-    /// Replaces the sums of a line at points inside the ellipse of its nodes: there is one root.
+    /// Replaces the sums of a line for points inside the ellipse of its nodes. A line has one root.
     template <bool gradients>
     void add_line(std::size_t e, const Complex<X>& z, Sums& sums) noexcept {
         const CurvedEdge& edge = tables_.edges[e];
@@ -154,7 +155,7 @@ private:
         const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
         EdgeMoments<X> j;
         raise_moments(CurveRoot<X>{s, beyond}, integral, degree, j);
-        // Backwards the order is reversed, and the sign of weights.
+        // From the other end, the order of values is reversed, and the sign of weights.
         const Complex<X> over = gradients ? spread(edge.rate) : Complex<X>{X(1.0), X(0.0)};
         for (std::size_t k = 0; k <= degree; ++k) {
             const Complex<X> value = over * Complex<X>{select(forward, j[k].re, -j[degree - k].re),
@@ -165,7 +166,7 @@ private:
         sums.turning = select(is_inside, select(forward, argument, -argument), sums.turning);
         find_touch(e, s, forward);
     }
-    /// Finds the points that lie on a line.
+    /// Finds points on a line.
     void find_touch(std::size_t e, const Complex<X>& s, const typename X::Mask& forward) noexcept {
         const X off_end = s.re - (max)(X(0.0), (min)(X(1.0), s.re));
         Lanes<double> square, re, im, is_forward;
@@ -182,7 +183,7 @@ private:
             touch[lane] = {e, is_forward[lane] != 0 ? root : ComplexNumber{1, 0} - root, distance};
         }
     }
-    /// See CurvedPoint.
+    /// See add_edge_weights.
     void add_weights(const CurvedEdge& edge, const Sums& sums, Lanes<double>* rows) const noexcept {
         const X share(1 / (2 * std::numbers::pi));
         const std::uint32_t end = edge.end[1].vertex;
@@ -202,8 +203,8 @@ private:
     static void add(const X& value, Lanes<double>& row) noexcept { (X::load(row) + value).store(row); }
 
     const CurvedTables<T>& tables_;
-    std::vector<Lanes<double>> logs_; ///< of the distances from the vertices
-    bool on_vertices_ = false;        ///< whether any point lies on one
+    std::vector<Lanes<double>> logs_; ///< logarithms of the distances from the vertices
+    bool on_vertices_ = false;        ///< whether a point of the block lies on a vertex
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

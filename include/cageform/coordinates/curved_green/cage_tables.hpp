@@ -1,4 +1,4 @@
-// A curved cage as the formula needs it: its edges and handles.
+// The edges and handles of a curved cage.
 #pragma once
 
 #include <cageform/cage/curved/curved_polygon.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The edges with the inside on their left, in units of 1/scale, and the handles: N control points around
-/// the loops as the user gave them, ends once, then the N legs between them.
+/// The edges with the inside on their left, in units of 1/scale, and the handles: N control points around the
+/// loops in the user's order, shared ends once, then the N legs.
 template <Scalar T>
 struct CurvedTables {
     std::vector<Vec<T, 2>> handles;
@@ -75,7 +75,7 @@ struct CurvedTables {
     std::size_t points() const noexcept { return faces.size(); }
 
 private:
-    /// Returns control point i of a curve in the form of degree m. Ends are kept bit for bit.
+    /// Returns control point i of a curve elevated to degree m. End points are exact.
     static Vec<double, 2> raised_point(const PlaneCurve& curve, std::size_t m, std::size_t i) noexcept {
         if (i == 0) return curve.begin();
         if (i == m) return curve.end();

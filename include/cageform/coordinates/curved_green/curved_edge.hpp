@@ -1,4 +1,4 @@
-// An edge of a curved cage as the formula needs it.
+// An edge of a curved cage, with tables for its integrals.
 #pragma once
 
 #include <cageform/cage/curved/plane_curve.hpp>
@@ -11,10 +11,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// An edge with the inside on its left, and the handles of its control points and legs in poses.
+/// An edge with the inside on its left, and the handles of its posed control points and legs.
 struct CurvedEdge {
-    /// One end, seen from there: the coefficients of e(t) − e(0) with t = 0 at this end. Coefficients of
-    /// rounding size at both ends of the list are left out.
+    /// One end. `away` holds the coefficients of e(t) − e(0) with t = 0 at this end, without leading and
+    /// trailing coefficients of rounding size.
     struct End {
         ComplexNumber at;
         Polynomial away;           ///< c_0 is 0
@@ -30,7 +30,7 @@ struct CurvedEdge {
     std::size_t posed_degree = 3; ///< m
     std::array<End, 2> end;       ///< the start, then the end
     ComplexNumber centre{0, 0};
-    double reach = 0; ///< farther from `centre` the whole edge is far: no root lies inside the ellipse
+    double reach = 0; ///< beyond this distance from `centre` no root lies inside the ellipse of the nodes
     std::array<Node, MomentNodes::count> nodes{};
     ComplexNumber middle{0, 0}, rate{0, 0};                   ///< of a line: e(1/2) and 1/e'
     std::array<std::uint32_t, most_posed_degree + 1> point{}; ///< handles of the control points
@@ -70,7 +70,7 @@ private:
         end.log_tangent = std::log(size(end.away.c[end.vanishing]));
         return end;
     }
-    /// Sets the circle about the image of the ellipse |s| + |s − 1| = 5/3.
+    /// Sets the radius of a circle around the image of the ellipse |s| + |s − 1| = 5/3.
     void set_reach() noexcept {
         for (const auto& c : curve.points()) centre += (1 / double(curve.degree + 1)) * to_number(c);
         constexpr std::size_t samples = 64;
@@ -79,7 +79,7 @@ private:
             const ComplexNumber s{0.5 + 5.0 / 6 * std::cos(angle), 2.0 / 3 * std::sin(angle)};
             reach = (std::max)(reach, size(end[0].at - centre + end[0].away.at(s)));
         }
-        reach *= 1.01; // the largest value lies between samples
+        reach *= 1.01; // margin for maxima between samples
     }
 };
 

@@ -1,5 +1,4 @@
-// Defines what CurvedGreenCoordinates compute. curved_green.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of CurvedGreenCoordinates. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/curved_green.hpp>

@@ -1,4 +1,4 @@
-// The integrals over an edge at points that are far from it, by sums over nodes.
+// The integrals of an edge at far points, by Gauss quadrature.
 #pragma once
 
 #include <cageform/coordinates/curved_green/curved_edge.hpp>
@@ -6,14 +6,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The integrals of an edge at a point z, or at a register of points.
+/// The integrals of an edge at one point or at a register of points.
 template <class R>
 struct EdgeSums {
     EdgeMoments<R> value; ///< ∫ b_k e'/(e − z) dt; for gradients ∫ b_k/(e − z) dt, of one degree less
     R turning;            ///< the angle by which e − z turns along the edge
 };
 
-/// Computes the integrals at points where the whole edge is far from the ellipse of its nodes.
+/// Computes the integrals of an edge for points that are far from the whole edge.
 template <bool gradients, class R>
 class FarSums {
 public:
@@ -76,8 +76,8 @@ private:
         }
         sums.turning = turning;
     }
-    /// On a line with u = s − 1/2 the nodes 1/2 ± h have the terms −(u ± h)/(u² − h²): one reciprocal for
-    /// both.
+    /// On a line, with u = s − 1/2, the terms of the nodes 1/2 ± h are −(u ± h)/(u² − h²) and share one
+    /// reciprocal.
     template <std::size_t degree>
     static void set_line(const CurvedEdge& edge, const Complex<R>& z, EdgeSums<R>& sums) noexcept {
         const MomentPairs& table = MomentPairs::of(degree);

@@ -12,13 +12,13 @@ inline constexpr std::size_t most_posed_degree = 5;
 template <class R>
 using EdgeMoments = std::array<Complex<R>, most_posed_degree + 1>;
 
-/// A root s of e(s) = z, with s − 1 apart: next to 1 both have relative accuracy.
+/// A root s of e(s) = z, stored with s − 1, so that both are accurate next to 1.
 template <class R>
 struct CurveRoot {
     Complex<R> s, beyond; ///< s and s − 1
 };
 
-/// Returns I = ∫ dt/(t − s) = ln((s − 1)/s), the principal branch: the quotient is negative on [0, 1] only.
+/// Returns I = ∫ dt/(t − s) = ln((s − 1)/s), the principal branch, with the cut on [0, 1].
 inline ComplexNumber integral_of(const CurveRoot<double>& root) noexcept {
     const auto& [s, beyond] = root;
     const ComplexNumber turned = beyond * conjugate(s);
@@ -26,7 +26,8 @@ inline ComplexNumber integral_of(const CurveRoot<double>& root) noexcept {
 }
 
 /// Computes the moments of a degree from that of degree 0, by b_k^d = (1 − t) b_k + t b_{k−1} and
-/// ∫ b^{d−1} = 1/d. Accurate for |s| + |s − 1| < 5/3: 1e-15 of the largest for degree 3, 6e-15 for degree 5.
+/// ∫ b^{d−1} = 1/d. For |s| + |s − 1| < 5/3 the error is 1e-15 of the largest moment for degree 3, 6e-15 for
+/// degree 5.
 template <class R>
 void raise_moments(const CurveRoot<R>& root, const Complex<R>& integral, std::size_t degree,
                    EdgeMoments<R>& j) noexcept {
@@ -39,7 +40,7 @@ void raise_moments(const CurveRoot<R>& root, const Complex<R>& integral, std::si
     }
 }
 
-/// Computes the moments and their derivatives by s.
+/// Computes the moments and their derivatives with respect to s.
 inline void raise_moments(const CurveRoot<double>& root, const ComplexNumber& integral, std::size_t degree,
                           EdgeMoments<double>& j, EdgeMoments<double>& slope) noexcept {
     j[0] = integral;
@@ -57,8 +58,8 @@ inline void raise_moments(const CurveRoot<double>& root, const ComplexNumber& in
     }
 }
 
-/// Gauss nodes t_g with their weights times Bernstein polynomials of a degree. Sums of 16 terms have 6e-15
-/// of the largest moment for |s| + |s − 1| ≥ 5/3 (degree 5: 2e-14).
+/// Gauss nodes t_g and their weights times the Bernstein polynomials of a degree. For |s| + |s − 1| ≥ 5/3 the
+/// error of 16 nodes is 6e-15 of the largest moment (degree 5: 2e-14).
 struct MomentNodes {
     static constexpr std::size_t count = 16;
     std::array<double, count> place{}, weight{};
@@ -83,9 +84,8 @@ struct MomentNodes {
     }
 };
 
-/// The nodes as pairs 1/2 ± h, for moments at 1/2 + u: J_k = −Σ (even_k u + odd_k)/(u² − h²), where even and
-/// odd have the sums of b_k at both nodes and h times the differences. For k ↔ degree − k odd changes its
-/// sign.
+/// The nodes as pairs 1/2 ± h. The moments at 1/2 + u are J_k = −Σ (even_k u + odd_k)/(u² − h²): even_k is
+/// the sum of b_k at both nodes, odd_k is h times the difference. odd_{degree−k} = −odd_k.
 struct MomentPairs {
     static constexpr std::size_t count = MomentNodes::count / 2;
     std::array<double, count> square{}; ///< h²
@@ -111,14 +111,14 @@ struct MomentPairs {
     }
 };
 
-/// Whether moments are sums over nodes: the root lies on or outside the ellipse about [0, 1].
+/// Whether quadrature is accurate for a root: the root lies on or outside the ellipse around [0, 1].
 inline bool is_far(const CurveRoot<double>& root) noexcept {
     return size(root.s) + size(root.beyond) >= 5.0 / 3;
 }
 
-/// Computes the moments of a root and, if `slope` is given, their derivatives.
+/// Computes the moments of a root and, unless `slope` is null, their derivatives.
 ///
-///   branch  added to the integral of degree 0: 2πi continues the moments across [0, 1] from its left
+///   branch  added to the moment of degree 0. 2πi continues the moments across [0, 1] from the left
 inline void moments_of(const CurveRoot<double>& root, const ComplexNumber& branch, std::size_t degree,
                        EdgeMoments<double>& j, EdgeMoments<double>* slope = nullptr) noexcept {
     if (!is_far(root)) {

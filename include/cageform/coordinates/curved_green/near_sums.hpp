@@ -1,4 +1,4 @@
-// The integrals over an edge next to a point, by the roots of e(s) = z.
+// The integrals of an edge at near points, by the roots of e(s) = z.
 #pragma once
 
 #include <cageform/coordinates/curved_green/far_sums.hpp>
@@ -7,18 +7,17 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The place of an edge that a point lies on.
+/// The place on an edge where a point lies.
 struct EdgeTouch {
     std::size_t edge = 0;
-    ComplexNumber s{0, 0}; ///< the root next to the place, in the direction of the edge
+    ComplexNumber s{0, 0}; ///< the nearest root, in the direction of the edge
     double distance = (std::numeric_limits<double>::max)();
 };
 
-/// Computes the integrals of an edge at a point anywhere.
+/// Computes the integrals of an edge at any point.
 class NearSums {
 public:
-    /// `at_end` says which ends the point lies on: it then counts as being there, and the sums leave out the
-    /// logarithm of the distance.
+    /// `at_end` says which ends the point lies on. The sums then leave out the logarithm of the distance.
     NearSums(const CurvedEdge& edge, const ComplexNumber& z, const std::array<bool, 2>& at_end) noexcept
         : edge_(edge)
         , reversed_(at_end[0] || at_end[1] ? !at_end[0] : norm(edge.end[1].at - z) < norm(edge.end[0].at - z))
@@ -44,7 +43,7 @@ public:
         for (std::size_t k = 0; k < count_; ++k) root_[k] = separated(found, k);
     }
 
-    /// Sets `touch` to the place next to the point if that is nearer.
+    /// Sets `touch` to the place nearest to the point if it is nearer than `touch`.
     void find_touch(std::size_t edge, EdgeTouch& touch) const noexcept {
         for (std::size_t k = 0; k < count_; ++k) {
             const double t = std::fmin(std::fmax(root_[k].s.re, 0.0), 1.0);
@@ -56,7 +55,7 @@ public:
     bool all_far() const noexcept {
         return count_ > 0 && ends_[0] == 0 && std::all_of(root_.begin(), root_.begin() + count_, is_far);
     }
-    /// Returns the sums over all roots of the moments.
+    /// Returns the sums of the moments over all roots.
     EdgeSums<double> sums() const noexcept {
         EdgeSums<double> all{};
         const std::size_t m = edge_.posed_degree;
@@ -77,8 +76,8 @@ public:
         }
         return all;
     }
-    /// Returns ∫ b_k/(e − z) dt for the Bernstein polynomials b of one degree less: divided differences of
-    /// the moments over all roots.
+    /// Returns ∫ b_k/(e − z) dt for the Bernstein polynomials b of degree m − 1: divided differences of the
+    /// moments over all roots.
     EdgeSums<double> slope_sums() const noexcept {
         EdgeSums<double> all{};
         const std::size_t degree = edge_.posed_degree - 1;
@@ -91,7 +90,7 @@ public:
         if (count_ == 1) moments_of(root_[0], {0, 0}, degree, difference);
         if (count_ == 2) difference = divided_difference(root_[0], root_[1], degree);
         if (count_ == 3) {
-            // The two roots nearest to each other first; a is the one farther from the third.
+            // a and b are the two roots nearest to each other; a is farther from the third.
             std::size_t lone = 0;
             double least = (std::numeric_limits<double>::max)();
             for (std::size_t k = 0; k < 3; ++k) {
@@ -115,7 +114,7 @@ public:
     }
 
 private:
-    /// Returns a root with s − 1. Next to 1 that comes from the other end of the edge.
+    /// Returns a root and s − 1. Next to 1, s − 1 is computed from the other end of the edge.
     CurveRoot<double> separated(const PolynomialRoots& found, std::size_t k) const noexcept {
         const ComplexNumber s = found.s[k];
         ComplexNumber from_end = ComplexNumber{1, 0} - s;
@@ -138,7 +137,7 @@ private:
         EdgeMoments<double> difference{}, j;
         const ComplexNumber apart = b.s - a.s;
         if (size(apart) < 0.05 * (std::min)(distance_from_unit(a.s), distance_from_unit(b.s))) {
-            const auto& rule = Gauss<5>::rule(); // of the slope between them
+            const auto& rule = Gauss<5>::rule(); // integrates the derivative from a to b
             for (std::size_t g = 0; g < 5; ++g) {
                 EdgeMoments<double> slope;
                 const double u = rule.node[g];
@@ -157,9 +156,9 @@ private:
 
     const CurvedEdge& edge_;
     bool reversed_;
-    Polynomial seen_, beyond_; ///< e(t) − z from the nearer end, and from the other one
+    Polynomial seen_, beyond_; ///< e(t) − z from the nearer end and from the other end
     ComplexNumber leading_{0, 0};
-    std::array<std::size_t, 2> ends_{}; ///< roots at the nearer end and at the other one
+    std::array<std::size_t, 2> ends_{}; ///< number of roots at the nearer end and at the other end
     std::size_t count_ = 0;
     std::array<CurveRoot<double>, 3> root_{};
 };

@@ -1,4 +1,4 @@
-// The place of a curve nearest to a point, and the continuation of the weights across it.
+// The point of a curve nearest to a given point, and the continuation of weights across it.
 #pragma once
 
 #include <cageform/coordinates/curved_green/curved_edge.hpp>
@@ -7,14 +7,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The nearest place of a curve.
+/// The nearest point of a curve.
 struct NearestPlace {
     double t = 0, distance = (std::numeric_limits<double>::max)();
 };
 
-/// Finds the place nearest to p if it is not farther than `most`. Pieces of |e(t) − p|² in Bernstein form
-/// are halved: those whose coefficients are not below the least value seen, up to rounding, are left out,
-/// and Newton's method finishes those where the function is convex.
+/// Finds the nearest point of a curve within the distance `most` of p. |e(t) − p|² is bisected in Bernstein
+/// form. Pieces whose coefficients are not below the best value are pruned. Newton's method finishes convex
+/// pieces.
 class NearestOnCurve {
 public:
     NearestOnCurve(const PlaneCurve& curve, const Vec<double, 2>& p) noexcept
@@ -55,7 +55,7 @@ public:
                 stack[count++] = {upper, piece.begin + half, half};
             }
         }
-        // A place that halving met by chance is as near, but not the nearest.
+        // Refines a minimum that bisection only came close to.
         if (best_.t > 0 && best_.t < 1) {
             const double t = finish(0, 1, best_.t), distance = distance_at(t);
             if (distance <= best_.distance * (1 + 4 * epsilon<double>)) best_ = {t, distance};
@@ -80,7 +80,7 @@ private:
         const double distance = distance_at(t);
         if (distance < best_.distance) best_ = {t, distance};
     }
-    /// Returns a root of (e − p)·e' in [low, high], by Newton's method from t, with halving.
+    /// Returns a root of (e − p)·e' in [low, high], by Newton's method from t, safeguarded by bisection.
     double finish(double low, double high, double t) const noexcept {
         for (int step = 0; step < 60; ++step) {
             const auto off = curve_.at(t) - p_, along = slope_.at(t);
@@ -104,12 +104,12 @@ inline NearestPlace nearest_place(const PlaneCurve& curve, const Vec<double, 2>&
     return NearestOnCurve(curve, p).search(most);
 }
 
-/// The continuation of first order across a place t of an edge:
+/// The continuation of first order across the point e(t) of an edge:
 ///
 ///     c_k = b_k(t) + b_k'(t) w,   w = (z − e(t))/e'(t)
 ///
-/// with Σ c = 1 and Σ c C = z. Where e' is 0, at an end, b' w is replaced by ±(z − C)/(C_k − C) for the end
-/// C and the next control point C_k elsewhere.
+/// with Σ c = 1 and Σ c C = z. At an end C with e' = 0, b' w is replaced by ±(z − C)/(C_k − C), where C_k is
+/// the nearest control point that differs from C.
 struct CurveContinuation {
     EdgeMoments<double> value{};   ///< c_k
     EdgeMoments<double> along_x{}; ///< ∂c_k/∂x
@@ -123,7 +123,7 @@ struct CurveContinuation {
             continue_from_end(edge, t == 1, z);
             return;
         }
-        // The values b_k, their slopes and second derivatives.
+        // The values b_k, and their first and second derivatives.
         Values b{}, first{}, second{};
         const auto raise = [t](Values& v, std::size_t d) {
             for (std::size_t k = d + 1; k-- > 0;)
@@ -142,7 +142,7 @@ struct CurveContinuation {
         const ComplexNumber off =
             z - (t <= 0.5 ? to_number(edge.curve.at(t)) : to_number(edge.curve.reversed().at(1 - t)));
         const ComplexNumber w = off / slope;
-        // dt = Re(dz conj e')/(|e'|² − Re((z − e) conj e'')); ends stay.
+        // dt = Re(dz conj e')/(|e'|² − Re((z − e) conj e'')); zero at ends.
         const double fall = norm(slope) - (off * conjugate(bend)).re;
         const double rate = at_end || !(fall > 0) ? 0 : 1 / fall;
         for (std::size_t k = 0; k <= m; ++k) {
@@ -157,7 +157,7 @@ struct CurveContinuation {
 private:
     using Values = std::array<double, most_posed_degree + 1>;
 
-    /// Sets the derivatives of Σ of degree d + 1 from functions of degree d: size (f_{k−1} − f_k).
+    /// Sets the derivatives of polynomials of degree d + 1 from values of degree d: size (f_{k−1} − f_k).
     static void differentiate(const Values& f, std::size_t d, double size, Values& slope) noexcept {
         for (std::size_t k = 0; k <= d + 1; ++k)
             slope[k] = size * ((k > 0 ? f[k - 1] : 0) - (k <= d ? f[k] : 0));
@@ -165,7 +165,7 @@ private:
     void continue_from_end(const CurvedEdge& edge, bool is_last, const ComplexNumber& z) noexcept {
         const std::size_t m = edge.posed_degree, end = is_last ? m : 0;
         const auto from = is_last ? edge.curve.reversed() : edge.curve;
-        // The control points of the posed degree: the first r − 1 after the end lie there too.
+        // Of the elevated control points, the first r − 1 after the end coincide with the end.
         const std::size_t r = edge.end[is_last ? 1 : 0].vanishing, other = is_last ? m - r : r;
         double rise = 1; // from powers to control points: 1/(m over r)
         for (std::size_t k = 0; k < r; ++k) rise *= double(k + 1) / double(m - k);

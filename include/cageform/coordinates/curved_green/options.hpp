@@ -1,4 +1,4 @@
-// Options of coordinates of curved cages.
+// Options of CurvedGreenCoordinates.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -18,13 +18,13 @@ struct CurvedGreenDisk {
 
 template <Scalar T>
 struct CurvedGreenOptions {
-    /// The degree in poses of all edges that are of no higher degree at rest, up to 5.
+    /// The posed degree, at most 5, of edges whose degree at rest is not higher.
     std::size_t posed_degree = 3;
-    /// The degree of each edge in poses, in the order of the edges; empty: `posed_degree`, or the degree at
-    /// rest if that is higher. Another number of them is the fault curve_degree, `a` that number.
+    /// The posed degree of each edge. If empty, the larger of `posed_degree` and the degree at rest. Another
+    /// number of entries than edges is the fault curve_degree, with the number as `a`.
     std::vector<std::size_t> posed_degrees{};
-    /// Replaces the logarithm by Green's function of a disk that contains all control points: the map of a
-    /// pose is then harmonic in the disk instead of holomorphic, and follows a round cage more closely.
+    /// Replaces the logarithm by Green's function of a disk that contains all control points. Poses are then
+    /// harmonic in the disk, not holomorphic, and follow a round cage more closely.
     std::optional<CurvedGreenDisk<T>> disk{};
 };
 

@@ -1,5 +1,5 @@
-// Completes the integrals of curved cages point by point: the jump on the boundary, the continuation outside,
-// the mirror image in a disk.
+// Corrections of the integrals at single points: the jump on the boundary, the continuation outside, the
+// mirror image in a disk.
 #pragma once
 
 #include <cageform/coordinates/curved_green/add_sums.hpp>
@@ -9,8 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// One point of a block: its numbers in rows of handles. The derivatives by y have rows of their own,
-/// `along_y` further on.
+/// The rows of one point. `along_y` is the offset of the rows of derivatives by y.
 struct CurvedRow {
     Lanes<double>* rows;
     std::size_t lane, along_y = 0;
@@ -18,22 +17,22 @@ struct CurvedRow {
     void add(std::size_t row, double x) const noexcept { rows[row][lane] += x; }
 };
 
-/// Adds to the row of a single point, in units of 1/scale.
+/// Adds to the rows of single points, in units of 1/scale.
 template <Scalar T>
 class CurvedPoint {
 public:
     explicit CurvedPoint(const CurvedTables<T>& tables) noexcept
         : tables_(tables) {}
 
-    /// Subtracts the integrals at the mirror image z* = c₀ + R²/conj(z − c₀) of a point in the disk, with the
-    /// logarithms of Green's function of the disk, ln(|V − z*| |z − c₀|/R). z* lies outside the cage.
+    /// Subtracts the integrals at z* = c₀ + R²/conj(z − c₀), the mirror image of a point of the disk. The
+    /// logarithms are ln(|V − z*| |z − c₀|/R), from Green's function of the disk. z* lies outside the cage.
     template <bool gradients>
     void subtract_mirrored(const ComplexNumber& z, const CurvedRow& to) const noexcept {
         const double square = tables_.disk_radius * tables_.disk_radius;
         const ComplexNumber u = (1 / square) * conjugate(z - tables_.disk_centre); // 1/(z* − c₀)
         if (16 * size(u) * tables_.disk_radius < 1) return subtract_far_mirrored<gradients>(u, to);
         const ComplexNumber away = inverse(u), image = tables_.disk_centre + away;
-        // dz*/d conj(z) times what the logarithm of |z − c₀| adds to 1/(e − z).
+        // dz*/d conj(z), including the derivative of ln |z − c₀|.
         const ComplexNumber rate = (-1 / square) * (away * away);
         EdgeTouch touch;
         double winding = 0;
@@ -58,7 +57,7 @@ public:
         if constexpr (gradients) return;
         if (vertex < tables_.vertices.size()) {
             to.add(tables_.vertices[vertex].handle, winding);
-        } else if (winding > 0.5) { // on the circle within rounding, and on the cage
+        } else if (winding > 0.5) { // the point lies on the circle, within rounding, and on the cage
             add_jump<false>(tables_.edges[touch.edge], touch.s, to);
         }
     }
@@ -68,7 +67,7 @@ public:
         while (v < tables_.vertices.size() && !(norm(tables_.vertices[v].at - z) <= reach)) ++v;
         return v;
     }
-    /// Adds the moments Σ c of a continuation; c has the values of all control points of an edge.
+    /// Adds the moments Σ c of a continuation. c holds values for all control points of an edge.
     template <bool gradients>
     void add_continuation(const CurvedEdge& edge, const CurveContinuation& of,
                           const CurvedRow& to) const noexcept {
@@ -79,7 +78,7 @@ public:
             add_values(edge, of.value, to, 0);
         }
     }
-    /// Adds the jump of the integrals at a place of an edge: the values b_k(s), or their derivatives by z.
+    /// Adds the jump of the integrals across an edge: the values b_k(s), or their derivatives by z.
     template <bool gradients>
     void add_jump(const CurvedEdge& edge, const ComplexNumber& s, const CurvedRow& to) const noexcept {
         const std::size_t m = edge.posed_degree, degree = gradients ? m - 1 : m;
@@ -99,7 +98,7 @@ public:
         }
     }
 
-    /// Sets the integrals by the roots of e(s) = z, where one of them is near. Else it returns false.
+    /// Sets the integrals from the roots of e(s) = z. Returns false if all roots are far.
     template <bool gradients>
     bool set_near_sums(std::size_t e, const ComplexNumber& z, std::size_t vertex, EdgeTouch& touch,
                        EdgeSums<double>& sums) const noexcept {
@@ -112,7 +111,7 @@ public:
     }
 
 private:
-    /// Adds real parts to points, and partial sums of imaginary parts to legs.
+    /// Adds real parts to control points and partial sums of imaginary parts to legs.
     static void add_values(const CurvedEdge& edge, const EdgeMoments<double>& c, const CurvedRow& to,
                            std::size_t first) noexcept {
         double after = 0;
@@ -122,7 +121,7 @@ private:
             after += c[k].im;
         }
     }
-    /// Returns ln |V_end − z|, on the vertex that of the tangent.
+    /// Returns ln |V_end − z|, or ln |q| of the end if z is the vertex.
     static double log_distance(const CurvedEdge& edge, const ComplexNumber& z, std::size_t vertex) noexcept {
         const auto& end = edge.end[1];
         return end.vertex == vertex ? end.log_tangent : 0.5 * std::log(norm(end.at - z));
@@ -137,10 +136,10 @@ private:
                            const std::array<double, 2>& sign, const CurvedRow& to) noexcept {
         add_edge_slopes(edge, g, sign, to.along_y, [&](std::size_t row, double x) { to.add(row, x); });
     }
-    /// ln(|u| R) of a disk.
+    /// Returns ln(|u| R).
     double log_share(double u) const noexcept { return std::log(u * tables_.disk_radius); }
-    /// Subtracts the integrals at c₀ + 1/u, where all edges are far, also for u = 0. Factors 1/u are
-    /// cancelled: 1/(e − z*) = u/((e − c₀) u − 1).
+    /// Subtracts the integrals at c₀ + 1/u, where all edges are far; u may be 0. Factors 1/u cancel:
+    /// 1/(e − z*) = u/((e − c₀) u − 1).
     template <bool gradients>
     void subtract_far_mirrored(const ComplexNumber& u, const CurvedRow& to) const noexcept {
         const double square = tables_.disk_radius * tables_.disk_radius;

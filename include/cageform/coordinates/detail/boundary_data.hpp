@@ -1,4 +1,4 @@
-// The boundary values of the handles' functions.
+// The boundary values of the handles.
 #pragma once
 
 #include <cageform/cage/types/boundary_value.hpp>
@@ -11,8 +11,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The values of the handles on the faces of a PolyhedralMesh, which are not linear on faces with
-/// more than three corners. Calls may throw bad_alloc.
+/// The boundary values on a PolyhedralMesh, which are not linear on faces with more than three corners.
+/// Functions may throw std::bad_alloc.
 class FaceData {
 public:
     using Visit = std::function<void(std::uint32_t handle, double weight)>;
@@ -20,12 +20,12 @@ public:
     virtual ~FaceData() = default;
     /// Calls visit(handle, weight) for the handles with a non-zero value at a surface point.
     virtual void weights(const BoundaryValue<3>& value, const Visit& visit) const = 0;
-    /// Calls visit(handle, 1) for those handles, or for all corners of the point's face.
+    /// Calls visit(handle, 1) for handles that include all with a non-zero value at a surface point.
     virtual void handles(const BoundaryValue<3>& value, const Visit& visit) const = 0;
 };
 
-/// The boundary data of coordinates: hat functions, but on the faces of a PolyhedralMesh what its
-/// FaceData says. Copies share the FaceData.
+/// The boundary values of the handles: hat functions, or the given FaceData of a PolyhedralMesh. Copies
+/// share the FaceData.
 template <std::size_t D>
 class BoundaryData {
 public:
@@ -35,7 +35,7 @@ public:
     explicit BoundaryData(std::shared_ptr<const FaceData> faces) requires(D == 3)
         : faces_(std::move(faces)) {}
 
-    /// Whether the data is linear on triangles, not more.
+    /// Whether the values are linear on every triangle.
     bool is_linear() const noexcept { return faces_ == nullptr; }
 
     /// Calls f(handle, weight) for the handles with a non-zero value at a boundary point.
@@ -46,7 +46,7 @@ public:
         }
         LinearBoundaryData<D>::for_each_weight(value, f);
     }
-    /// Calls f(handle) for them.
+    /// Calls f(handle) for handles that include all with a non-zero value at a boundary point.
     template <class F>
     void for_each_handle(const Value& value, F&& f) const {
         const auto visit = [&](std::uint32_t handle, double) { f(handle); };
@@ -56,7 +56,7 @@ public:
         LinearBoundaryData<D>::for_each_weight(value, visit);
     }
 
-    /// The weights at many boundary points. The points must outlive it.
+    /// The weights at many boundary points. Refers to `values`.
     class Table {
     public:
         Table() = default;
@@ -85,7 +85,7 @@ public:
             double weight;
         };
         std::span<const Value> values_;
-        std::vector<Entry> entries_; ///< point after point; empty for hat functions
+        std::vector<Entry> entries_; ///< by boundary point; empty for hat functions
         std::vector<std::size_t> ends_;
     };
 
@@ -93,7 +93,7 @@ private:
     std::shared_ptr<const FaceData> faces_;
 };
 
-/// Writes the boundary data at a point as weights, into a lane of a block with `handles` rows.
+/// Writes the boundary values at a point into a lane of a block with `handles` rows.
 template <class T, std::size_t K, class Data = LinearBoundaryData<K>>
 void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
                           std::size_t lane, const Data& data = {}) {

@@ -1,4 +1,4 @@
-// The cage of a coordinate type that uses only the boundary of cages: its constructors and its check.
+// Constructors of coordinate types that use only the boundary of a cage.
 #pragma once
 
 #include <cageform/cage/detail/refuse_interior_cells.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Copies a cage and checks it; the base of MeanValueCoordinates and GreenCoordinates.
+/// Stores and checks a cage. Base of MeanValueCoordinates and GreenCoordinates.
 template <class Cage>
 class CheckedCage {
 public:
@@ -21,7 +21,7 @@ public:
         : cage_(std::move(cage))
         , report_(check(cage_)) {}
 
-    /// Makes the cage from the arguments of its constructor: vertices, in space with faces.
+    /// Constructs the cage from vertices, and faces in 3D.
     template <PointRange R, class... More>
         requires std::constructible_from<Cage, const R&, const More&...>
     explicit(sizeof...(More) == 0) CheckedCage(const R& vertices, const More&... more)
@@ -33,7 +33,7 @@ public:
     CheckedCage(const R&, const F&,
                 PointTraitsNotSpecialisedForThesePoints = {}) = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Uses only the boundary of a cell complex: interior_cells_not_supported if there are cells inside.
+    /// Takes the boundary of a cell complex. Interior cells are the fault interior_cells_not_supported.
     explicit CheckedCage(const CellComplex<scalar, dimension>& complex) {
         report_.status = guard_memory([&] {
             cage_ = complex.boundary();

@@ -1,16 +1,12 @@
-// Evaluates coordinates of closed form block by block.
+// Evaluates coordinates of closed form in blocks.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/parallel/detail/in_parallel.hpp>
 
-#include <cstddef>
-#include <span>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Implements `evaluate` for closed forms: calls body(first, last) for ranges of blocks if the cage
-/// is sound.
+/// Implements `evaluate`: calls body(first, last) for ranges of blocks, unless the cage is refused.
 template <class T, class Body>
 Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t rows, const Batch<T>& batch,
                            const Running& running, const Body& body) {

@@ -1,4 +1,4 @@
-// Boundary data of a polyhedral mesh: coordinates in the plane of each face, hat functions on fans.
+// Boundary values on a polyhedral mesh: 2D coordinates on planar faces, hat functions on fans.
 #pragma once
 
 #include <cageform/cage/detail/flat_face.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Computes the weights of a face's corners at a point in its plane. A point outside by rounding has
-/// those of the nearest point.
+/// Computes the weights of a face's corners at a point of its plane. If rounding puts the point outside, the
+/// nearest boundary point is used.
 template <class Plane>
 void face_weights(const Plane& coordinates, const Vec<double, 2>& p, std::span<double> row) {
     const PointState state = weights_at(coordinates, p, row);
@@ -17,17 +17,16 @@ void face_weights(const Plane& coordinates, const Vec<double, 2>& p, std::span<d
         (void)coordinates.nearest_boundary(p, row);
 }
 
-/// The values of the handles at surface points of a PolyhedralMesh. On a planar face with more than three
-/// corners they are the face's coordinates `Plane`: a 2D type of CageCoordinates in double, or a type
-/// with `face_weights` of its own. On triangles, edges and vertices they are linear, on fans linear on each
-/// triangle. A point is given by the triangle it lies on and its weights there.
+/// The boundary values on a PolyhedralMesh. On planar faces with more than three corners they are 2D
+/// coordinates of type `Plane`: CageCoordinates in double, or a type with its own `face_weights`. They are
+/// linear on the triangles of other faces. A point is given by its triangle and its weights there.
 template <class Plane>
 class FaceCoordinates final : public FaceData {
 public:
     using Value = BoundaryValue<3>;
 
     FaceCoordinates() = default;
-    /// `mesh` must be sound. make(polygon) returns the coordinates of a face in its plane.
+    /// `mesh` has no faults. make(polygon) returns the coordinates of a flattened face.
     template <Scalar T, class Make>
     FaceCoordinates(const PolyhedralMesh<T>& mesh, const Make& make)
         : fan_points_(mesh.fan_points()) {
@@ -69,14 +68,14 @@ private:
         std::vector<std::uint32_t> corners;
         Plane coordinates;
     };
-    /// A triangle or a diagonal of a face; vertices ascend, and a diagonal has no_vertex last.
+    /// A triangle or a diagonal of a face. Vertices ascend; the last of a diagonal is no_vertex.
     struct Piece {
         std::array<std::uint32_t, 3> vertex;
         std::uint32_t face;
         auto operator<=>(const Piece&) const = default;
     };
 
-    /// Calls f(handle, weight) for the vertices at a point of a triangle, fans folded.
+    /// Calls f(handle, weight) for the corners of a triangle. The corners of a loop replace its mean.
     template <class F>
     void for_each_hat(const Value& value, F&& f) const {
         LinearBoundaryData<3>::for_each_weight(value, [&](std::uint32_t i, double weight) {
@@ -97,8 +96,7 @@ private:
             if (!is_edge) pieces_.push_back({{(std::min)(a, b), (std::max)(a, b), no_vertex}, face});
         }
     }
-    /// Returns the face with more than three corners that a point lies in; null on other faces,
-    /// edges and vertices.
+    /// Returns the face with more than three corners whose interior contains the point, else null.
     const Face* face_of(const Value& value) const noexcept {
         std::array<std::uint32_t, 3> vertex{no_vertex, no_vertex, no_vertex};
         std::size_t count = 0;

@@ -1,4 +1,4 @@
-// Passes the weights of a mesh's fan points on to its vertices, a block at a time.
+// Distributes the weights of a mesh's fan points to its vertices, a block at a time.
 #pragma once
 
 #include <cageform/cage/polyhedral_mesh.hpp>
@@ -6,10 +6,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Passes the rows of a block for the points of a mesh on to its vertices.
+/// Distributes the rows of a block for fan points to the vertices.
 ///
 ///   from  #V + #points rows
-///   to    out, #V rows; adds to each in the order of the points
+///   to    out, #V rows, summed in the order of the points
 template <class T>
 void fold_rows(const FanPoints& points, std::size_t vertices, const Lanes<T>* from, Lanes<T>* to) noexcept {
     using X = Simd<T>;
@@ -22,7 +22,7 @@ void fold_rows(const FanPoints& points, std::size_t vertices, const Lanes<T>* fr
     }
 }
 
-/// Returns the mesh that a cage's surface consists of: a PolyhedralMesh's triangles, else the cage itself.
+/// Returns the triangles of a PolyhedralMesh, or any other cage itself.
 template <class Cage>
 const auto& surface_of(const Cage& cage) noexcept {
     if constexpr (requires { cage.triangles(); }) {

@@ -1,4 +1,4 @@
-// The distance of a point outside from its cage, by which displacements fade.
+// The distance of an outside point from its cage, for BindOptions::falloff.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -17,7 +17,7 @@ struct OutsideDistance {
     Vec<double, D> gradient{};
 
     OutsideDistance() = default;
-    /// Takes the vector from the nearest point of the boundary. Its square may overflow or underflow.
+    /// Takes the vector from the nearest boundary point. The vector's square may overflow or underflow.
     explicit OutsideDistance(const Vec<double, D>& away) noexcept {
         double largest = 0;
         for (std::size_t k = 0; k < D; ++k) largest = (std::max)(largest, std::fabs(away[k]));
@@ -30,15 +30,15 @@ struct OutsideDistance {
     }
 };
 
-/// Whether the distance is that from a cage of which the handles that are points are the corners, so that it
-/// lies within their bounds.
+/// Whether the distance is that from a cage whose corners are point handles. The cage then lies within the
+/// bounds of these handles.
 template <class C>
 inline constexpr bool is_within_handles = requires(const C& c, Vec<typename C::scalar, C::dimension> p) {
     nearest_boundary_value(c.cage(), p, p);
 };
 
-/// Returns the distance of the finite point `p` from the boundary: that of the type's own
-/// `distance_outside`, else to the nearest point of its cage, else to what `nearest_boundary` returns.
+/// Returns the distance of the finite point `p` from the boundary: by `distance_outside` if the type has it,
+/// else to the nearest point of the cage, else to the result of `nearest_boundary`.
 template <CageCoordinates C>
 OutsideDistance<C::dimension> outside_distance(const C& coordinates,
                                                const Vec<typename C::scalar, C::dimension>& p) {

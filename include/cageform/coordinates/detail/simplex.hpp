@@ -1,4 +1,4 @@
-// Barycentric coordinates in one simplex: their gradients, and the nearest point of its boundary.
+// Gradients of barycentric coordinates in a simplex, and the nearest point of its boundary.
 #pragma once
 
 #include <cageform/core/affine/orthonormal_rows.hpp>
@@ -11,9 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
+namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns the edges from one vertex of a simplex to others, a column per edge, a row per axis.
 template <std::size_t D>
@@ -27,8 +25,8 @@ OrthonormalRows<D> edges_of_simplex(std::span<const Vec<double, D>> vertices, st
     return OrthonormalRows<D>(std::move(rows));
 }
 
-/// Returns the gradients of the barycentric coordinates of a simplex, one per vertex. Empty if the
-/// simplex has no volume to working precision.
+/// Returns the gradients of the barycentric coordinates, one per vertex. Empty if the volume is zero to
+/// working precision.
 template <std::size_t D>
 std::vector<Vec<double, D>> simplex_gradients(std::span<const Vec<double, D>> vertices) {
     std::array<std::size_t, D> others;
@@ -46,8 +44,8 @@ std::vector<Vec<double, D>> simplex_gradients(std::span<const Vec<double, D>> ve
     return gradients;
 }
 
-/// Returns the barycentric coordinates of the point nearest to `p` on the boundary of a simplex. It
-/// projects `p` onto the span of every face and takes the nearest projection that lies in its face.
+/// Returns the barycentric coordinates of the boundary point nearest to `p`: the nearest projection of `p`
+/// onto the span of a face that lies in that face.
 template <std::size_t D>
 Vec<double, D + 1> nearest_on_simplex_boundary(std::span<const Vec<double, D>> vertices,
                                                const Vec<double, D>& p) {
@@ -85,6 +83,4 @@ Vec<double, D + 1> nearest_on_simplex_boundary(std::span<const Vec<double, D>> v
     return best;
 }
 
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

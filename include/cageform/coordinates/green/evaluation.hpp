@@ -1,5 +1,4 @@
-// Evaluates Green coordinates in 2D and 3D: everything around the formula itself, which is in
-// plane.hpp and space.hpp.
+// Evaluation of Green coordinates in 2D and 3D. The formulas are in plane.hpp and space.hpp.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -13,9 +12,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The analytic continuation across a facet. It expresses p by the facet's corners and its vector
-/// handle: α_k are linear functions, one at corner k, zero at the other corners and constant across
-/// the facet; β is the height above the facet, in units of the handle's length `size`.
+/// The analytic continuation across a facet, which expresses p by the facet's corners and its vector handle.
+/// α_k is linear: 1 at corner k, 0 at other corners, constant along the normal. β is the height above the
+/// facet; `size` is the length of the handle.
 ///
 ///     Σ α_k C_k + (β/size) size n = p,   Σ α_k = 1
 template <std::size_t D>
@@ -54,7 +53,7 @@ struct FacetContinuation {
     }
 };
 
-/// Calls the formula with everything inlined, which keeps numbers in registers.
+/// Calls `integrate` with everything inlined, which keeps numbers in registers.
 template <bool gradients, class S, std::size_t D>
 CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& frame, S near_distance,
                                                         const Vec<Simd<S>, D>& p, GreenRows<S, D>& memory,
@@ -62,9 +61,9 @@ CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& 
     return integrate<gradients>(frame, near_distance, p, memory, rows);
 }
 
-/// The base of GreenCoordinates in both dimensions. Points are evaluated a SIMD register at a time.
-/// Inside, the facets cover the full angle around a point. For points outside and on the boundary the
-/// missing part of the angle is added afterwards, one by one, by the continuation across a facet.
+/// The base of GreenCoordinates. Points are evaluated a SIMD register at a time. For points outside and on
+/// the boundary, the continuation across a facet is then added, weighted by the missing part of the full
+/// angle.
 template <class Cage>
 class GreenEvaluation : public CheckedCage<Cage> {
 public:
@@ -75,19 +74,17 @@ public:
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
-    /// Returns the loops whose means are corners of faces, as a HandleView has them; empty without fans.
+    /// Returns the table of loops of a HandleView; empty without fans.
     std::span<const std::uint32_t> handle_loops() const noexcept { return loops_; }
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
                         std::span<PointState> states, const Running& running = {}) const;
-    /// See GradientCoordinates. On the boundary the limits from inside are returned. On vertices,
-    /// and on edges in 3D, gradients grow like a logarithm; there the gradient at a point 1e-6
-    /// diagonals inside is returned.
+    /// See GradientCoordinates. On the boundary the limits from inside are returned. On vertices, and on
+    /// edges in 3D, gradients diverge logarithmically: the gradient 1e-6 diagonals inside is returned.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
                                   std::span<PointState> states, const Running& running = {}) const;
-    /// Returns the nearest boundary point, with the limits from inside as weights. May throw
-    /// std::bad_alloc.
+    /// Returns the nearest boundary point and its weights, the limits from inside. May throw std::bad_alloc.
     Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const;
 
 private:
@@ -98,7 +95,7 @@ private:
     static constexpr std::size_t lanes = lane_count<T>;
 
     Status prepare();
-    /// Refuses a cage with coordinates so large that the vector of an edge or face overflows.
+    /// Refuses a cage if the vector of a facet overflows.
     void refuse_overflow() {
         for (std::size_t h = cage_.size(); h < handles_.size(); ++h) {
             if (is_finite(handles_[h])) continue;
@@ -111,7 +108,7 @@ private:
             report_.add(CageFaultKind::vertex_not_finite, farthest);
         }
     }
-    /// Calls f(vertex) for the vertices of a facet and of the loops whose means are corners of it.
+    /// Calls f(vertex) for the vertices of a facet, and for the loops of its means.
     template <class F>
     void for_each_vertex(const HandleFace<D>& facet, F&& f) const {
         for (const std::uint32_t corner : facet) {
@@ -150,11 +147,11 @@ private:
         faces_ = topology_.facets;
         if (folds()) name_loops();
     }
-    /// The mesh that the formula is evaluated on; its points are the cage's vertices, then those of fans.
+    /// The mesh of the formula. Its points are the cage's vertices, then those of fans.
     const auto& surface() const noexcept { return surface_of(cage_); }
     std::size_t points() const noexcept { return surface().size(); }
     bool folds() const noexcept { return points() != cage_.size(); }
-    /// Fills the table of loops, and makes faces refer to it.
+    /// Fills the table of loops and makes faces refer to it.
     void name_loops() {
         if constexpr (requires { cage_.fan_points(); }) {
             const FanPoints& fans = cage_.fan_points();
@@ -183,11 +180,11 @@ private:
                                });
     }
 
-    /// The rows of the formula: one for every point of the surface and for every facet.
+    /// The rows of the formula: one per point of the surface and one per facet.
     std::size_t row_count() const noexcept { return points() + topology_.facets.size(); }
 
-    /// Evaluates a block. With fans it uses `of_points`, a row of the formula for each axis, and passes the
-    /// rows of their points on to the vertices.
+    /// Evaluates a block. With fans, evaluates into `of_points` and distributes the rows of means to the
+    /// vertices.
     template <bool gradients>
     void evaluate_block(const Batch<T>& batch, std::size_t b, double near_distance,
                         std::vector<Lanes<T>>& of_points, GreenRows<T, D>& memory) const {
@@ -209,8 +206,7 @@ private:
         using X = Simd<T>;
         const std::size_t count = (gradients ? D : 1) * row_count();
         for (std::size_t row = 0; row < count; ++row) X(T(0)).store(rows[row]);
-        // Farther away the integrals change by less than a rounding error of the continuation,
-        // which restores p from any of them.
+        // Beyond this distance the integrals change by less than a rounding error of the continuation.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k) {
@@ -255,8 +251,8 @@ private:
         return corner;
     }
 
-    /// Adds `share` times the continuation across a facet at q, or its derivatives. Returns whether
-    /// the result is finite.
+    /// Adds `share` times the continuation across a facet at q, or its gradient. Returns whether the result
+    /// is finite.
     template <bool gradients>
     bool add_facet(const Lane& to, std::size_t facet, const Vec<double, D>& q, double share) const noexcept {
         const FacetContinuation<D> of(corners_of(facet));
@@ -281,7 +277,7 @@ private:
         return finite;
     }
 
-    /// Adds the continuation across the nearest facet. Among equally near facets it uses the one whose
+    /// Adds the continuation across the nearest facet. Of facets at the same distance it takes the one whose
     /// plane q lies farthest beyond, then the first.
     template <bool gradients>
     bool add_nearest(const Lane& to, const Vec<double, D>& q, double share) const noexcept {
@@ -304,13 +300,12 @@ private:
         return nearest < facets && add_facet<gradients>(to, nearest, q, share);
     }
 
-    /// Distributes the missing angle equally over the facets that q lies on. The true share of each
-    /// facet depends on the direction from which q is reached, but the weights of their common
-    /// vertices do not.
+    /// Distributes the missing angle equally over the facets that q lies on. Their true shares depend on the
+    /// direction of approach, but the weights of common vertices do not.
     template <bool gradients>
     void add_on_boundary(const Lane& to, const Vec<double, D>& q, double near_distance,
                          double share) const noexcept {
-        // Wider than the formula's limit by a rounding error of the scalar.
+        // The factor 1.25 allows for rounding to the scalar.
         const auto holds = [&](std::size_t f) {
             return distance_to_facet(q, corners_of(f)) <= 1.25 * near_distance;
         };
@@ -332,10 +327,10 @@ private:
     std::vector<HandleKind> kinds_;
     std::vector<HandleFace<D>> faces_; ///< of the vector handles
     std::vector<std::uint32_t> loops_; ///< as in HandleView; empty without fans
-    MeanValueTopology<D> topology_;    ///< its facets belong to the vector handles
-    Buffer<Vec<double, D>> at_;        ///< the vertices and the points of fans, in units of 1/scale
+    MeanValueTopology<D> topology_;    ///< one facet per vector handle
+    Buffer<Vec<double, D>> at_;        ///< the points of the surface, in units of 1/scale
     GreenFrame<T, D> frame_;
-    double tolerance_ = 0, scale_ = 1; ///< the tolerance is in units of 1/scale
+    double tolerance_ = 0, scale_ = 1; ///< tolerance in units of 1/scale
     Vec<double, D> middle_{};
     Status prepared_ = prepare(); // declared last: its initialiser fills the other members
 };

@@ -1,5 +1,4 @@
-// Defines what GreenCoordinates compute. green.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of GreenCoordinates. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/green/evaluation.hpp>
@@ -31,7 +30,7 @@ auto GreenEvaluation<Cage>::nearest_boundary(const Vec<scalar, dimension>& p, st
     PointState state = PointState::unreached;
     GreenRows<T, D> memory(frame_);
     std::vector<Lanes<T>> of_points(folds() ? row_count() : 0);
-    // The rounded point may lie off the boundary by a rounding error.
+    // The tolerance allows for the rounding of the nearest point.
     evaluate_block<false>({{position.data(), D, 1}, {rows.data(), rows.size(), 1}, {&state, 1}}, 0,
                           4 * tolerance_, of_points, memory);
     for (std::size_t h = 0; h < row.size(); ++h) row[h] = rows[h][0];

@@ -1,4 +1,4 @@
-// Inputs and outputs of the formulas of Green coordinates in 2D and 3D.
+// Inputs and outputs of the formulas of Green coordinates.
 #pragma once
 
 #include <cageform/coordinates/mean_value/frame.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A cage as the formula needs it.
+/// The tables of a cage.
 template <class S, std::size_t D>
 struct GreenFrame;
 
@@ -16,16 +16,15 @@ struct GreenFrame;
 template <class S, std::size_t D>
 struct GreenRows;
 
-/// `winding` is the fraction of the full angle that the cage subtends at the point, 1 inside and 0
-/// outside, without the facets that the point lies on. `touched` is one in the lanes of points on a
-/// facet, else zero.
+/// `winding` is the fraction of the full angle that the cage subtends at the point: 1 inside, 0 outside,
+/// without facets that contain the point. `touched` is 1 for points on a facet, else 0.
 template <class S>
 struct GreenSum {
     Simd<S> winding, touched;
 };
 
-/// The lower limit of arguments of logarithms. Every logarithm of a length is multiplied by that
-/// length, so the limit of the product is zero.
+/// The lower limit of arguments of logarithms. Each logarithm of a length is multiplied by the length, so the
+/// product tends to zero.
 template <class S>
 inline constexpr S least_square = (std::numeric_limits<S>::min)() * S(1e6);
 

@@ -1,4 +1,4 @@
-// The formula of Green coordinates in 2D, for registers of points.
+// The formula of Green coordinates in 2D, for SIMD registers of points.
 #pragma once
 
 #include <cageform/coordinates/green/frame.hpp>
@@ -15,7 +15,7 @@ struct GreenFrame<S, 2> {
     };
     Buffer<Vec<S, 2>> vertices;
     Buffer<Edge> edges;
-    S gauge = 0; ///< 1 + ln R, where R is the unit of length in the logarithms
+    S gauge = 0; ///< 1 + ln R for the unit of length R in the logarithms
 
     GreenFrame() = default;
     GreenFrame(const MeanValueTopology<2>& topology, const Buffer<Vec<double, 2>>& at, double diagonal)
@@ -42,8 +42,8 @@ struct GreenRows<S, 2> {
         : corners(frame.vertices.size()) {}
 };
 
-/// The integrals of an edge from A to B, relative to the points: s₁ = A·t, s₂ = B·t, d = A·n, and
-/// θ, the angle that the edge subtends, zero if a point lies on it.
+/// The integrals of an edge from A to B, relative to the points: s₁ = A·t, s₂ = B·t, d = A·n, and the angle θ
+/// that the edge subtends, zero for points on the edge.
 template <class S>
 struct EdgeIntegrals {
     Simd<S> s1, s2, d, theta, touched;
@@ -54,7 +54,7 @@ struct EdgeIntegrals {
         const X zero(S(0)), one(S(1)), reach(near_distance), tx(edge.along[0]), ty(edge.along[1]);
         s1 = a.u[0] * tx + a.u[1] * ty;
         s2 = b.u[0] * tx + b.u[1] * ty;
-        // Computed from the nearer end. Next to a vertex the angles of its two edges cancel only then.
+        // Computed from the nearer end, so that next to a vertex the angles of its two edges cancel.
         const auto from_a = a.rr <= b.rr;
         const X x = select(from_a, a.u[0], b.u[0]), y = select(from_a, a.u[1], b.u[1]);
         d = x * ty - y * tx;
@@ -73,12 +73,12 @@ struct EdgeIntegrals {
 ///   2πL φ_a += s₂ θ − d ℓ,   2πL φ_b += d ℓ − s₁ θ,   ℓ = ln(|B|/|A|)
 ///   2π ψ = −(s₂ ln|B| − s₁ ln|A| − L + d θ)
 ///
-/// The derivative of s₂ θ − d ℓ also has a term that is not linear in θ and ℓ, L/|A|² times A
-/// rotated. The previous edge has the same term with the opposite sign, so both are left out:
+/// The derivative of s₂ θ − d ℓ has another term, L/|A|² times A rotated. It cancels against the same term of
+/// the previous edge, so both are left out:
 ///
 ///   2πL ∇φ_b = −2πL ∇φ_a = θ t − ℓ n,   2π ∇ψ = ℓ t + θ n
 ///
-/// ψ is divided by L, the length of the handle. `rows` must be zero on entry.
+/// ψ is divided by the handle's length L. `rows` must be zero on entry.
 template <bool gradients, class S>
 GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near_distance, const Vec<Simd<S>, 2>& p,
                       GreenRows<S, 2>& seen, Lanes<S>* rows) noexcept {

@@ -1,4 +1,4 @@
-// The formula of Green coordinates in 3D, for registers of points.
+// The formula of Green coordinates in 3D, for SIMD registers of points.
 #pragma once
 
 #include <cageform/coordinates/green/frame.hpp>
@@ -46,8 +46,8 @@ struct GreenRows<S, 3> {
         Vec<X, 3> u; ///< C − p
         X r;         ///< |u|
     };
-    /// An edge from A to B relative to the points: the nearest point q of its line, s₁ = A·τ and s₂
-    /// = B·τ, f = the integral of 1/r along it, and one in the lanes of points that lie on it.
+    /// An edge from A to B relative to the points: q, the nearest point of its line; s₁ = A·τ, s₂ = B·τ; f,
+    /// the integral of 1/r along the edge; touched, 1 for points on the edge, else 0.
     struct Edge {
         Vec<X, 3> q;
         X qq, begin, end, f, touched;
@@ -68,7 +68,7 @@ Simd<S> product(const Vec<Simd<S>, 3>& a, const Vec<S, 3>& b) noexcept {
 
 /// Computes the vectors from the points to all vertices.
 template <class S>
-void look_at_corners(const GreenFrame<S, 3>& cage, const Vec<Simd<S>, 3>& p, GreenRows<S, 3>& seen) noexcept {
+void find_corners(const GreenFrame<S, 3>& cage, const Vec<Simd<S>, 3>& p, GreenRows<S, 3>& seen) noexcept {
     for (std::size_t i = 0; i < cage.vertices.size(); ++i) {
         auto& [u, r] = seen.corners[i];
         for (std::size_t k = 0; k < 3; ++k) u[k] = Simd<S>(cage.vertices[i][k]) - p[k];
@@ -76,12 +76,12 @@ void look_at_corners(const GreenFrame<S, 3>& cage, const Vec<Simd<S>, 3>& p, Gre
     }
 }
 
-/// Computes the data of an edge once for both its faces, with the same q. Next to the edge the angle
-/// that each face subtends is sensitive to rounding, but their sum is not if q is the same. q is
-/// computed from the nearer end and projected twice, so that its error is a rounding of its own length.
+/// Computes the data of an edge for both its faces. Next to the edge, the angles of the two faces are
+/// sensitive to rounding of q, but their sum is not if both use the same q. q is computed from the nearer end
+/// and projected twice, so that its error is relative to its own length.
 template <bool gradients, class S>
-void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, GreenRows<S, 3>& seen,
-                  typename GreenRows<S, 3>::Edge& out) noexcept {
+void find_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, GreenRows<S, 3>& seen,
+               typename GreenRows<S, 3>::Edge& out) noexcept {
     using X = Simd<S>;
     const X zero(S(0)), one(S(1)), reach(near_distance), length(edge.length), least(least_square<S>);
     const auto &a = seen.corners[edge.from], &b = seen.corners[edge.to];
@@ -98,8 +98,8 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, 
     const auto on_line = both(out.qq <= reach * reach, both(out.begin <= zero, zero <= out.end));
     const auto on_edge = on_line | ((min)(a.r, b.r) <= reach);
     out.touched = select(on_edge, one, zero);
-    // Next to the edge f → ∞; the weights have it times a distance. Derivatives use the value at a
-    // point 1e-6 diagonals away.
+    // f diverges at the edge, but weights contain f times a distance. Derivatives use f at a distance of 1e-6
+    // diagonals.
     const auto at_least = [&](const X& x, S step) {
         return (max)(x, gradients ? select(on_edge, X(step), least) : least);
     };
@@ -111,15 +111,17 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, 
     out.f = log(over / under);
 }
 
-/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ. It is the
-/// angle that the edge subtends at the foot of p on the face's plane, from atan(s₁/ρ) to atan(s₂/ρ),
-/// minus that from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). `height` is |H|; A and B are the distances
-/// of the ends from p. At each end the difference is one arctangent:
+/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ. It is the angle that
+/// the edge subtends at the foot of p in the face's plane, from atan(s₁/ρ) to atan(s₂/ρ), minus the angle
+/// from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). A and B are the distances of the ends from p. The
+/// difference at each end is one arctangent:
 ///
 ///   atan2(ρ s₂, D + |H| B) − atan2(ρ s₁, D + |H| A),   D = ρ² + H²
 ///
-/// Both terms are combined into one angle. If s₁ and s₂ have the same sign, s₂ A − s₁ B is computed
-/// as D L (s₁ + s₂)/(s₂ A + s₁ B).
+/// Both are combined into one angle. If s₁ and s₂ have the same sign, s₂ A − s₁ B is computed as
+/// D L (s₁ + s₂)/(s₂ A + s₁ B).
+///
+///   height  |H|
 template <class S>
 Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<S, 3>& seen,
                    const typename GreenRows<S, 3>::Edge& line, const Simd<S>& height,
@@ -136,8 +138,8 @@ Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<
     return select(rho < zero, zero - size, size);
 }
 
-/// Returns the unsigned solid angle of a face by one arctangent, not three. `height` is |H|. The angle is
-/// inexact next to the lines of edges. van Oosterom, Strackee, IEEE Trans. Biomed. Eng. 30 (1983).
+/// Returns the unsigned solid angle of a face by a single arctangent, inaccurate next to the lines of edges.
+/// van Oosterom, Strackee, IEEE Trans. Biomed. Eng. 30 (1983). `height` is |H|.
 template <class S>
 Simd<S> angle_off_edges(const typename GreenFrame<S, 3>::Face& face, const GreenFrame<S, 3>& cage,
                         const GreenRows<S, 3>& seen, const Simd<S>& height) noexcept {
@@ -152,9 +154,9 @@ Simd<S> angle_off_edges(const typename GreenFrame<S, 3>::Face& face, const Green
     return X(S(2)) * angle(height * twice_area, x);
 }
 
-/// The integrals of a face: H, the height of its plane above the points; ρ_k, the distances of the
-/// points' feet to its edges, positive inside; f_k of its edges; and Ω, the solid angle that it
-/// subtends, zero if a point lies on it.
+/// The integrals of a face: H, the height of its plane above the points; ρ_k, the signed distances of the
+/// points' feet from its edges, positive inside; f_k of its edges; and the solid angle Ω, zero for points on
+/// the face.
 ///
 ///   quick  whether Ω may have an error of 1e-10 (in double)
 template <class S, bool quick = false>
@@ -171,7 +173,7 @@ struct FaceIntegrals {
             rho[k] = product(edges[k]->q, face.across[k]);
             f[k] = edges[k]->f;
         }
-        height = product(edges[0]->q, face.normal); // from the nearest of the edges
+        height = product(edges[0]->q, face.normal); // relative to the nearest edge
         X least = edges[0]->qq;
         for (std::size_t k = 1; k < 3; ++k) {
             const auto nearer = edges[k]->qq < least;
@@ -180,7 +182,7 @@ struct FaceIntegrals {
         }
         const X size = abs(height);
         angle = zero;
-        X beside(S(quick ? 0 : 1)); // positive next to a line, where Ω is computed exactly
+        X beside(S(quick ? 0 : 1)); // positive where Ω must be computed exactly, next to an edge's line
         if constexpr (quick) {
             angle = angle_off_edges(face, cage, seen, size);
             for (std::size_t k = 0; k < 3; ++k) {
@@ -207,27 +209,27 @@ struct FaceIntegrals {
     }
 };
 
-/// Computes the coordinates of Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27,
-/// 2008), from integrals over the faces in each face's own frame. ν_k is the outward normal of edge
-/// k in the face's plane, h_k the altitude of corner k:
+/// Computes the coordinates of Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), from
+/// integrals over the faces in each face's own frame. ν_k is the outward normal of edge k in the face's
+/// plane, h_k the altitude of corner k:
 ///
 ///   4π h_k φ_k += ρ_k Ω + H Σ_l (ν_k·ν_l) f_l,   4π ψ = Σ_k ρ_k f_k − H Ω
 ///
-/// The derivatives of Ω and f themselves cancel between the two faces of an edge, so they are left
-/// out (n × ν_k/h_k is the vortex sheet of the hat function; Biot and Savart):
+/// The derivatives of Ω and f cancel between the two faces of an edge and are left out (n × ν_k/h_k is the
+/// vortex sheet of the hat function; Biot and Savart):
 ///
 ///   4π h_k ∇φ_k += −(Ω ν_k + n Σ_l (ν_k·ν_l) f_l),   4π ∇ψ = Ω n − Σ_l f_l ν_l
 ///
-/// ψ is divided by √area, the length of the handle. `rows` must be zero on entry.
+/// ψ is divided by the handle's length √area. `rows` must be zero on entry.
 template <bool gradients, class S>
 GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<Simd<S>, 3>& p,
                       GreenRows<S, 3>& seen, Lanes<S>* rows) noexcept {
     using X = Simd<S>;
     constexpr S full = S(4 * 3.14159265358979323846);
     const std::size_t vertices = cage.vertices.size(), handles = vertices + cage.faces.size();
-    look_at_corners(cage, p, seen);
+    find_corners(cage, p, seen);
     for (std::size_t e = 0; e < cage.edges.size(); ++e)
-        look_at_edge<gradients>(cage.edges[e], near_distance, seen, seen.edges[e]);
+        find_edge<gradients>(cage.edges[e], near_distance, seen, seen.edges[e]);
     X angles(S(0)), touched(S(0));
     for (std::size_t j = 0; j < cage.faces.size(); ++j) {
         const auto& face = cage.faces[j];

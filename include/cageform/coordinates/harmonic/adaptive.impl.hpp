@@ -1,4 +1,4 @@
-// Defines AdaptiveGrid. harmonic.hpp includes it, unless the program links cageform::compiled.
+// Definition of AdaptiveGrid. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/harmonic.hpp>

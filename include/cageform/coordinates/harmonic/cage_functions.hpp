@@ -1,5 +1,5 @@
-// The interface between harmonic coordinates and the solvers of their functions. It hides the solver,
-// so that a file that only uses coordinates does not compile one.
+// The interface of harmonic coordinates to the solvers of their functions. It hides the solver, so that files
+// that only use coordinates do not compile a solver.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -14,23 +14,23 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The memory that a solver will need, in bytes.
+/// The memory that a solver needs, in bytes.
 struct SolverMemory {
-    std::size_t hierarchy = 0; ///< once, for all functions
-    std::size_t block = 0;     ///< for one group of functions, on each thread
+    std::size_t hierarchy = 0; ///< shared by all functions
+    std::size_t block = 0;     ///< per group of functions that is being solved
 };
 
-/// A cell of a solver's grid, a square or a cube, in the units of the cage.
+/// A cell of a solver's grid: a square or a cube, in the units of the cage.
 template <Scalar T, std::size_t D>
 struct GridCell {
-    Vec<T, D> low; ///< its lower corner
-    T size;        ///< along each axis
-    bool is_cut;   ///< the cage crosses it or comes very near; else the whole cell lies inside
+    Vec<T, D> low; ///< lower corner
+    T size;        ///< side length
+    bool is_cut; ///< whether the cage's boundary crosses or nearly touches the cell; else the cell is inside
 };
 
 namespace detail {
 
-/// Makes the boundary data of harmonic functions on a cage; returns why there is none.
+/// Makes the boundary values of harmonic functions on a cage.
 template <class C>
 struct HarmonicData {
     static Status make(const C& /*cage*/, const HarmonicOptions& /*options*/,
@@ -39,7 +39,7 @@ struct HarmonicData {
     }
 };
 
-/// Return a cage in double, its faces as triangles.
+/// Returns a cage in double, with its faces as triangles.
 template <Scalar T>
 CellComplex<double, 2> in_double(const Polygon<T>& polygon) {
     std::vector<std::size_t> sizes;
@@ -61,10 +61,10 @@ CellComplex<double, D> in_double(const CellComplex<T, D>& complex) {
 
 } // namespace detail
 
-/// The input of a solver: a cage of any kind and scalar, as facets and cells in double.
+/// The input of a solver: any cage, as facets and cells in double.
 template <std::size_t D>
 struct SolverInput {
-    /// From a cage that `check` accepts, its report, and the boundary data of its functions.
+    /// Takes a cage that `check` accepts, its report, and its boundary values.
     template <class C>
     SolverInput(const C& given, const CageReport& its_report, const HarmonicOptions& its_options,
                 const detail::BoundaryData<D>& its_data = {})
@@ -82,42 +82,40 @@ struct SolverInput {
     }
 
     CellComplex<double, D> cage;
-    std::size_t handles; ///< the first vertices of `cage`; after them it has the points of fans
+    std::size_t handles; ///< the first vertices of `cage`; means of fans follow
     CageReport report;   ///< of the given cage
     HarmonicOptions options;
-    double tolerance; ///< points this near to the boundary lie on it
-    double rounding;  ///< of the given coordinates
+    double tolerance; ///< points within this distance of the boundary lie on it
+    double rounding;  ///< rounding error of the given coordinates
     detail::BoundaryData<D> data;
 };
 
-/// The functions of a cage's handles, behind which a solver stands. A solver is made once, and used
-/// by several threads.
+/// The functions of a cage's handles. Made once, and used by several threads.
 template <Scalar T, std::size_t D>
 class CageFunctions {
 public:
     virtual ~CageFunctions() = default;
 
-    /// Returns the report of the making or, after `solve`, of the solve.
+    /// Returns the report of the construction or, after `solve`, of the solve.
     virtual const SolverReport& report() const noexcept = 0;
     virtual SolverMemory memory() const noexcept = 0;
     /// Solves all functions and keeps them.
     virtual Status solve(SolverReport& report, const Running& running) = 0;
-    /// Computes the weights of a batch of points and sets where they lie.
+    /// Computes the weights and states of a batch of points.
     virtual Status sample(const Batch<T>& batch, SolverReport& report, const Running& running) const = 0;
-    /// Computes the gradients; row axis · #handles + handle.
+    /// Computes the gradients, in row axis · #handles + handle.
     virtual Status sample_gradients(const Batch<T>& batch, SolverReport& report,
                                     const Running& running) const = 0;
-    /// Calls f(cell) for the cells of the grid; solver_not_supported if the solver does not show them.
+    /// Calls f(cell) for the cells of the grid. May return solver_not_supported.
     virtual Status for_each_cell(const std::function<void(const GridCell<T, D>&)>& f) const = 0;
-    /// Packs the functions that `solve` has kept (solution_blob.hpp); solver_not_supported if the solver's
-    /// are not packed.
+    /// Packs the functions that `solve` kept (solution_blob.hpp). May return solver_not_supported.
     virtual Status save(std::vector<std::byte>& bytes) const = 0;
-    /// Takes packed functions in place of a solve, without a copy: the bytes have to outlive this object.
+    /// Takes packed functions in place of a solve. They are not copied: `bytes` must outlive this object.
     virtual Status load(std::span<const std::byte> bytes, SolverReport& report) = 0;
 };
 
-/// Makes the functions of a cage, or returns another status than ok: AdaptiveGrid, UniformGrid, or a solver
-/// of your own (harmonic/cage_solver.hpp). `running` is for making the grid.
+/// Makes the functions of a cage: AdaptiveGrid, UniformGrid, or your own solver (harmonic/cage_solver.hpp).
+/// `running` applies to making the grid.
 template <Scalar T, std::size_t D>
 using HarmonicSolver =
     std::function<Status(std::shared_ptr<const SolverInput<D>> input, SolverReport& report,

@@ -1,6 +1,6 @@
 // The interface between the functions of a cage and a solver.
 //
-// A solver knows its input, but neither the driver nor threads nor coordinates. To add one, write a model of
+// A solver depends on its input, but not on the driver, threads or coordinates. To add one, write a model of
 // CageSolver, include solution.hpp, and use
 //     HarmonicCoordinates(cage, options, make_functions<YourSolver<D>, T, D>)
 #pragma once
@@ -13,26 +13,25 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Solves for the functions of a cage's handles. It is a GroupSolver, and every handle is in one group.
+/// A solver for the functions of a cage's handles: a GroupSolver whose groups partition the handles.
 ///
 ///   dimension                  D, of its SolverInput<D>
 ///   make(input, report, made, running)
-///                              makes all that does not depend on boundary data (grid, hierarchy)
-///                              and writes the number of cells to `report`, or returns another status
-///                              than ok. The input outlives the solver. It may use running.parallel;
-///                              progress is reported by `solve` alone
-///   memory()                   the size of that, and of a block
+///                              makes all that does not depend on boundary values (grid, hierarchy) and
+///                              writes the number of cells to `report`, or returns a status other than ok.
+///                              The input outlives the solver. May use running.parallel; must not report
+///                              progress
+///   memory()                   the memory of the result, and of a block
 ///   Functions, keep(block)     the functions of a solved group
 ///   Samples, samples(batch, points)
-///                              stencils from which the value of any function is computed at the points
-///                              with these numbers; also sets where the points lie (batch.states).
-///                              Points beyond batch.points.points have the value 0
-///   order(batch)               optional: the numbers of all points of all blocks, in the order in which
-///                              the points are sampled; else ascending
+///                              stencils that evaluate functions at the points with these indices. Also sets
+///                              batch.states. Functions are 0 at indices from batch.points.points on
+///   order(batch)               optional: the indices of all points of all blocks in sampling order; default
+///                              ascending
 ///   sample(samples, group, functions, rows)
-///                              fills the rows of weights of a group at those points; `functions` is a
-///                              block or kept Functions. Different groups are sampled concurrently
-///   finish(samples, rows)      called once all groups are sampled
+///                              fills the rows of weights of a group at those points; `functions` is a block
+///                              or kept Functions. Different groups are sampled concurrently
+///   finish(samples, rows)      called after all groups are sampled
 ///
 /// Batches and rows have the scalar T of the coordinates.
 template <class S, class T = double>
@@ -50,13 +49,13 @@ concept CageSolver = grid::GroupSolver<S> &&
     solver.finish(samples, batch.rows);
 };
 
-/// A solver whose functions can be differentiated, by differences of samples up to a cell apart.
+/// A solver whose functions are differentiated by differences of samples up to a cell apart.
 ///
 ///   spacing(p)                 the grid spacing at a point, in units of the cage
-///   state_of(p)                where a point lies, as `samples` finds it
+///   state_of(p)                the state of a point, as found by `samples`
 ///   free_distance(p, axis, up, limit)
-///                              the distance from a point inside to the boundary, along an axis, up or
-///                              down, in such spacings; at most `limit`
+///                              the distance from an inside point to the boundary along an axis, up or down,
+///                              in grid spacings; at most `limit`
 template <class S, class T = double>
 concept DifferentiableSolver = CageSolver<S, T> &&
     requires(const S& solver, const Vec<double, S::dimension>& p, std::size_t axis, bool up, double limit) {
@@ -65,12 +64,12 @@ concept DifferentiableSolver = CageSolver<S, T> &&
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
 };
 
-/// A solver that can make stencils of derivatives.
+/// A solver with stencils of derivatives.
 ///
-///   has_gradient_samples()     whether the solver makes such stencils for this cage
+///   has_gradient_samples()     whether there are such stencils for this cage
 ///   gradient_samples(batch, points)
-///                              as `samples`, for derivatives per unit of length. `sample` and `finish`
-///                              write row axis · #handles + handle. Values of points outside do not change
+///                              as `samples`, for derivatives per unit of length. `sample` and `finish` write
+///                              row axis · #handles + handle. Rows are unchanged at outside points
 template <class S, class T = double>
 concept BlendedSolver = DifferentiableSolver<S, T> &&
     requires(const S& solver, const Batch<T>& batch, typename S::GradientSamples& samples,

@@ -1,4 +1,4 @@
-// Corrects interpolated weights next to treated corners, for many functions at many points.
+// Corrections of interpolated weights next to treated corners.
 #pragma once
 
 #include <cageform/core/types/blocks.hpp>
@@ -7,8 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The corrections of the weights of some points. They are added once the weights of all functions
-/// are known.
+/// The corrections of the weights of some points, added after the weights of all functions are known.
 class CornerSamples {
 public:
     /// Adds point `i`, at `p` in lattice units, with its interpolation stencil.
@@ -17,7 +16,7 @@ public:
         const auto correction = corners.correction(p, stencil);
         if (correction.first != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
     }
-    /// Allocates memory for the corrections of all functions.
+    /// Allocates the corrections of all functions.
     void reserve(std::size_t handles) {
         handles_ = handles;
         corrections_.resize(points_.size() * handles);
@@ -33,11 +32,11 @@ public:
         }
     }
 
-    /// Adds to each point the largest share of its correction, at most all, that keeps its weights
-    /// in [0, 1]. All of it is added unless the grid is too coarse for the corner. The corrections
-    /// of a point sum to 0 and move no point, so any share may be used.
+    /// Adds to each point the largest share, at most 1, of its correction that keeps its weights in [0, 1].
+    /// Smaller shares mean that the grid is too coarse for the corner. They are valid, because the
+    /// corrections of a point sum to 0 and preserve its position.
     ///
-    ///   tolerance  the solver's; clamping may remove this much
+    ///   tolerance  of the solver; clamping may change weights by this amount
     template <Scalar T>
     void finish(double tolerance, BlockView<T> rows) const noexcept {
         for (std::size_t n = 0; n < points_.size(); ++n) {

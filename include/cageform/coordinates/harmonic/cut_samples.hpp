@@ -1,5 +1,4 @@
-// Samples many functions at many points: stencils are computed once and used for every group of
-// functions.
+// Samples many functions at many points, with the same stencils for all functions.
 #pragma once
 
 #include <cageform/coordinates/harmonic/stencil_table.hpp>
@@ -9,8 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Applies stencil `n` of a table to functions first_handle … first_handle + count − 1. Returns the
-/// values. CutSamples::sample describes the arguments.
+/// Applies stencil `n` of a table to functions [first_handle, first_handle + count). See CutSamples::sample.
 template <std::size_t D, class Functions>
 auto values_at(const StencilTable<D>& stencils, std::size_t n, const Functions& functions,
                std::size_t first_handle, std::size_t count) noexcept {
@@ -27,17 +25,17 @@ auto values_at(const StencilTable<D>& stencils, std::size_t n, const Functions& 
     return value;
 }
 
-/// Stencils, each with the number of its point.
+/// Stencils of points, by index.
 template <std::size_t D>
 class CutSamples {
 public:
-    /// Adds the stencil of point `i`. `data` is the cage's BoundaryData.
+    /// Adds the stencil of point `i`. `data` is a BoundaryData.
     template <class Data>
     void add(std::size_t i, const grid::CutStencil<D>& stencil, const Data& data) {
         points_.push_back(i);
         stencils_.add(stencil, data);
     }
-    /// Adds it as shares of nodes and of vertices; see StencilTable.
+    /// Adds a stencil as shares of nodes and vertices; see StencilTable.
     template <class HandleOf>
     void add(std::size_t i, std::span<const typename StencilTable<D>::Node> nodes,
              std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {
@@ -45,24 +43,24 @@ public:
         stencils_.add(nodes, vertices, handle_of);
     }
 
-    /// Writes the rows of handles first_handle … first_handle + count − 1, for all points.
+    /// Writes the rows of handles [first_handle, first_handle + count) for all points.
     ///
-    ///   functions  functions.value(node): an array of at least `count` values. If there is
-    ///              functions.has(node), nodes for which it is false count as zero
-    ///   row_of     row_of(handle): the row of a handle, if it is not the handle's number
+    ///   functions  functions.value(node): an array of at least `count` values. If functions.has(node) exists
+    ///              and is false, the node counts as zero
+    ///   row_of     row_of(handle): the row of a handle; default: the handle
     template <class Functions, Scalar T, class RowOf = std::identity>
     void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
                 const RowOf& row_of = {}) const noexcept {
         for (std::size_t n = 0; n < stencils_.size(); ++n) {
             const auto value = values_at(stencils_, n, functions, first_handle, count);
-            // A mean of boundary data is in [0, 1]; solver errors must not leave this range.
+            // Means of boundary values are in [0, 1]. Clamping removes solver errors.
             for (std::size_t k = 0; k < count; ++k)
                 rows(points_[n], row_of(first_handle + k)) = static_cast<T>(std::clamp(value[k], 0.0, 1.0));
         }
     }
 
-    /// Divides the weights of every point by their sum, which differs from 1 where negative values are
-    /// now 0. Points without weights do not change.
+    /// Divides the weights of each point by their sum, which differs from 1 after clamping of negative
+    /// values. Points without weights are unchanged.
     template <Scalar T>
     void normalise(BlockView<T> rows) const noexcept {
         for (const std::size_t i : points_) {

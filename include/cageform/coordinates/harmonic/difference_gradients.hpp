@@ -1,4 +1,4 @@
-// Computes gradients of sampled functions by finite differences.
+// Gradients of sampled functions by finite differences.
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -7,9 +7,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The sample points for the derivatives at some blocks of points: each point and its neighbours
-/// below and above along each axis. Neighbours are one cell apart: values at this distance have the
-/// same share of their cells' error, so it cancels. Only the boundary makes the distance smaller.
+/// The sample points for the derivatives at blocks of points: each point and its two neighbours along each
+/// axis, one cell apart or nearer at the boundary. At a distance of one cell, the discretisation errors of
+/// values are alike and cancel.
 template <DifferentiableSolver S, Scalar T>
 class DifferenceSamples {
     using Place = Vec<double, S::dimension>;
@@ -20,7 +20,7 @@ class DifferenceSamples {
     using Point = Vec<T, D>;
 
 public:
-    /// Allocates memory for up to `blocks` blocks at a time.
+    /// Allocates memory for `blocks` blocks at a time.
     DifferenceSamples(const S& solver, const Batch<T>& batch, std::size_t blocks)
         : solver_(solver)
         , batch_(batch)
@@ -30,8 +30,8 @@ public:
         , factors_(blocks * 2 * D)
         , states_(blocks * samples * lanes) {}
 
-    /// Sets the sample points of block `b` of the batch in slot `at`, and the states of the batch's
-    /// points. A point is unreached if along some axis both neighbours coincide with it.
+    /// Sets the sample points of block `b` in slot `at`, and the states of the block's points. A point is
+    /// unreached if both neighbours along an axis coincide with it.
     void set(std::size_t b, std::size_t at) noexcept {
         const std::size_t first = b * lanes;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -47,7 +47,7 @@ public:
         }
     }
 
-    /// Returns the sample points of the first `blocks` slots as a batch to be evaluated.
+    /// Returns the sample points of the first `blocks` slots as a batch.
     Batch<T> batch(std::size_t blocks) noexcept {
         const std::size_t count = blocks * samples * lanes;
         return {BlockView<T>{positions_.data(), D, count},
@@ -55,9 +55,8 @@ public:
                 std::span(states_).first(count)};
     }
 
-    /// Computes the gradients of block `b` from the values sampled in slot `at`: row axis ·
-    /// #handles + handle gets the derivative of the handle's function along the axis. Points that
-    /// are neither inside nor on the boundary are left alone.
+    /// Computes the gradients of block `b` from the values in slot `at`, in row axis · #handles + handle.
+    /// Rows of points that are not inside or on the boundary are unchanged.
     void differentiate(std::size_t at, std::size_t b) const noexcept {
         Lanes<T> bound;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -87,7 +86,7 @@ private:
         return state == PointState::inside || state == PointState::on_boundary;
     }
 
-    /// Sets the sample points of one point; returns where the point lies.
+    /// Sets the sample points of one point. Returns the point's state.
     PointState set_point(std::size_t at, std::size_t lane, Point p) noexcept {
         const PointState state = solver_.state_of(placed(p));
         if (state == PointState::on_boundary && !step_inside(p)) return PointState::unreached;
@@ -100,7 +99,7 @@ private:
             const Point below = neighbour(p, axis, false), above = neighbour(p, axis, true);
             put(2 * axis + 1, below);
             put(2 * axis + 2, above);
-            // With the rounding of the stored positions.
+            // Distances of the stored positions, which are rounded.
             const double to_below = std::fabs(double(p[axis]) - double(below[axis]));
             const double to_above = std::fabs(double(above[axis]) - double(p[axis]));
             if (!(to_below + to_above > 0)) return PointState::unreached;
@@ -110,24 +109,23 @@ private:
         }
         return state;
     }
-    /// Returns the sample point one cell from `p`, or as far as the inside of the cage reaches.
+    /// Returns the sample point one cell from `p`, or less if the boundary is nearer.
     Point neighbour(const Point& p, std::size_t axis, bool up) const noexcept {
         const double cells = solver_.free_distance(placed(p), axis, up, 1.0);
         Point q = p;
         q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing(placed(p)));
         return q;
     }
-    /// Returns the factors of two differences in the derivative: (value at p − value below) and
-    /// (value above − value at p). They are exact for parabolas. If one distance is less than a
-    /// tenth of the other they are exact only for linear functions, because errors of values are
-    /// divided by the distance.
+    /// Returns the factors of (value at p − value below) and (value above − value at p) in the derivative.
+    /// They are exact for parabolas, but only for linear functions if one distance is below a tenth of the
+    /// other: errors of values are divided by the distance.
     static std::array<double, 2> difference_factors(double below, double above) noexcept {
         if (below < 0.1 * above) return {0, 1 / above};
         if (above < 0.1 * below) return {1 / below, 0};
         return {above / (below * (below + above)), below / (above * (below + above))};
     }
-    /// Moves a boundary point half a cell inwards, along the diagonal whose end is farthest from
-    /// the boundary. Returns false if no diagonal ends inside.
+    /// Moves a boundary point half a cell inwards, along the diagonal that ends farthest from the boundary.
+    /// Returns false if no diagonal ends inside.
     bool step_inside(Point& p) const noexcept {
         const double step = 0.5 * solver_.spacing(placed(p)) / std::sqrt(double(D));
         double most = 0;
@@ -152,7 +150,7 @@ private:
     Batch<T> batch_;
     std::size_t handles_;
     std::vector<Lanes<T>> positions_, rows_; ///< by slot, sample point, and axis or handle
-    std::vector<Lanes<T>> factors_;          ///< by slot and axis: for the differences below and above
+    std::vector<Lanes<T>> factors_;          ///< by slot and axis: of the differences below and above
     std::vector<PointState> states_;
 };
 

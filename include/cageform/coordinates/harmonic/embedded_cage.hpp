@@ -1,5 +1,5 @@
-// Embeds a cage in a uniform lattice: finds the nodes inside and their links to the boundary,
-// locates points and returns their interpolation stencils.
+// Embeds a cage in a uniform lattice: inner nodes and their links to the boundary, location of points, and
+// interpolation stencils.
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -9,9 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the lattice with `resolution` spacings along the longest side. It is centred on the
-/// cage's bounding box, so a symmetric cage has symmetric functions. Sides of an axis-aligned cage
-/// lie on lattice lines if its extents are multiples of the spacing.
+/// Returns the lattice with `resolution` spacings along the longest side, centred on the cage's bounding box,
+/// so that symmetric cages have symmetric functions. Sides of an axis-aligned cage lie on lattice lines if
+/// its extents are multiples of the spacing.
 template <std::size_t D>
 Lattice<double, D> lattice_on(const Bounds<double, D>& bounds, std::size_t resolution) noexcept {
     const auto lower = bounds.lower, extent = bounds.upper - lower;
@@ -27,13 +27,13 @@ Lattice<double, D> lattice_on(const Bounds<double, D>& bounds, std::size_t resol
     return lattice;
 }
 
-/// A cage embedded in a uniform lattice. The cage must outlive it.
+/// A cage embedded in a uniform lattice. Refers to the cage.
 template <std::size_t D>
 class EmbeddedCage {
     using Boundary = grid::SimplexBoundary<D>;
 
 public:
-    /// Embeds the cage of a problem in a lattice of its options' `resolution`.
+    /// Embeds the cage of `input` in a lattice of its options' `resolution`.
     ///
     ///   fails  resolution_not_supported; out_of_memory, with the memory needed and a sufficient
     ///          resolution in `report`; grid_too_coarse, with the handle and a sufficient resolution
@@ -93,8 +93,7 @@ public:
     }
     const grid::EmbeddedProblem<D>& problem() const noexcept { return problem_; }
 
-    /// Adds the boundary data of `count` functions from `first` on to `source`, at slots[node] of
-    /// each node.
+    /// Adds the boundary values of functions [first, first + count) to `source`, at slots[node] of each node.
     template <class Values>
     void add_data(std::size_t first, std::size_t count, std::span<const std::uint32_t> slots,
                   std::span<Values> source) const noexcept {
@@ -107,16 +106,16 @@ public:
         }
     }
 
-    /// Returns where a point lies, as `locate` does; uses the contents of the point's cell if they
-    /// decide it.
+    /// Returns the state of a point as `locate` does, but from the contents of the point's cell where
+    /// possible.
     PointState state_of(const Vec<double, D>& p) const noexcept { return located(p).state; }
     double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return boundary_.free_distance(in_cells(p), axis, up, limit);
     }
     Vec<double, D> in_cells(const Vec<double, D>& p) const noexcept { return lattice().in_cells(p); }
 
-    /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil is
-    /// empty for points outside and beyond the batch.
+    /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil of outside
+    /// points, and of indices beyond the batch, is empty.
     template <Scalar T>
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
         grid::CutStencil<D> stencil;
@@ -145,8 +144,7 @@ private:
         return found;
     }
 
-    /// Estimates the memory of hierarchy and block at any resolution, from the cage's volume and
-    /// surface.
+    /// Estimates the memory of hierarchy and block at any resolution from the cage's volume and surface.
     class GridMemory {
     public:
         GridMemory(const CellComplex<double, D>& cage, const Bounds<double, D>& bounds)
@@ -157,7 +155,7 @@ private:
                 crossings[0], [this](const auto& a, const auto& b) { volume_ += b.position - a.position; });
         }
         double bytes(std::size_t resolution) const noexcept {
-            // Bytes per unknown, per crossing and per treated corner, measured (g++ 12, 64 bits).
+            // Bytes per unknown, per crossing and per treated corner, measured (GCC 12, 64 bits).
             constexpr double of_unknown = 300, of_crossing = D == 2 ? 1500 : 800, of_corner = 130e3;
             const double finer = double(resolution) / double(counted_at);
             const double surface = D == 2 ? finer : finer * finer, unknowns = volume_ * surface * finer;
@@ -168,7 +166,7 @@ private:
     private:
         static constexpr std::size_t counted_at = 64;
         std::size_t vertices_;
-        /// On a lattice of resolution `counted_at`.
+        /// At resolution `counted_at`.
         double volume_ = 0, crossings_ = 0;
     };
     static Status refuse_memory(const GridMemory& memory, std::size_t resolution, std::size_t limit,
@@ -181,7 +179,7 @@ private:
         return Status::out_of_memory;
     }
 
-    /// Returns the first handle whose boundary data reaches no node.
+    /// Returns the first handle whose boundary values reach no node.
     static std::size_t first_unseen(const SolverInput<D>& input, const Boundary& boundary,
                                     const grid::Crossings<D>& crossings) {
         const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {

@@ -1,29 +1,29 @@
-// Samples the gradients of many functions at many points, by stencils of their derivatives.
+// Gradients of many functions at many points, by stencils of derivatives.
 #pragma once
 
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The stencils of the values at some points, and of the derivatives along the axes.
+/// The stencils of values at some points, and of derivatives along the axes.
 template <std::size_t D>
 class GradientSamples {
 public:
     explicit GradientSamples(std::size_t handles = 0)
         : handles_(handles) {}
 
-    /// Adds the next stencil of point `i`. The first is that of the value, the next D those of derivatives.
+    /// Adds the next stencil of point `i`: first that of the value, then D of derivatives.
     template <class HandleOf>
     void add(std::size_t i, std::span<const typename StencilTable<D>::Node> nodes,
              std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {
         if (stencils_.size() % per_point == 0) points_.push_back(i);
         stencils_.add(nodes, vertices, handle_of);
     }
-    /// Allocates memory for the values of all functions.
+    /// Allocates the values of all functions.
     void reserve() { values_.resize(points_.size() * handles_); }
 
-    /// Computes the values and derivatives of handles first_handle … first_handle + count − 1. The
-    /// arguments are those of CutSamples::sample. Derivatives are written to row axis · #handles + handle.
+    /// Computes values and derivatives of handles [first_handle, first_handle + count); see
+    /// CutSamples::sample. Derivatives are written to row axis · #handles + handle.
     template <class Functions, Scalar T, class RowOf>
     void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
                 const RowOf& row_of) noexcept {
@@ -41,15 +41,15 @@ public:
         }
     }
 
-    /// Replaces the derivatives of the values by the derivatives of the values divided by their sum. For
-    /// each axis the new derivatives sum to zero.
+    /// Replaces the derivatives by those of the values divided by their sum. The new derivatives sum to zero
+    /// along each axis.
     template <Scalar T>
     void finish(BlockView<T> rows) const noexcept {
         for (std::size_t n = 0; n < points_.size(); ++n) {
             const std::span value(values_.data() + n * handles_, handles_);
             double sum = 0;
             for (const double v : value) sum += v;
-            if (!(sum > 0)) continue; // without a stencil
+            if (!(sum > 0)) continue; // no stencil
             for (std::size_t axis = 0; axis < D; ++axis) {
                 double slope = 0;
                 for (std::size_t h = 0; h < handles_; ++h)

@@ -1,5 +1,5 @@
-// Estimates the discretisation error of an adaptive grid: compares values interpolated in leaves
-// with values interpolated in cells of twice the size.
+// Estimates the discretisation error of an adaptive grid from interpolation in leaves and in cells of twice
+// their size.
 #pragma once
 
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
@@ -8,30 +8,30 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Two means of the same functions at points spread over the leaves: one in the leaf, one in its
-/// parent cell. Where functions are smooth the means differ by three times the error of the first,
-/// next to kinks by once or twice that error. The errors of node values are of the same size.
-/// Measured against finer grids, the largest difference is between half and four times the largest
-/// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two. If
-/// leaves have models, two fits of harmonic polynomials are compared, of degree three and of degree one. On
-/// random meshes the largest error is 1.1 to 5.6 times their largest difference, so it is multiplied by four.
+/// Two interpolants of the same functions at points spread over the leaves: in the leaf and in its parent
+/// cell. Where functions are smooth, their difference is three times the error of the first; next to kinks
+/// once or twice. Errors of node values are of the same size. Against finer grids, the largest difference is
+/// between 0.5 and 4 times the largest error anywhere. In 2D, harmonic means exact for four powers and for
+/// two are compared. For leaves with models, fits of harmonic polynomials of degree 3 and of degree 1 are
+/// compared: the largest error on random meshes is 1.1 to 5.6 times their largest difference, which is
+/// therefore multiplied by 4.
 template <std::size_t D>
 class GridErrors {
 public:
     GridErrors() = default;
-    /// Compares stencils that `add` makes.
+    /// Compares stencils made by `add`.
     ///
-    ///   add  add(places, fine, coarse): adds one stencil of each place to each of the two tables
+    ///   add  add(places, fine, coarse): adds one stencil per place to both tables
     template <class Add>
     GridErrors(const grid::CutTree<D>& tree, const Running& running, const Add& add) {
-        constexpr std::uint32_t most = 250; // making such a stencil takes about fifty times as long
+        constexpr std::uint32_t most = 250; // such stencils cost about fifty times as much
         std::vector<Vec<double, D>> places;
         for_each_place(tree, most, running,
                        [&](const Cell&, const Vec<double, D>& middle) { places.push_back(middle); });
         factor_ = 4;
         add(std::span<const Vec<double, D>>(places), fine_, coarse_);
     }
-    ///   data  the cage's BoundaryData
+    ///   data  a BoundaryData
     template <class Data>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
                const Running& running) {
@@ -54,7 +54,7 @@ public:
 
     std::size_t bytes() const noexcept { return fine_.bytes() + coarse_.bytes(); }
 
-    /// Returns per point the largest difference over functions first … first + count − 1.
+    /// Returns for each point the largest difference over functions [first, first + count).
     ///
     ///   functions  functions.value(node): an array of at least `count` values
     template <class Functions>
@@ -74,7 +74,7 @@ public:
 private:
     using Cell = typename grid::CellTree<D>::Cell;
 
-    /// Calls f(leaf, its middle) for at most `most` leaves, spread evenly, whose middle lies inside.
+    /// Calls f(leaf, middle) for at most `most` evenly spread leaves with an inside middle.
     template <class F>
     static void for_each_place(const grid::CutTree<D>& tree, std::uint32_t most, const Running& running,
                                const F& f) {

@@ -1,5 +1,5 @@
-// The data of a model of a leaf (leaf_models.hpp): nodes and points of the boundary that are visible from a
-// point of the leaf.
+// The data of a model of a leaf (leaf_models.hpp): nodes and boundary points visible from a point of the
+// leaf.
 #pragma once
 
 #include <cageform/cage/detail/indices.hpp>
@@ -19,10 +19,10 @@ inline double smooth_step(double t) noexcept {
     return t * t * t * (10 - 15 * t + 6 * t * t);
 }
 
-/// The points about a leaf where the functions are known, and the visibility of other points from the
-/// viewpoint, a point of the leaf.
+/// Points around a leaf with known function values, and the visibility from the viewpoint, a point of the
+/// leaf.
 ///
-///   Field  the faces of the boundary: NearField in space, PlaneField in the plane
+///   Field  the faces of the boundary: NearField in 3D, PlaneField in 2D
 template <class Field>
 class LeafData {
 public:
@@ -31,11 +31,11 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     using Nodes = grid::TreeNodes<D>;
 
-    /// A point where the values of the functions are known: a node, or a point of the boundary.
+    /// A point with known function values: a node or a boundary point.
     struct Datum {
         Point at;
         double weight;
-        std::uint32_t node; ///< `none` for a point of the boundary, which has `value`
+        std::uint32_t node; ///< `none` for a boundary point, given by `value`
         BoundaryValue<D> value;
     };
 
@@ -43,17 +43,17 @@ public:
     LeafData& operator=(const LeafData&) = delete;
     ~LeafData() = default;
 
-    /// Whether there is enough data for a linear function.
+    /// Whether there are enough data for a linear function.
     bool is_valid() const noexcept { return data_.size() > D; }
-    double size() const noexcept { return size_; } ///< the side of the leaf
+    double size() const noexcept { return size_; } ///< side of the leaf
     std::span<const Datum> data() const noexcept { return data_; }
-    bool is_near() const noexcept { return is_near_; } ///< whether it or a neighbour is cut or outside
+    bool is_near() const noexcept { return is_near_; } ///< whether the leaf or a neighbour is cut or outside
 
-    /// Returns the visibility of a point from the viewpoint, in [1e-6, 1]: 1e-6 behind a face.
+    /// Returns the visibility of a point from the viewpoint, in [1e-6, 1]; 1e-6 behind a face.
     double visibility(const Point& x) const noexcept {
-        constexpr double least = 1e-6; // not 0: a point can be invisible to all models
+        constexpr double least = 1e-6; // not 0, because a point can be invisible from all viewpoints
         if (!is_near_) return 1;
-        // Faces at the end do not count, as they are rounded. In the plane walls have a point at either side.
+        // Ignores faces at the end, which are rounded. 2D walls have points on both sides.
         constexpr double end = D == 2 ? 1e-6 : 1e-3;
         if (field_.boundary().first_met(place_, (1 - end) * (x - place_))) return least;
         double factor = 1;
@@ -67,19 +67,19 @@ public:
         return least + (1 - least) * factor;
     }
 
-    /// Returns the offset of a datum from the middle of the leaf, in half leaf sizes, plus 16. The offset
-    /// is a whole number if no face is near the leaf, because all data are then nodes.
+    /// Returns the offset of a datum from the middle of the leaf, in half leaf sizes, plus 16. It is an
+    /// integer if no face is near the leaf, because all data are then nodes.
     std::array<char, D> place_in_leaf(const Datum& datum) const noexcept {
         std::array<char, D> place{};
         for (std::size_t k = 0; k < D; ++k) place[k] = char(16 + 2 * (datum.at[k] - middle_[k]) / size_);
         return place;
     }
 
-    /// Returns the viewpoints of a leaf: the middle, if no face cuts the leaf. Else the first is a point
-    /// far from faces; each further viewpoint, up to four in all, is invisible from all earlier viewpoints.
+    /// Returns the viewpoints of a leaf: its middle if no face cuts the leaf; else a point far from faces,
+    /// and up to three more points, each invisible from all earlier viewpoints.
     static std::vector<Point> places_of(const grid::CutTree<D>& tree, const Field& field, const Cell& leaf) {
         constexpr std::size_t most = 4, across = 5;
-        constexpr double free = 0.3; // in leaf sizes; greater distances from faces do not raise the score
+        constexpr double free = 0.3; // in leaf sizes; larger distances from faces do not raise the score
         const auto middle = leaf.middle();
         const auto facets = tree.facets(leaf.number);
         const auto& boundary = tree.boundary();
@@ -132,7 +132,7 @@ protected:
 
     /// Adds the corners of the leaf, of its neighbours of the same size, and of larger neighbours.
     ///
-    ///   most_outer  the most axes along which a corner of a neighbour may lie beyond the leaf
+    ///   most_outer  maximum number of axes along which a corner lies beyond the leaf
     void add_nodes(std::size_t most_outer) {
         for (std::size_t n = 0; n < (D == 2 ? 16 : 64); ++n) {
             Index index = leaf_.low;
@@ -153,14 +153,14 @@ protected:
             }
         }
     }
-    /// Adds a node, unless the boundary occludes the node.
+    /// Adds a node unless the boundary occludes it.
     ///
-    ///   adds_occluder  whether the occluding point of the boundary is added instead of an occluded node
+    ///   adds_occluder  whether the occluding boundary point is added instead
     void add_node(const Index& index, bool adds_occluder) {
         const auto p = node_position<D>(index);
         bool is_in_tree = true;
         for (const std::int32_t x : index) is_in_tree = is_in_tree && x >= 0 && x <= tree_.cells().size();
-        // The formula is measured. In space an occluding point has the weight at the distance of the node.
+        // An empirical formula. In 3D an occluding point has the weight of the occluded node.
         const auto weight = [&](const Point& at) {
             const double apart = length(at - middle_) / size_, square = apart * apart;
             return 1 / (0.3 + square * square * (D == 2 ? square : 1));
@@ -170,7 +170,7 @@ protected:
             if (const auto met = boundary.first_met(place_, p - place_, facets_)) {
                 if (!adds_occluder) return;
                 auto value = met->value;
-                if (met->fraction < 0.1) { // a thin domain: all data would be next to the viewpoint
+                if (met->fraction < 0.1) { // thin domain: otherwise all data would be next to the viewpoint
                     const auto nearest = boundary.nearest(facets_, p);
                     if (!boundary.first_met(place_, (1 - 1e-3) * (nearest.position - place_), facets_))
                         value = nearest.value;
@@ -193,7 +193,7 @@ protected:
     double size_;
     bool is_near_ = false;
     std::vector<Datum> data_;
-    std::vector<std::pair<Point, Point>> reflex_; ///< edges that can occlude points; in 2D vertices
+    std::vector<std::pair<Point, Point>> reflex_; ///< edges (2D: vertices) that can occlude points
 
 private:
     /// Finds the larger neighbours of the leaf, and the facets that cut the leaf or a neighbour.

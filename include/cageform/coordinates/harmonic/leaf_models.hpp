@@ -1,30 +1,29 @@
-// Samples harmonic functions in space by a C² blend of local harmonic models. leaf_samples.hpp makes the
-// blend. plane_models.hpp has the models for the plane.
+// Samples harmonic functions in 3D by a C² blend of local harmonic models. leaf_samples.hpp blends;
+// plane_models.hpp has the 2D models.
 //
-// At a point x inside the cage the function of handle i is
+// The function of handle i at a point x inside the cage is
 //
 //     u_i(x) = Σ_m w_m(x) M_m,i(x) / Σ_m w_m(x) + E_i(x)
 //
-// over the models m of the leaves near x. A leaf inside has one model. A leaf that faces cut has up to
-// four. The weight w_m is a C² function of x. The weight is 0 farther from the leaf than a fifth of its
-// size. The weight is nearly 0 if a face lies between x and the viewpoint of the model. A model is a fit to
-// data about its leaf, corrected for kinks as in near_rows.hpp, with one L_i for the whole model:
+// over the models m of the leaves near x. An uncut leaf has one model, a cut leaf up to four. The weight w_m
+// is a C² function of x. It is 0 farther from the leaf than a fifth of its size, and nearly 0 if a face lies
+// between x and the viewpoint of the model. A model is a fit to data around its leaf, corrected for kinks as
+// in near_rows.hpp, with one L_i per model:
 //
 //     M_i(x) = Σ_d S_d(x) y_i(d) + F(L_i),   F(L) = L(x) − Σ_d S_d(x) L(d),
 //     S(x) = b(x)ᵀ (BᵀWB + R)⁻¹ BᵀW.
 //
-// The data d are nodes about the leaf and points of the boundary; y_i(d) is the value of the function
-// there. The vector b has 16 harmonic polynomials up to degree three, and two functions for each of up to
-// four bent edges. Row d of the matrix B is b(d). The diagonal matrix W has the weights of the data, which
-// decrease with the distance from the middle of the leaf. A point of the boundary has three times the
-// weight. The diagonal matrix R is a ridge. Its entries for linear functions are nearly zero, so that
-// constants and positions are reproduced. E_i corrects the errors of the models at the nearest faces. It is
-// 0 farther from the faces than a fifth of a leaf:
+// The data d are nodes around the leaf and boundary points with function values y_i(d). The vector b has 16
+// harmonic polynomials up to degree 3, and two functions for each of up to four bent edges. Row d of B is
+// b(d). The diagonal matrix W holds the weights of the data, which decrease with the distance from the middle
+// of the leaf and are tripled at boundary points. The diagonal matrix R is a ridge, nearly zero for linear
+// functions, so that constants and positions are reproduced. E_i corrects the errors of the models at the
+// nearest faces and is 0 farther from faces than a fifth of a leaf:
 //
 //     E_i(x) = Σ_f a_f (φ_i(q_f) − Σ_m w_m(x) M_m,i(q_f) / Σ_m w_m(x)) / (1 + Σ_f a_f).
 //
-// a_f grows as 1 / distance² as x tends to face f. The point q_f of face f lies near x and is a smooth
-// function of x. So u_i(x) tends to the boundary data φ_i at faces.
+// a_f grows as 1/distance² as x tends to face f. The point q_f of face f, near x, is a smooth function of x.
+// So u_i(x) tends to the boundary values φ_i at faces.
 #pragma once
 
 #include <cageform/coordinates/harmonic/model_fit.hpp>
@@ -32,7 +31,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A model of the functions in a leaf and about it.
+/// A model of the functions in and around a leaf.
 class LeafModel : public LeafData<NearField> {
 public:
     static constexpr unsigned degree = 3;
@@ -41,7 +40,7 @@ public:
     using Field = NearField;
     using Values = std::array<double, most_functions>;
 
-    ///   place  the viewpoint: a point of the leaf, inside the cage
+    ///   place  the viewpoint: a point of the leaf inside the cage
     LeafModel(const grid::CutTree<3>& tree, const Nodes& nodes, const NearField& field, const Cell& leaf,
               const Point& place)
         : LeafData(tree, nodes, field, leaf, place) {
@@ -49,15 +48,15 @@ public:
         if (is_valid() && is_near_) find_edges();
     }
 
-    /// Returns the polynomial degree of function `k` of the fit; 0 for one that is not a polynomial.
+    /// Returns the degree of polynomial `k` of the fit, or 0 if function `k` is not a polynomial.
     static constexpr unsigned degree_of(std::size_t k) noexcept {
         return k >= polynomials || k == 0 ? 0 : k < 4 ? 1 : k < 9 ? 2 : 3;
     }
-    /// Returns the ridge of a function that is not linear, divided by the sum of the weights of data.
+    /// Returns the ridge of a non-linear function, relative to the sum of the data's weights.
     static constexpr double ridge(std::size_t k) noexcept { return degree_of(k) == degree ? 1e-4 : 1e-6; }
     /// Returns the number of functions of the fit.
     std::size_t functions() const noexcept { return polynomials + 2 * wedges_.size(); }
-    /// Returns the values of these functions at a point. The values past `functions()` are 0.
+    /// Returns the values of these functions at a point. Values from `functions()` on are 0.
     Values values(const Point& p) const noexcept {
         const Point q = (1 / size_) * (p - middle_);
         const double x = q[0], y = q[1], z = q[2];
@@ -91,11 +90,11 @@ public:
     }
     /// Chooses the vertices whose double layers correct the model. Returns false if there are none.
     bool choose_vertices(NearPatch& patch) const {
-        return patch.look(place_, (is_near_ ? radius_near : radius_inside) * size_);
+        return patch.set_viewpoint(place_, (is_near_ ? radius_near : radius_inside) * size_);
     }
 
 private:
-    static constexpr double radius_near = 3.5, radius_inside = 2; ///< of the near field, in sizes of the leaf
+    static constexpr double radius_near = 3.5, radius_inside = 2; ///< of the near field, in leaf sizes
 
     /// Finds the reflex edges that can occlude points, and the nearest wedges that contain all data.
     void find_edges() {
@@ -156,7 +155,7 @@ public:
                 amount_[v] += factors[n] * patch_.layer(v, data.size() + first + n);
             amount_[v] = 2 * (amount_[v] - patch_.sum(v, row()));
         }
-        patch_.finish(amount_, -1, {}); // no threshold: it would make the functions discontinuous
+        patch_.finish(amount_, -1, {}); // no threshold, which would make the functions discontinuous
         if (!std::all_of(amount_.begin(), amount_.end(), [](double x) { return is_finite(x); })) return;
         for (std::size_t v = 0; v < amount_.size(); ++v)
             vertices.push_back({patch_.vertices()[v], amount_[v]});
@@ -164,7 +163,7 @@ public:
 
 private:
     NearPatch patch_;
-    bool has_layers_ = false;   ///< whether the patch corrects the model
+    bool has_layers_ = false;   ///< whether double layers correct the model
     std::vector<Point> places_; ///< of data, then points
     std::vector<double> amount_;
 };

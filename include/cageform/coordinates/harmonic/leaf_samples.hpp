@@ -1,4 +1,4 @@
-// Blends the models of leaves; leaf_models.hpp has the formula.
+// Blends the models of leaves by the formula of leaf_models.hpp.
 #pragma once
 
 #include <cageform/coordinates/harmonic/leaf_models.hpp>
@@ -11,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Sums the shares of each node, or of each vertex, by its number.
+/// Sums shares by node or vertex number.
 template <class Share>
 class ShareSums {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -28,7 +28,7 @@ public:
             sums_.push_back({number, share});
         }
     }
-    /// Adds a share of the boundary data at a point of the boundary to the vertices of its facet.
+    /// Distributes a share of the value at a boundary point to the vertices of its facet.
     template <std::size_t D>
     void add(const BoundaryValue<D>& value, double share) {
         LinearBoundaryData<D>::for_each_weight(
@@ -66,7 +66,7 @@ private:
 /// Makes the stencils of points inside a cage. Points of one leaf share its models. A stencil does not depend
 /// on other points.
 ///
-///   Model, Fit  in space LeafModel and LeafFit, in the plane PlaneModel and ModelFit<PlaneModel>
+///   Model, Fit  LeafModel and LeafFit in 3D, PlaneModel and ModelFit<PlaneModel> in 2D
 template <class Model, class Fit>
 class LeafSamples {
     static constexpr std::size_t D = Model::D;
@@ -77,7 +77,7 @@ class LeafSamples {
     using Table = StencilTable<D>;
 
 public:
-    ///   degree  the greatest degree of the polynomials of models
+    ///   degree  the largest degree of the models' polynomials
     LeafSamples(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Field& field,
                 unsigned degree = Model::degree)
         : tree_(tree)
@@ -85,8 +85,8 @@ public:
         , field_(field)
         , fit_(field, degree) {}
 
-    /// Calls emit(nodes, vertices) for each point, in order: with the shares of nodes and of vertices in
-    /// the values at the point. The points lie inside and are in units of the tree.
+    /// Calls emit(nodes, vertices) for each point in order, with the shares of nodes and vertices in the
+    /// functions' values. The points lie inside, in units of the tree.
     template <class Emit>
     void stencils(std::span<const Point> points, const Emit& emit) {
         points_.clear();
@@ -94,9 +94,9 @@ public:
         make_sums(points.size(), emit);
     }
 
-    /// Returns a point at which the functions can be differentiated: x itself, if x is not on the boundary.
-    /// Else a point inside, a hundredth of a leaf from x along a diagonal of the leaf. The result
-    /// is the one of these points that is farthest from faces, or nothing if none lies inside.
+    /// Returns a point where the functions are differentiable: x unless it lies on the boundary, else the
+    /// point farthest from faces among the inside points a hundredth of a leaf from x along the leaf's
+    /// diagonals. Returns nothing if there is none.
     std::optional<Point> differentiable_place(const Point& x) const {
         const double size = tree_.leaf_at(x).size;
         double most = least_free;
@@ -114,10 +114,10 @@ public:
         }
         return place;
     }
-    /// Calls emit(nodes, vertices) D + 1 times for each place that `differentiable_place` returned: with
-    /// the stencil of the value, then of the derivatives along the axes, per unit of length of the cage.
-    /// Derivatives are central differences over two thousandths of a leaf, and next to faces over a
-    /// fiftieth of the distance. The relative error is about 1e-6, because shares are C² and not rounded.
+    /// Calls emit(nodes, vertices) D + 1 times for each result of `differentiable_place`: with the stencil of
+    /// the value, then of the derivatives along the axes, per unit of length of the cage. Derivatives are
+    /// central differences over two thousandths of a leaf, next to faces over a fiftieth of the distance.
+    /// Their relative error is about 1e-6, because shares are C² and not rounded.
     template <class Emit>
     void slopes(std::span<const Point> places, const Emit& emit) {
         points_.clear();
@@ -138,7 +138,7 @@ public:
     }
 
 private:
-    /// Emits the sums of the stencils of `points_`, each multiplied by its factor.
+    /// Emits the sums of the stencils of `points_`, multiplied by the points' factors.
     template <class Emit>
     void make_sums(std::size_t count, const Emit& emit) {
         terms_.clear();
@@ -188,25 +188,25 @@ private:
         double weight;
         const Model* model;
     };
-    struct Run { ///< the shares of the data of one model in one sum
+    struct Run { ///< the shares of one model's data in one sum
         const Model* model;
-        std::size_t shares, vertices; ///< the indices of the first shares
+        std::size_t shares, vertices; ///< indices of the first shares
         std::size_t vertices_end = 0;
         std::uint32_t next = none; ///< the next run of the sum
     };
     struct Sum {
         std::uint32_t first = none, last = none; ///< runs of the sum
     };
-    struct Foot { ///< a place of a face near a point
+    struct Foot { ///< a point of a face near a sampled point
         Point at;
         BoundaryValue<D> value;
         double share; ///< a / (1 + Σ a)
     };
     struct Sampled {
         Point at;
-        double factor;              ///< of the point's stencil in the sum
-        std::size_t sum;            ///< the number of the sum to which the stencil is added
-        double total = 0, size = 0; ///< of weights; of weights · sizes of leaves
+        double factor;              ///< of the stencil in the sum
+        std::size_t sum;            ///< index of the sum
+        double total = 0, size = 0; ///< sum of weights; sum of weights times leaf sizes
         bool is_on_face = false;
         std::vector<Foot> feet{};
     };
@@ -214,7 +214,7 @@ private:
     /// Calls f(leaf, weight) for the leaves near a point.
     template <class F>
     void visit(const Cell& cell, const Point& x, const F& f) const {
-        constexpr double overlap = 0.2; // by which models reach beyond their leaf, in its sizes
+        constexpr double overlap = 0.2; // reach of models beyond their leaf, in leaf sizes
         if (tree_.state(cell.number) == grid::CellState::out) return;
         const bool is_leaf = tree_.cells().is_leaf(cell.number);
         const double reach = overlap * cell.size * (is_leaf ? 1 : 0.5);
@@ -225,7 +225,7 @@ private:
             weight *= smooth_step((reach - beyond) / (2 * reach));
         }
         if (is_leaf) return f(cell, weight);
-        // Bit n stands for child n: the children at the lower end of each axis, and at the upper end.
+        // Bit n is child n: masks of the children at the lower and upper end of each axis.
         constexpr std::array<unsigned, 3> lower{0x55, 0x33, 0x0f}, upper{0xaa, 0xcc, 0xf0};
         unsigned children = (1u << grid::CellTree<D>::children) - 1;
         for (std::size_t k = 0; k < D; ++k) {
@@ -254,7 +254,7 @@ private:
         points_[term.point].total += term.weight;
         points_[term.point].size += term.weight * term.model->size();
     }
-    /// Adds a model placed at the point itself, for a point that no other model covers.
+    /// Adds a model with the point itself as viewpoint, for a point that no other model covers.
     void add_own_model(std::uint32_t point) {
         const Cell leaf = tree_.leaf_at(points_[point].at);
         own_models_.push_back(make_model(leaf, points_[point].at));
@@ -264,7 +264,7 @@ private:
     // ---- next to the boundary ------------------------------------------------------------------------
 
     static constexpr double rounding = 2e-4;           ///< of positions, in units of the tree
-    static constexpr double least_free = 5 * rounding; ///< least distance from faces of differences
+    static constexpr double least_free = 5 * rounding; ///< least distance of differences from faces
 
     /// Returns the distance of a point from the nearest face, at most `limit`.
     double free_distance(const Point& x, double limit) const {
@@ -275,12 +275,12 @@ private:
         });
         return least;
     }
-    /// Finds the places of faces near a point at which models are corrected, or that the point is on a face.
+    /// Finds the points of near faces at which models are corrected, or that the point lies on a face.
     void find_feet(Sampled& point) const {
         if (!(point.total > 0)) return;
         const double layer = 0.2 * point.size / point.total;
         const Point& x = point.at;
-        // Nearer, a point can lie outside the rounded faces.
+        // At smaller distances a point can lie outside the rounded faces.
         const double least = std::ldexp(4.0, -field_.boundary().fraction());
         double sum = 1;
         field_.boundary().for_each_within(x, layer, [&](std::uint32_t f) {
@@ -312,7 +312,7 @@ private:
     }
     // ---- sums ------------------------------------------------------------------------------------------
 
-    /// Computes the shares of a model in sums: the values at points, minus the values at the points' feet.
+    /// Computes the shares of a model in sums: its values at points minus its values at their feet.
     void add_model(std::span<const Term> terms) {
         places_.clear();
         factors_.clear();
@@ -374,7 +374,7 @@ private:
     std::unordered_map<std::uint32_t, std::vector<std::unique_ptr<Model>>> models_; ///< by leaf
     std::vector<std::unique_ptr<Model>> own_models_;
     std::vector<Sampled> points_;
-    std::vector<Term> terms_; ///< the terms of a model one after the other
+    std::vector<Term> terms_; ///< grouped by model
     std::vector<Point> places_;
     std::vector<double> factors_;
     std::vector<Sum> sums_;

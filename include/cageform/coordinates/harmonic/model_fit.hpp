@@ -1,4 +1,4 @@
-// Fits the models of leaves by least squares; leaf_models.hpp has the formulas.
+// Least-squares fits of leaf models, by the formulas of leaf_models.hpp.
 #pragma once
 
 #include <cageform/coordinates/harmonic/leaf_data.hpp>
@@ -20,21 +20,21 @@ class ModelFit {
 public:
     using Handle = typename StencilTable<Model::D>::Handle;
 
-    ///   degree  the greatest degree of the polynomials, at most Model::degree
+    ///   degree  the largest degree of polynomials, at most Model::degree
     ModelFit(const typename Model::Field&, unsigned degree)
         : degree_(degree) {}
 
-    /// Fits a model. `points` are all points at which `add` will evaluate the model.
+    /// Fits a model for evaluation at `points`.
     void set(const Model& model, std::span<const Point>) {
         model_ = &model;
         blocks_ = block_count<double>(model.data().size());
         shares_ = model.is_near() ? &fitted(own_shares_) : &fitted_by_pattern();
     }
-    /// Appends the shares in a sum of values of the model at points, each multiplied by its factor.
+    /// Appends the shares in a sum of the model's values at points, multiplied by factors.
     ///
     ///   first     the index of points[0] in the points of `set`
-    ///   shares    out: one share appended per datum of the model
-    ///   vertices  out: shares of vertices appended, other than by data on the boundary
+    ///   shares    out: appends one share per datum
+    ///   vertices  out: appends shares of vertices that do not come from data
     void add(std::span<const Point> points, std::span<const double> factors, std::size_t /*first*/,
              Buffer<double>& shares, Buffer<Handle>& /*vertices*/) {
         const auto data = model_->data();
@@ -55,14 +55,14 @@ public:
     }
 
 protected:
-    /// The shares of data in the coefficients of the functions, as ridge_fit returns them.
+    /// The shares of data in the functions' coefficients, from ridge_fit.
     using Shares = Buffer<Lanes<double>>;
 
     const Model& model() const noexcept { return *model_; }
-    const Shares& row() const noexcept { return row_; } ///< the shares of data in the last sum
+    const Shares& row() const noexcept { return row_; } ///< the shares of the data in the latest sum
 
 private:
-    /// Returns the shares of a model far from faces. The shares depend on the offsets of the data only.
+    /// Returns the shares of a model far from faces, which depend only on the offsets of the data.
     const Shares& fitted_by_pattern() {
         pattern_.clear();
         for (const auto& datum : model_->data()) {

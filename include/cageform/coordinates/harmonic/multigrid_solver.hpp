@@ -1,5 +1,5 @@
-// Solves harmonic functions of a cage by multigrid on a uniform lattice. The equations use the
-// exact distances from nodes to the boundary.
+// Solves the harmonic functions of a cage by multigrid on a uniform lattice. The equations use the exact
+// distances from nodes to the boundary.
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -13,8 +13,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver; groups have sixteen functions. Singularities at a polygon's corners
-/// are treated separately (grid/corners/corner_functions.hpp).
+/// A CageSolver with sixteen functions per group. Singularities at a polygon's corners are treated separately
+/// (grid/corners/corner_functions.hpp).
 template <std::size_t D>
 class MultigridSolver {
     static constexpr std::size_t width = grid::Multigrid<D>::width;
@@ -68,8 +68,7 @@ public:
         block.at_corners = corners_.start(first, source);
         const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
         const Status status = grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
-            // The corner coefficients and the solution depend on each other, so they are updated in
-            // turn.
+            // Alternates with the solution, because corner coefficients and solution depend on each other.
             const auto fitted = corners_.fit(first, block, block.at_corners);
             const double change = corners_.difference(fitted, block.at_corners);
             grid::Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
@@ -120,7 +119,7 @@ public:
         samples.at_corners.reserve(grid_.handles());
         return samples;
     }
-    template <class Solved, Scalar T> // Solved: a block or kept functions
+    template <class Solved, Scalar T> // Solved: a Block or kept Functions
     void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
         samples.cut.sample(solved, first, count, rows);
@@ -138,7 +137,7 @@ public:
     }
 
 private:
-    /// Makes the corner functions of a polygon; in 3D there are none.
+    /// Makes the corner functions of a polygon. There are none in 3D.
     static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<D>& grid,
                                             [[maybe_unused]] const MultigridOptions& options) {
         if constexpr (D == 2) {

@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The faces of a cage in the units of a tree, prepared for NearPatch.
+/// The faces of a cage in the units of a tree. NearPatch uses them.
 class NearField {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -15,13 +15,13 @@ public:
     using Point = Vec<double, 3>;
     using Frame = GreenFrame<double, 3>;
 
-    /// The mesh is that of the boundary, which must outlive it. Corners are rounded as the tree's are, so
-    /// that all nodes lie inside.
+    /// Refers to `boundary`, which has the same mesh. Corners are rounded as in the tree, so that all nodes
+    /// lie inside.
     NearField(const grid::TreeBoundary<3>& boundary, const TriangleMesh<double>& mesh)
         : boundary_(boundary)
         , at_(mesh.size())
         , star_ends_(mesh.size(), 0) {
-        const MeanValueTopology<3> topology(mesh); // its faces are turned outwards
+        const MeanValueTopology<3> topology(mesh); // faces are oriented outwards
         faces_of_edge_ = {topology.edges.size(), {none, none}};
         for (std::size_t f = 0; f < topology.facets.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) at_[boundary[f].vertex[k]] = boundary[f].corner[k];
@@ -64,13 +64,13 @@ public:
         const auto& c = face(f).corner;
         return {at_[c[0]], at_[c[1]], at_[c[2]]};
     }
-    /// Whether the two faces of an edge do not lie in a plane.
+    /// Whether the two faces of an edge are not coplanar.
     bool is_bent(std::uint32_t e) const noexcept {
         constexpr double flat = 1e-3; // the sine of the angle
         const auto& [f, g] = faces_of_edge(e);
         return g != none && length(cross(face(f).normal, face(g).normal)) > flat;
     }
-    /// Returns the corner of a face opposite an edge.
+    /// Returns the corner of a face opposite to an edge.
     std::uint32_t apex(std::uint32_t f, std::uint32_t e) const noexcept {
         const auto& corner = face(f).corner;
         return *std::find_if(corner.begin(), corner.end(),
@@ -83,12 +83,12 @@ public:
         const Point normal = -1.0 * face(f).normal;
         auto plane = cross(normal, along);
         if (dot(plane, at(apex(f, e)) - at(from)) < 0) plane = -1.0 * plane;
-        // The first half-plane is at an angle of 0, so that half a turn is where angles are cut.
+        // The first half-plane is at angle 0. Angles wrap at the opposite side.
         Wedge wedge{at(from), along, plane, normal, length_in_units, 2 * std::numbers::pi};
         wedge.angle = wedge.place(at(apex(g, e))).theta;
         return wedge;
     }
-    /// Calls f(edge, its distance) once for each bent edge that is nearer to a point than `distance`.
+    /// Calls f(edge, distance) once for each bent edge within `distance` of a point.
     template <class F>
     void for_each_near_bent_edge(const Point& p, double distance, const F& f) const {
         std::vector<std::uint32_t> known;
@@ -108,16 +108,16 @@ public:
             p, distance, [&](std::uint32_t e, double) { any = any || wedge(e).angle > std::numbers::pi; });
         return any;
     }
-    /// Returns the point of the boundary that has a value.
+    /// Returns the position of a boundary value.
     Point position(const BoundaryValue<3>& value) const noexcept {
         Point p{};
         for (std::size_t k = 0; k < value.handle.size(); ++k) p = p + value.weight[k] * at_[value.handle[k]];
         return p;
     }
     std::array<std::uint32_t, 3> vertices(std::uint32_t f) const noexcept { return face(f).corner; }
-    /// Returns the unit normal of a face, out of the domain. Only PlaneField needs the point.
+    /// Returns the outward unit normal of a face. Only PlaneField uses the point.
     const Point& outward_normal(std::uint32_t f, const Point&) const noexcept { return face(f).normal; }
-    /// Returns the corners of a face before rounding to the tree, in the order of vertices(f).
+    /// Returns the corners of a face without rounding to the tree, in the order of vertices(f).
     Corners<3> exact_corners(std::uint32_t f) const noexcept {
         const auto& exact = boundary_.exact(f);
         Corners<3> corners{};
@@ -128,9 +128,9 @@ public:
         }
         return corners;
     }
-    /// Returns the barycentric weights of a point q near x, in the interior of face f. q is a smooth
-    /// function of x: the minimum of |q − x|² / (2 width²) − Σ_k log(distance of q from edge k). A
-    /// damped Newton method finds q from `nearest`, the weights of the point of the face nearest to x.
+    /// Returns the barycentric weights of a point q inside face f, near x and a smooth function of x: the
+    /// minimum of |q − x|² / (2 width²) − Σ_k log(distance of q from edge k). Found by a damped Newton method
+    /// from `nearest`, the weights of the point of the face nearest to x.
     std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const Corners<3>& corners,
                                        const std::array<double, 3>& nearest, double width) const {
         const auto& face = this->face(f);
@@ -167,8 +167,8 @@ public:
         return nearest_on_facet(q, corners);
     }
 
-    /// Moves a place of the boundary inside, towards x where all faces at the place allow that, else against
-    /// their normals.
+    /// Moves a boundary point inside: towards x if all faces at the point allow it, else against their
+    /// normals.
     Point moved_inside(const BoundaryValue<3>& value, const Point& x) const noexcept {
         const auto place = position(value);
         const auto way = x - place;
@@ -197,7 +197,7 @@ public:
 private:
     const grid::TreeBoundary<3>& boundary_;
     Buffer<Point> at_;
-    Buffer<std::uint32_t> star_ends_, star_; ///< the faces of every vertex
+    Buffer<std::uint32_t> star_ends_, star_; ///< the faces of each vertex
     Buffer<std::array<std::uint32_t, 2>> faces_of_edge_;
     Frame frame_;
 };

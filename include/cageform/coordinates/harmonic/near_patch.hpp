@@ -1,4 +1,4 @@
-// The double layers of the vertices near a place; near_rows.hpp says what for.
+// The double layers of the vertices near a viewpoint, for near_rows.hpp.
 #pragma once
 
 #include <cageform/coordinates/harmonic/near_field.hpp>
@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The double layers of the vertices near a place.
+/// The double layers of the vertices near a viewpoint.
 class NearPatch {
     using Point = NearField::Point;
     static constexpr std::uint32_t none = NearField::none;
@@ -22,11 +22,10 @@ public:
         , local_face_(field.faces(), none)
         , seen_(frame_) {}
 
-    /// Chooses the vertices, the simplex and the mirrors for places about x, a point inside. Returns false
-    /// if no edge of a face that x sees lies within the radius, or too few vertices: nothing is to be done.
-    ///
-    /// The radius shrinks where more than a few hundred faces are near.
-    bool look(const Point& x, double radius) {
+    /// Chooses vertices, simplex and mirrors for points around x, a viewpoint inside. Returns false if no
+    /// edge of a visible face lies within the radius, or if there are too few vertices. The radius shrinks
+    /// until at most a few hundred faces are within it.
+    bool set_viewpoint(const Point& x, double radius) {
         constexpr std::size_t most_candidates = 150, most_faces = 300;
         for (;; radius *= 0.7) {
             forget();
@@ -42,10 +41,10 @@ public:
         }
     }
 
-    /// The vertices, V.
+    /// The vertices V.
     std::span<const std::uint32_t> vertices() const noexcept { return vertices_; }
 
-    /// Whether a point is within the radius, and no face lies between it and the place last looked from.
+    /// Whether a point lies within the radius, and no face lies between the viewpoint and the point.
     bool sees(const Point& p) const noexcept {
         return length(p - origin_) < unit_ &&
                std::none_of(candidates_.begin(), candidates_.end(),
@@ -59,11 +58,11 @@ public:
         return bits;
     }
 
-    /// Returns the wedge at the bent edge whose ends and apices are the simplex, if there is one.
+    /// Returns the wedge at the bent edge whose ends and apices form the simplex, if there is one.
     const std::optional<Wedge>& wedge() const noexcept { return wedge_; }
-    /// Returns the ends of its edge, by number in vertices().
+    /// Returns the ends of the wedge's edge as indices of vertices().
     std::array<std::uint32_t, 2> wedge_ends() const noexcept { return wedge_ends_; }
-    /// Whether another bent edge is within a distance of a point.
+    /// Whether another bent edge lies within a distance of a point.
     bool has_other_bend(const Point& p, double distance) const noexcept {
         return std::any_of(bends_.begin(), bends_.end(), [&](const Bend& bend) {
             const auto& edge = field_.edge(bend.edge);
@@ -74,7 +73,7 @@ public:
 
     /// Evaluates the double layers at points.
     ///
-    ///   unused  the mirrors that are not to be used, as bits
+    ///   unused  mirrors to leave out, as bits
     void evaluate(std::span<const Point> points, unsigned unused) {
         constexpr std::size_t lanes = lane_count<double>;
         const std::size_t batches = (points.size() + lanes - 1) / lanes;
@@ -102,7 +101,7 @@ public:
 
     /// Returns the sum of share · layer of a vertex over the first points.
     ///
-    ///   shares  one share per point, in SIMD blocks; 0 past the points of the sum
+    ///   shares  one share per point, in SIMD blocks padded by 0
     double sum(std::size_t vertex, std::span<const Lanes<double>> shares) const noexcept {
         using X = Simd<double>;
         X sum(0.0);
@@ -113,7 +112,7 @@ public:
         return std::accumulate(std::begin(lanes.v), std::end(lanes.v), 0.0);
     }
 
-    /// Turns 2 F(D_v) for all vertices into F(L_v); see NearSimplex.
+    /// Turns 2 F(D_v) of all vertices into F(L_v); see NearSimplex.
     void finish(std::span<double> amount, double least, const Point& off) const noexcept {
         simplex_.finish(amount, least, (1 / unit_) * off);
     }
@@ -151,9 +150,9 @@ private:
         mirrors_.clear();
     }
 
-    // ---- what x sees --------------------------------------------------------------------------------
+    // ---- visible faces -------------------------------------------------------------------------------
 
-    /// Finds the faces within the radius that x lies in front of.
+    /// Finds the front-facing faces within the radius.
     void find_candidates() {
         field_.boundary().for_each_within(origin_, unit_, [&](std::uint32_t f) {
             if (!(height(f, origin_) < 0)) return;
@@ -162,12 +161,12 @@ private:
             if (distance < unit_) candidates_.push_back({f, distance, foot});
         });
     }
-    /// Returns the point of a face that is nearest to the origin.
+    /// Returns the point of a face nearest to the viewpoint.
     Point foot_on(std::uint32_t f) const noexcept {
         const auto corner = field_.corners(f);
         return point_on_facet(nearest_on_facet(origin_, corner), corner);
     }
-    /// Lists those of them that no other one hides.
+    /// Lists the candidates that no other candidate hides.
     void choose_seen() {
         std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
             return a.distance != b.distance ? a.distance < b.distance : a.face < b.face;
@@ -185,7 +184,7 @@ private:
         const auto& face = field_.face(f);
         return dot(face.normal, p - field_.at(face.corner[0]));
     }
-    /// Whether a face lies between the origin, which is in front of it, and a point.
+    /// Whether a front-facing face lies between the viewpoint and a point.
     bool hides(std::uint32_t f, const Point& to) const noexcept {
         const double from_height = height(f, origin_), to_height = height(f, to);
         if (!(to_height > 0)) return false;
@@ -205,8 +204,8 @@ private:
         frame_.vertices.push_back(in_units(field_.at(v)));
         return local;
     }
-    /// Lists the vertices of the faces seen, and of the faces across their edges within the radius. Returns
-    /// whether there is such an edge.
+    /// Lists the vertices of the visible faces, and of the faces across their edges within the radius.
+    /// Returns whether there is such an edge.
     bool find_vertices() {
         bool any = false;
         for (const std::uint32_t f : seen_faces_) {
@@ -235,7 +234,8 @@ private:
 
     // ---- linear functions ----------------------------------------------------------------------------
 
-    /// Takes the ends and apices of the nearest bend, unless their functions are large, else a large simplex.
+    /// Chooses the ends and apices of the nearest bend, or a large simplex if their linear functions are
+    /// large.
     bool choose_simplex() {
         constexpr double most = 2.5;
         wedge_.reset();
@@ -264,7 +264,7 @@ private:
 
     // ---- double layers -------------------------------------------------------------------------------
 
-    /// Adds the faces about the vertices, except faces whose layers are smooth within the radius.
+    /// Adds the faces around the vertices, except those whose layers are smooth within the radius.
     void add_stars() {
         constexpr double reach = 1.5; // in radii
         for (const std::uint32_t v : vertices_) {
@@ -302,8 +302,8 @@ private:
         return local;
     }
 
-    static constexpr double most_cosine = 0.2; ///< between faces at about a right angle: 78 to 102 degrees
-    /// Finds the planes to mirror at: those of the faces at the nearest convex bends of about 90 degrees.
+    static constexpr double most_cosine = 0.2; ///< of nearly perpendicular faces: 78 to 102 degrees
+    /// Finds the mirror planes: those of the faces at the nearest convex bends of about 90 degrees.
     void find_planes() {
         for (const Bend& bend : bends_) {
             const auto& [f, g] = field_.faces_of_edge(bend.edge);
@@ -326,7 +326,7 @@ private:
     double beyond(const Mirror& mirror, const Point& p) const noexcept {
         return dot(mirror.normal, p) - mirror.offset;
     }
-    /// Whether a face lies in a mirror's plane.
+    /// Whether a face lies in the plane of a mirror.
     bool is_in(const Mirror& mirror, std::uint32_t f) const noexcept {
         const auto& face = field_.face(f);
         if (!(dot(face.normal, mirror.normal) > 0.99)) return false;
@@ -359,8 +359,8 @@ private:
             }
         }
     }
-    /// Adds the layers at the images of points in the mirrors whose bits are set. Without bits all faces
-    /// count, else those in the other mirrors.
+    /// Adds the layers at the images of points in the mirrors whose bits are set: of all faces without bits,
+    /// else of the faces in the other mirrors.
     CAGEFORM_DETAIL_FLATTEN void add_layers(Vec<Simd<double>, 3> p, unsigned mirrored,
                                             Lanes<double>* to) noexcept {
         using X = Simd<double>;
@@ -383,9 +383,9 @@ private:
             for (const std::uint32_t e : frame_.faces[f].edge) is_edge_used_[e] = 1;
         }
         if (!any) return;
-        look_at_corners(frame_, p, seen_);
+        find_corners(frame_, p, seen_);
         for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
-            if (is_edge_used_[e] != 0) look_at_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
+            if (is_edge_used_[e] != 0) find_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
         }
         constexpr double full = 4 * std::numbers::pi;
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
@@ -403,7 +403,7 @@ private:
     const NearField& field_;
     Point origin_{};
     double unit_ = 1;
-    Buffer<std::uint32_t> local_vertex_, local_edge_, local_face_;    ///< by number in the cage, or none
+    Buffer<std::uint32_t> local_vertex_, local_edge_, local_face_;    ///< by number in the cage; or none
     std::vector<std::uint32_t> all_vertices_, all_edges_, all_faces_; ///< numbers in the cage
     std::vector<std::uint32_t> vertices_, seen_faces_;
     NearSimplex simplex_;
@@ -415,9 +415,9 @@ private:
     std::vector<Mirror> planes_, mirrors_;
     std::vector<std::uint32_t> mirror_of_;
     std::vector<std::uint8_t> is_edge_used_;
-    NearField::Frame frame_; ///< about the origin, in units of the radius; the vertices V come first
+    NearField::Frame frame_; ///< relative to the viewpoint, in units of the radius; the vertices V come first
     GreenRows<double, 3> seen_;
-    Buffer<Point> local_; ///< the points
+    Buffer<Point> local_; ///< the points in local units
     Buffer<Lanes<double>> values_;
 };
 

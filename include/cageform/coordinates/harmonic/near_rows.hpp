@@ -1,32 +1,32 @@
-// Corrects the equations of a tree in space for the kinks of the hat functions.
+// Corrects the equations of a 3D tree for the kinks of the hat functions.
 //
-// A harmonic function of a handle is not smooth next to the boundary: its data, a hat function, has kinks
-// at the edges of the faces. A row of equations is a mean
+// A harmonic function of a handle is not smooth next to the boundary, because its boundary values, a hat
+// function, have kinks at edges. An equation is a mean
 //
 //     u(x) = Σ_p s_p u(p) + Σ_n s_n u(n),   Σ s = 1,   Σ s · place = x,
 //
-// over places p of the boundary and nodes n. It is exact for linear functions only. So before the mean is
-// taken, a harmonic function L_i with the same kinks is subtracted from u_i, and after it is added again:
+// over boundary points p and nodes n, exact for linear functions only. A harmonic function L_i with the same
+// kinks is therefore subtracted from u_i before the mean, and added again after it:
 //
 //     u_i(x) = Σ_p s_p φ_i(p) + Σ_n s_n u_i(n) + F(L_i),   F(L) = L(x) − Σ_p s_p L(p) − Σ_n s_n L(n).
 //
-// NearRows returns the numbers F(L_i). L_i is twice the double layer of the hats near by,
+// NearRows returns the numbers F(L_i). L_i is twice the double layer of the near hats,
 //
-//     D_v(x) = ∫ φ_v ∂G/∂n over the faces about v,   Σ_v D_v = 1 inside,
+//     D_v(x) = ∫ φ_v ∂G/∂n over the faces around v,   Σ_v D_v = 1 inside,
 //
-// which is the part of Green coordinates that belongs to vertices (coordinates/green/space.hpp). On a plane
-// the double layer of its own faces is half of the hat. With V the set of vertices near x, and β the linear
-// functions of a simplex of vertices of V (β_i is 1 at vertex i of it and 0 at the others),
+// which is the vertex part of Green coordinates (coordinates/green/space.hpp). On a plane, the double layer
+// of its own faces is half of the hat. With the set V of vertices near x, and the linear functions β of a
+// simplex of vertices of V (β_i is 1 at vertex i of the simplex and 0 at the others),
 //
 //     L_i = β_i + 2 Σ_{v∈V} (δ_iv − β_i(v)) D_v.
 //
-// So Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i, whatever V is: partition of unity and
-// linear precision are kept. At a convex bend of about a right angle the double layer of one face is wrong
-// on the other; there it is reflected at the other's plane with its sign turned (mirrors).
+// Then Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i and any V: partition of unity and linear
+// precision are kept. At a convex bend of about 90 degrees, the double layer of each face is wrong on the
+// other; there it is reflected at the other's plane with the opposite sign (mirrors).
 //
-// Next to a bent edge u_i − L_i is nearly k + c S, with the S of coordinates/harmonic/wedge.hpp, its value k
-// on the edge, and an unknown c. There the s_n are multiplied by a factor ρ with which the mean is exact for
-// S, and φ_i at the edge takes the share (1 − ρ) Σ s_n, with which it is exact for k.
+// Next to a bent edge, u_i − L_i is nearly k + c S, with S of coordinates/harmonic/wedge.hpp, its value k on
+// the edge, and an unknown c. There the s_n are multiplied by a factor ρ that makes the mean exact for S. φ_i
+// at the edge gets the share (1 − ρ) Σ s_n, which makes the mean exact for k.
 #pragma once
 
 #include <cageform/cage/detail/indices.hpp>
@@ -34,25 +34,25 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Computes F(L_i) for rows, those about one place together.
+/// Computes F(L_i) for rows, in groups around common viewpoints.
 class NearRows {
     using Point = NearField::Point;
 
 public:
-    ///   least  double layers below this share of a row's weight are dropped
+    ///   least  drops double layers below this share of a row's weight
     NearRows(const NearField& field, double least)
         : field_(field)
         , least_(least)
         , patch_(field) {}
 
-    /// Begins a row about a point inside.
+    /// Begins a row at a point inside.
     ///
-    ///   number  the caller's; `flush` passes it on
-    ///   size    of the largest leaf about the point
+    ///   number  passed on by `flush`
+    ///   size    size of the largest leaf around the point
     void begin(std::uint32_t number, const Point& x, double size) {
         rows_.push_back({number, std::uint32_t(terms_.size()), x, size, {}});
         terms_.push_back({std::uint32_t(points_.size()), false, 0});
-        terms_.push_back(terms_.back()); // for the place of an edge
+        terms_.push_back(terms_.back()); // may become a point of an edge
         points_.push_back(x);
     }
     void at_node(std::uint32_t node, const Point& position, double weight) {
@@ -70,23 +70,24 @@ public:
         points_.push_back(field_.moved_inside(value, rows_.back().position));
     }
 
-    /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and forgets the rows.
-    /// Rows are corrected together with those that they see. Calls scale(number, factor) where the weights of
-    /// a row's nodes change.
+    /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and removes the rows.
+    /// Rows that see each other are corrected together. Calls scale(number, factor) where the weights of a
+    /// row's nodes change.
     template <class Emit, class Scale>
     void flush(const Emit& emit, const Scale& scale) {
-        waiting_ = first_indices<std::uint32_t>(rows_.size());
-        while (!waiting_.empty()) {
+        pending_.resize(rows_.size());
+        std::iota(pending_.begin(), pending_.end(), std::uint32_t{0});
+        while (!pending_.empty()) {
             Point middle{};
-            for (const std::uint32_t r : waiting_)
-                middle = middle + (1 / double(waiting_.size())) * rows_[r].position;
+            for (const std::uint32_t r : pending_)
+                middle = middle + (1 / double(pending_.size())) * rows_[r].position;
             const auto nearest =
-                std::min_element(waiting_.begin(), waiting_.end(), [&](std::uint32_t a, std::uint32_t b) {
+                std::min_element(pending_.begin(), pending_.end(), [&](std::uint32_t a, std::uint32_t b) {
                     return length(rows_[a].position - middle) < length(rows_[b].position - middle);
                 });
             const auto from = rows_[*nearest].position;
             double reach = 0, size = 0;
-            for (const std::uint32_t r : waiting_) {
+            for (const std::uint32_t r : pending_) {
                 reach = (std::max)(reach, length(rows_[r].position - from));
                 size = (std::max)(size, rows_[r].size);
             }
@@ -97,12 +98,11 @@ public:
 
 private:
     struct Row {
-        /// The first of its terms is that of its own position; the second that of a place on an edge, or of
-        /// its position again.
+        /// The first term is the row's position. The second is a point of an edge, or the position again.
         std::uint32_t number, first;
         Point position;
         double size;
-        Point off{}; ///< F of the position: not zero if the row was made exact for a wedge
+        Point off{}; ///< F of the position; not zero if the row is exact for a wedge
     };
     struct Term {
         std::uint32_t point;
@@ -112,7 +112,7 @@ private:
     struct Node {
         std::uint32_t node, point;
     };
-    /// The radius of the near field of a row, in sizes of the largest leaf about the row's node.
+    /// The radius of a row's near field, in sizes of the largest leaf around the row's node.
     static constexpr double radius_of_rows = 3;
     static constexpr std::uint32_t none = NearField::none;
 
@@ -130,15 +130,15 @@ private:
         const std::size_t end = row + 1 < rows_.size() ? rows_[row + 1].first : terms_.size();
         return {terms_.data() + rows_[row].first, end - rows_[row].first};
     }
-    /// Corrects the waiting rows that a place sees; the others go on waiting.
+    /// Corrects the pending rows visible from a point; the rest stay queued.
     template <class Emit, class Scale>
     void correct_from(const Point& from, double radius, const Emit& emit, const Scale& scale) {
-        const bool any = patch_.look(from, radius);
+        const bool any = patch_.set_viewpoint(from, radius);
         seen_.clear();
         std::size_t hidden = 0;
-        for (const std::uint32_t row : waiting_) {
+        for (const std::uint32_t row : pending_) {
             if (rows_[row].position != from && !patch_.sees(rows_[row].position)) {
-                waiting_[hidden++] = row;
+                pending_[hidden++] = row;
             } else if (any) {
                 unsigned unused = 0;
                 if (patch_.wedge()) fit_to_wedge(row, *patch_.wedge(), scale);
@@ -146,7 +146,7 @@ private:
                 seen_.push_back({unused, row});
             }
         }
-        waiting_.resize(hidden);
+        pending_.resize(hidden);
         std::sort(seen_.begin(), seen_.end());
         for (auto begin = seen_.begin(), end = begin; begin != seen_.end(); begin = end) {
             while (end != seen_.end() && end->first == begin->first) ++end;
@@ -154,16 +154,16 @@ private:
             for (auto row = begin; row != end; ++row) correct(row->second, emit);
         }
     }
-    /// Makes a row exact for the singular function S of a wedge as well, where it is that of the only edge
-    /// near: its weights of nodes are multiplied by a factor, and what the sum of weights loses goes to the
-    /// point of the edge next to the row, so that constants stay exact.
+    /// Makes a row exact for the singular function S of a wedge too, if no other edge is near: multiplies its
+    /// weights of nodes by a factor, and gives the missing sum of weights to the nearest point of the edge,
+    /// so that constants stay exact.
     template <class Scale>
     void fit_to_wedge(std::uint32_t row, const Wedge& wedge, const Scale& scale) {
         const auto at = wedge.place(rows_[row].position);
         if (!is_alone(wedge, at, rows_[row])) return;
         const auto terms = terms_of(row), others = terms.subspan(2);
         const double here = wedge.singular(at);
-        double nodes = 0, of_nodes = 0, of_row = terms[0].weight * here; // sums of weights, and of S
+        double nodes = 0, of_nodes = 0, of_row = terms[0].weight * here; // sum of weights; sums of S
         for (const Term& term : others) {
             const auto there = wedge.place(points_[term.point]);
             const double singular = wedge.singular(there);
@@ -184,13 +184,13 @@ private:
         points_.push_back(foot + (std::min)(1e-5 / at.r, 0.5) * (rows_[row].position - foot)); // inside
         scale(rows_[row].number, factor);
     }
-    /// Whether the edge of a wedge is the only one near a row, which is so close to it that S matters.
+    /// Whether the edge of a wedge is near a row, and the only one, so that S matters.
     bool is_alone(const Wedge& wedge, const Wedge::Place& at, const Row& row) const noexcept {
         constexpr double most_sizes = 3, free = 2; // unit: leaf size; distance from the edge
         return wedge.is_singular() && at.r < most_sizes * row.size && wedge.has(at) && at.along > at.r &&
                wedge.length - at.along > at.r && !patch_.has_other_bend(row.position, free * at.r);
     }
-    /// Evaluates the layers at all points of rows that use the same mirrors.
+    /// Evaluates the layers at all points of rows with the same mirrors.
     void evaluate(std::span<const std::pair<unsigned, std::uint32_t>> rows) {
         place_of_.assign(points_.size(), none);
         places_.clear();
@@ -235,9 +235,9 @@ private:
     std::vector<Point> points_;
     std::vector<Node> nodes_;
     std::vector<double> amount_;
-    std::vector<std::uint32_t> waiting_;                   ///< rows that no place has seen yet
-    std::vector<std::pair<unsigned, std::uint32_t>> seen_; ///< rows, by the mirrors that they cannot use
-    std::vector<std::uint32_t> place_of_;                  ///< by point: where it is evaluated, or none
+    std::vector<std::uint32_t> pending_;                   ///< rows not corrected yet
+    std::vector<std::pair<unsigned, std::uint32_t>> seen_; ///< rows by the mirrors that they cannot use
+    std::vector<std::uint32_t> place_of_;                  ///< by point: its index in places_, or none
     std::vector<Point> places_;
 };
 

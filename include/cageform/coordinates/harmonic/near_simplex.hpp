@@ -1,4 +1,4 @@
-// The linear functions of a simplex of vertices; near_rows.hpp says what for.
+// The linear functions of a simplex of vertices, for near_rows.hpp.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -14,20 +14,20 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A tetrahedron whose corners are among some vertices, or a triangle if these lie in a plane, with its
-/// linear functions: β_i is 1 at corner i and 0 at the others.
+/// A tetrahedron with corners among given vertices, or a triangle if all vertices lie in a plane. Its linear
+/// functions β_i are 1 at corner i and 0 at the others.
 class NearSimplex {
     using Point = Vec<double, 3>;
 
 public:
-    /// Takes four vertices as corners. Returns the largest |β_i| at any vertex: infinity if they lie in a
-    /// plane.
+    /// Sets four vertices as corners. Returns the largest |β_i| at any vertex, or infinity if they are
+    /// coplanar.
     double set(std::span<const Point> vertices, const std::array<std::uint32_t, 4>& corners) {
         corners_.assign(corners.begin(), corners.end());
         return set_functions(vertices);
     }
-    /// Takes the vertex nearest to the origin, the farthest from it, then what makes the largest triangle and
-    /// tetrahedron. Returns false if all vertices lie on a line.
+    /// Sets the vertex nearest to the origin, the farthest from it, and those that give the largest triangle
+    /// and tetrahedron. Returns false if all vertices lie on a line.
     bool set_largest(std::span<const Point> vertices) {
         const auto best = [&](const auto& measure) {
             std::size_t found = 0;
@@ -54,10 +54,10 @@ public:
         return set_functions(vertices) < std::numeric_limits<double>::infinity();
     }
 
-    /// Turns 2 F(D_v) for all vertices into F(L_v).
+    /// Turns 2 F(D_v) of all vertices into F(L_v).
     ///
-    ///   least  smaller amounts are dropped first, except those of the corners: sums stay zero
-    ///   off    F of the position, which is zero for rows that are exact for linear functions
+    ///   least  smaller amounts become 0 first, except at corners, so that sums stay zero
+    ///   off    F of the position: zero for rows that are exact for linear functions
     void finish(std::span<double> amount, double least, const Point& off) const noexcept {
         for (std::size_t v = 0; v < amount.size(); ++v) {
             const bool is_corner = std::find(corners_.begin(), corners_.end(), v) != corners_.end();
@@ -94,7 +94,7 @@ private:
 
     std::vector<std::uint32_t> corners_;
     std::vector<std::array<double, 4>> beta_; ///< by vertex
-    std::array<Point, 4> slope_{};            ///< of the linear functions
+    std::array<Point, 4> slope_{};            ///< gradients of the linear functions
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,8 +1,8 @@
-// The models of leaves in the plane; leaf_models.hpp has the formula of their blend.
+// The 2D models of leaves, for the blend of leaf_models.hpp.
 //
-// The functions b of the fit are the real and imaginary parts of 1, z, …, z⁴, and the singular function
-// of the nearest vertex. The kinks of the data at vertices need no correction F, because cells there are
-// small. E sums over edges instead of faces.
+// The functions b of the fit are the real and imaginary parts of 1, z, …, z⁴, and the singular function of
+// the nearest vertex. Kinks of the data at vertices need no correction F, because cells are small there. E
+// sums over edges instead of faces.
 #pragma once
 
 #include <cageform/coordinates/harmonic/model_fit.hpp>
@@ -13,7 +13,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The edges of a cage and of walls in the plane, in the units of a tree.
+/// The 2D edges of a cage and of walls, in the units of a tree.
 class PlaneField {
 public:
     static constexpr std::size_t dimension = 2;
@@ -36,16 +36,16 @@ public:
         return stars_.capacity() * sizeof(Star) + 2 * boundary_.size() * sizeof(Point);
     }
     const Point& at(std::uint32_t vertex) const noexcept { return stars_[vertex].at; }
-    /// Always true, unlike in space: LeafData::places_of then tests visibility in every cut leaf.
+    /// Always true, unlike in 3D: LeafData::places_of then tests visibility in every cut leaf.
     bool has_reflex_edge(const Point&, double) const noexcept { return true; }
-    /// Returns the wedge between two edges of a vertex that contains the point p.
+    /// Returns the wedge between two edges of a vertex that contains p.
     Wedge wedge(std::uint32_t vertex, const Point& p) const noexcept {
         constexpr double turn = 2 * std::numbers::pi;
         const auto& star = stars_[vertex];
         const auto angle_of = [&](const Point& q) {
             return std::atan2(q[1] - star.at[1], q[0] - star.at[0]);
         };
-        double before = turn, after = turn; // the least angles from p to an edge on either side
+        double before = turn, after = turn; // least angles from p to an edge on either side
         for (const Point& end : star.ends) {
             double angle = angle_of(p) - angle_of(end);
             if (angle < 0) angle += turn;
@@ -63,17 +63,18 @@ public:
     std::array<std::uint32_t, 2> vertices(std::uint32_t f) const noexcept { return boundary_[f].vertex; }
     const Corners<2>& corners(std::uint32_t f) const noexcept { return boundary_[f].corner; }
     const Corners<2>& exact_corners(std::uint32_t f) const noexcept { return boundary_.exact(f).corner; }
-    /// Returns the unit normal of an edge, out of the domain. For a wall, inside the domain: away from x.
+    /// Returns the outward unit normal of an edge; for a wall, which is inside the domain, the normal away
+    /// from x.
     Point outward_normal(std::uint32_t f, const Point& x) const noexcept {
         const Point& normal = boundary_.normal(f);
         const bool turns = !boundary_.separates(f) && dot(normal, exact_corners(f)[0] - x) < 0;
         return turns ? -1.0 * normal : normal;
     }
-    /// Returns the point of the boundary that `value` describes. It is not moved, unlike in space.
+    /// Returns the boundary point of `value`, not moved, unlike in 3D.
     Point moved_inside(const BoundaryValue<2>& value, const Point&) const noexcept {
         return value.weight[0] * at(value.handle[0]) + value.weight[1] * at(value.handle[1]);
     }
-    /// Returns the weights of a point in the interior of an edge, near x, as NearField::place_inside does.
+    /// Returns the weights of a point inside an edge, near x. See NearField::place_inside.
     std::array<double, 2> place_inside(std::uint32_t, const Point& x, const Corners<2>& corners,
                                        const std::array<double, 2>& nearest, double width) const noexcept {
         const auto along = corners[1] - corners[0];
@@ -100,7 +101,7 @@ private:
     std::vector<Star> stars_; ///< by vertex
 };
 
-/// A model of the functions in a leaf and about it, in the plane.
+/// A 2D model of the functions in and around a leaf.
 class PlaneModel : public LeafData<PlaneField> {
 public:
     static constexpr unsigned degree = 4;
@@ -108,7 +109,7 @@ public:
     using Field = PlaneField;
     using Values = std::array<double, most_functions>;
 
-    ///   place  the viewpoint: a point of the leaf, inside the cage
+    ///   place  the viewpoint: a point of the leaf inside the cage
     PlaneModel(const grid::CutTree<2>& tree, const Nodes& nodes, const PlaneField& field, const Cell& leaf,
                const Point& place)
         : LeafData(tree, nodes, field, leaf, place) {
@@ -117,15 +118,15 @@ public:
         if (is_valid() && is_near_) find_vertices();
     }
 
-    /// Returns the polynomial degree of function `k` of the fit; 0 for the singular function.
+    /// Returns the degree of polynomial `k` of the fit, or 0 for the singular function.
     static constexpr unsigned degree_of(std::size_t k) noexcept {
         return k < polynomials ? unsigned(k + 1) / 2 : 0;
     }
-    /// Returns the ridge of a function that is not linear, divided by the sum of the weights of data.
+    /// Returns the ridge of a non-linear function, relative to the sum of the data's weights.
     static constexpr double ridge(std::size_t) noexcept { return 1e-8; }
     /// Returns the number of functions of the fit.
     std::size_t functions() const noexcept { return polynomials + (wedge_ ? 1 : 0); }
-    /// Returns the values of these functions at a point. The value past `functions()` is 0.
+    /// Returns the values of these functions at a point. Values from `functions()` on are 0.
     Values values(const Point& p) const noexcept {
         const Point z = (1 / size_) * (p - middle_);
         Values values{1};
@@ -146,7 +147,7 @@ public:
     }
 
 private:
-    /// Adds the nodes of neighbours of half the size: on the leaf's boundary, and half a leaf size beyond.
+    /// Adds the nodes of neighbours of half the size, on the leaf's boundary and half a leaf size beyond.
     void add_nodes_between() {
         for (std::int32_t i = -1; i <= 3; ++i) {
             for (std::int32_t j = -1; j <= 3; ++j) {
@@ -182,7 +183,7 @@ private:
         });
     }
 
-    std::optional<Wedge> wedge_; ///< at the nearest vertex whose wedge is singular
+    std::optional<Wedge> wedge_; ///< at the nearest vertex with a singular wedge
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

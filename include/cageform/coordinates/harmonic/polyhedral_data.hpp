@@ -1,4 +1,4 @@
-// The boundary data of harmonic coordinates on a PolyhedralMesh. harmonic.hpp includes it at its end.
+// The boundary values of harmonic coordinates on a PolyhedralMesh. Included at the end of harmonic.hpp.
 #pragma once
 
 #include <cageform/coordinates/detail/face_coordinates.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The functions of one face of a mesh, in its plane: bilinear on a rectangle, which is exact, else
-/// harmonic coordinates. A template, so that only meshes of polygons compile a solver for the plane.
+/// The functions of one face in its plane: bilinear on a rectangle, which is exact, else harmonic
+/// coordinates. A template, so that only users of polyhedral meshes compile a 2D solver.
 template <class Plane>
 class HarmonicFace {
 public:
@@ -22,7 +22,7 @@ public:
             coordinates_.emplace(polygon, options);
         }
     }
-    /// Solves for the functions and keeps them.
+    /// Solves the functions and keeps them.
     Status solve() { return coordinates_ ? coordinates_->solve().status : Status::ok; }
 
     friend void face_weights(const HarmonicFace& face, const Vec<double, 2>& p, std::span<double> row) {
@@ -45,15 +45,14 @@ private:
         return dot(missed, missed) <= 1e-24 * squares && std::fabs(dot(u, v)) <= 1e-12 * squares;
     }
 
-    std::optional<Plane> coordinates_; ///< none for a rectangle, which has:
+    std::optional<Plane> coordinates_; ///< none for a rectangle, which uses the following members
     Vec<double, 2> origin_{};
-    std::array<Vec<double, 2>, 2> sides_{}; ///< over their squared lengths
+    std::array<Vec<double, 2>, 2> sides_{}; ///< divided by their squared lengths
 };
 
-/// On a planar face with more than three corners the boundary data is the harmonic coordinates of the
-/// face's polygon (Joshi et al., Harmonic Coordinates for Character Articulation, sec. 4). They are
-/// solved once, when the problem is posed: to a quarter of the accuracy or, for a uniform grid, to the
-/// least.
+/// On a planar face with more than three corners, the boundary values are harmonic coordinates of the face
+/// (Joshi et al., Harmonic Coordinates for Character Articulation, sec. 4). They are solved once, to a
+/// quarter of the accuracy, or to the least accuracy for a uniform grid.
 template <Scalar T>
 struct HarmonicData<PolyhedralMesh<T>> {
     static Status make(const PolyhedralMesh<T>& mesh, const HarmonicOptions& options, BoundaryData<3>& data) {

@@ -1,4 +1,4 @@
-// A least squares fit with a ridge.
+// A least-squares fit with a ridge.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -12,21 +12,22 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Solves a weighted least squares fit. The share of a datum is its factor in the coefficient of a
-/// function. Cost: O(#functions² (#functions + #data)).
+/// Solves a weighted least-squares fit. The share of a datum is its factor in a function's coefficient. Cost:
+/// O(#functions² (#functions + #data)).
 ///
-///   width   at least #functions; of the rows that are computed
-///   basis   #data rows: the values of the functions at a datum, then zeros
+///   width   number of columns computed, at least #functions
+///   basis   #data rows: the values of the functions at a datum, padded by zeros
 ///   weight  #data
 ///   ridge   #functions
-///   shares  out: #functions rows of #data shares, in SIMD blocks, the last one filled with zeros
+///   shares  out: #functions rows of #data shares, in SIMD blocks padded by zeros
 template <std::size_t width, std::size_t most>
 void ridge_fit(std::span<const std::array<double, most>> basis, std::span<const double> weight,
                std::span<const double> ridge, Buffer<Lanes<double>>& shares) {
     using X = Simd<double>;
     const std::size_t n = ridge.size(), data = weight.size(), blocks = block_count<double>(data);
-    std::array<std::array<double, width>, width> matrix; // uses the upper triangle; whole rows are faster
-    std::array<double, width> inverse;                   // of the diagonal
+    std::array<std::array<double, width>, width>
+        matrix;                        // only the upper triangle matters; full rows are faster
+    std::array<double, width> inverse; // reciprocals of the diagonal
     for (std::size_t i = 0; i < n; ++i) {
         std::array<double, width> row{};
         row[i] = ridge[i];

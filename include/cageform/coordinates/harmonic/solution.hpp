@@ -1,5 +1,4 @@
-// Solves the functions of a cage with any solver and keeps them, or samples and discards them group
-// by group.
+// Solves the functions of a cage with any solver, and keeps them or samples and discards them by groups.
 #pragma once
 
 #include <cageform/cage/detail/indices.hpp>
@@ -11,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// A solver S made for its input, with its functions once they have been solved and kept.
+/// A solver S made for its input, and its functions if they are kept.
 template <class S, Scalar T>
     requires CageSolver<S, T>
 class Solution final : public CageFunctions<T, S::dimension> {
@@ -55,8 +54,8 @@ public:
                       [&](std::span<const std::size_t> points) { return solver().samples(batch, points); });
     }
 
-    /// Computes the gradients. If functions have been kept, a few blocks are handled at a time so that
-    /// their values stay in cache.
+    /// Computes the gradients. With kept functions, a few blocks are processed at a time, so that their
+    /// values stay in the caches.
     Status sample_gradients([[maybe_unused]] const Batch<T>& batch, [[maybe_unused]] SolverReport& report,
                             [[maybe_unused]] const Running& running) const override {
         if constexpr (!DifferentiableSolver<S, T>) {
@@ -126,15 +125,15 @@ public:
     }
 
 private:
-    /// Computes weights or gradients from kept functions, if `solve` kept them. Otherwise solves the
-    /// functions group by group, and frees each group after sampling.
+    /// Computes weights or gradients from kept functions. Without kept functions, solves group by group, and
+    /// frees each group after sampling.
     ///
-    ///   samples_of  samples_of(points): returns the stencils of the points with these numbers
+    ///   samples_of  samples_of(points): returns the stencils of the points with these indices
     template <class SamplesOf>
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running,
                   const SamplesOf& samples_of) const {
-        // Points that are sampled together share work. `few` is the least number of points for a thread.
-        // If functions are kept, `many` points are sampled at once. Otherwise `together` points are.
+        // Points sampled together share work: `many` with kept functions, else `together`. A thread gets at
+        // least `few` points.
         constexpr std::size_t few = 256, many = 4096, together = 1024;
         const auto order = order_of(batch);
         const std::size_t count = order.size(), pieces = (count + together - 1) / together;
@@ -187,9 +186,9 @@ private:
 
 } // namespace detail
 
-/// Makes the functions of a cage by the solver S, or returns another status than ok. A HarmonicSolver.
+/// Makes the functions of a cage by the solver S. A HarmonicSolver.
 ///
-///   more  passed on to S::make
+///   more  further arguments of S::make
 template <class S, class T, std::size_t D, class... More>
 Status make_functions(std::shared_ptr<const SolverInput<D>> input, SolverReport& report,
                       std::shared_ptr<CageFunctions<T, D>>& made, const Running& running,

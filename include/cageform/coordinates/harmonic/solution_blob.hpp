@@ -1,17 +1,17 @@
-// The binary layout of the solved functions of a cage: written to a file, mapped, and sampled by other
-// processes without a solve and without a copy.
+// The binary layout of the solved functions of a cage, for files that other processes map and sample without
+// a solve or a copy.
 //
-// Byte order is that of the machine that wrote it, marked by a tag. Every array begins at a multiple of 64
-// bytes from the beginning; there are offsets, no pointers.
+// The byte order is that of the writing machine, marked by a tag. Each array is given by an offset and begins
+// at a multiple of 64 bytes.
 //
 //     SolutionHeader
 //     groups        #groups × SolutionGroup: sixteen functions each
 //     grid_errors   SolverReport::Tree::grid_errors, float
-//     words         for each group ⌈#nodes / 64⌉ × SolutionWord: the nodes that have values
-//     rows          for each group, with its words: the sixteen values of each of these nodes, float
+//     words         for each group ⌈#nodes / 64⌉ × SolutionWord: the nodes with values
+//     rows          for each group, after its words: the sixteen values of each of these nodes, float
 //
-// The grid is not stored. The reader makes it anew from its cage, which takes a tenth of the time of a
-// solve, and refuses functions that were solved on another one.
+// The grid is not stored. The reader makes it from its cage, in a tenth of the time of a solve, and refuses
+// functions that were solved on another grid.
 #pragma once
 
 #include <cageform/coordinates/harmonic/cage_functions.hpp>
@@ -24,7 +24,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The first 256 bytes of packed functions. Offsets are in bytes from its beginning.
+/// The first 256 bytes of packed functions. Offsets are in bytes from the beginning.
 struct SolutionHeader {
     static constexpr std::uint64_t magic_number = 0x766C6F7365676163u; // "cagesolv" in little endian
     static constexpr std::uint32_t current_version = 1;
@@ -32,11 +32,11 @@ struct SolutionHeader {
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
     std::uint32_t endian = 0x01020304u;
-    std::uint64_t bytes = 0;                       ///< in all, a multiple of 64
-    std::uint64_t checksum = 0;                    ///< `hash_memory` of all that follows this field
-    std::uint32_t dimension = 0, scalar_bytes = 0; ///< the latter always 0
+    std::uint64_t bytes = 0;                       ///< total size, a multiple of 64
+    std::uint64_t checksum = 0;                    ///< `hash_memory` of all bytes after this field
+    std::uint32_t dimension = 0, scalar_bytes = 0; ///< scalar_bytes is always 0
     std::uint64_t cage_hash = 0;                   ///< of vertices and faces, in double
-    std::uint64_t grid_hash = 0;                   ///< of the grid's cells and the boundary data on it
+    std::uint64_t grid_hash = 0;                   ///< of the grid's cells and boundary values
     double accuracy = 0;                           ///< HarmonicOptions::accuracy
     std::uint64_t group_count = 0, nodes = 0, groups = 0;
     std::uint64_t grid_errors = 0, grid_error_count = 0;
@@ -53,35 +53,35 @@ struct SolutionGroup {
     std::uint64_t words = 0, rows = 0, row_count = 0;
 };
 
-/// Which of 64 nodes have values.
+/// A bit mask of 64 nodes: those with values.
 struct SolutionWord {
     std::uint64_t nodes = 0;
-    std::uint32_t before = 0; ///< rows of earlier words
+    std::uint32_t before = 0; ///< number of rows of earlier words
     std::uint32_t reserved = 0;
 };
 
 using SolutionRow = Lanes<float>;
 
-/// The functions of a group, as they are kept: the values of sixteen functions at some of the nodes. They
-/// lie in memory of its own, or in packed functions, which have to outlive it.
+/// The kept functions of a group: the values of sixteen functions at some of the nodes. Stored in its own
+/// memory, or in packed functions, which must outlive this object.
 class KeptFunctions {
 public:
     KeptFunctions() = default;
-    KeptFunctions(KeptFunctions&&) noexcept = default; // the memory stays where it is
+    KeptFunctions(KeptFunctions&&) noexcept = default; // does not move the memory
     KeptFunctions& operator=(KeptFunctions&&) noexcept = default;
     KeptFunctions(const KeptFunctions&) = delete;
     KeptFunctions& operator=(const KeptFunctions&) = delete;
     ~KeptFunctions() = default;
 
-    /// Takes what lies in packed functions.
+    /// Refers to packed functions.
     KeptFunctions(std::span<const SolutionWord> words, std::span<const SolutionRow> rows) noexcept
         : words_(words.data())
         , rows_(rows.data())
         , word_count_(words.size())
         , row_count_(rows.size()) {}
 
-    /// Keeps the values of a solved block where any of them exceeds `least`; they are stored in float, as the
-    /// cycles compute them.
+    /// Keeps the values of a solved block at nodes where any of them exceeds `least`, as float, the scalar of
+    /// the cycles.
     template <class Block>
     KeptFunctions(const Block& block, std::uint32_t nodes, double least)
         : own_words_((nodes + 63) / 64, SolutionWord{}) {
@@ -110,7 +110,7 @@ public:
         }
     }
 
-    /// Returns whether values are stored for a node; elsewhere they are zero.
+    /// Returns whether a node has stored values. Others are zero.
     bool has(std::uint32_t node) const noexcept {
         return ((words_[node / 64].nodes >> (node % 64)) & 1u) != 0;
     }
@@ -138,7 +138,7 @@ private:
     std::size_t word_count_ = 0, row_count_ = 0;
 };
 
-/// Hashes the vertices and the faces, or edges, of a cage.
+/// Hashes the vertices and the faces (2D: edges) of a cage.
 template <std::size_t D>
 std::uint64_t hash_of_cage(const SolverInput<D>& input) noexcept {
     std::uint64_t hash = hash_memory(input.cage.vertices(), input.handles);
@@ -150,9 +150,9 @@ std::uint64_t hash_of_cage(const SolverInput<D>& input) noexcept {
     return hash;
 }
 
-/// Packs kept functions. Throws std::bad_alloc if there is no memory.
+/// Packs kept functions. Throws std::bad_alloc.
 ///
-///   header  with all that is not about the arrays
+///   header  all fields that do not depend on the arrays
 inline std::vector<std::byte> pack_solution(SolutionHeader header, std::span<const KeptFunctions> functions,
                                             const SolverReport& report) {
     const auto& errors = report.tree.grid_errors;
@@ -194,7 +194,7 @@ inline std::vector<std::byte> pack_solution(SolutionHeader header, std::span<con
     return bytes;
 }
 
-/// Checks the words and rows of a group: every value is there, and finite.
+/// Checks the words and rows of a group: all values are present and finite.
 inline bool is_sound_group(std::span<const SolutionWord> words, std::span<const SolutionRow> rows,
                            std::uint64_t nodes) noexcept {
     std::uint64_t count = 0;
@@ -212,9 +212,9 @@ inline bool is_sound_group(std::span<const SolutionWord> words, std::span<const 
     return true;
 }
 
-/// Opens packed functions without copying them.
+/// Opens packed functions without a copy.
 ///
-///   known    what the functions have to be of: dimension, hashes, accuracy, groups, nodes
+///   known    the required dimension, hashes, accuracy, groups and nodes
 ///   returns  not_a_solution, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
 ///            blob_malformed, blob_of_another_cage, blob_of_another_grid, or ok
 inline Status open_solution(std::span<const std::byte> data, const SolutionHeader& known,

@@ -1,4 +1,4 @@
-// Stores the interpolation stencils of many points, as weights of nodes and of handles.
+// Stores the interpolation stencils of many points as weights of nodes and handles.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A list of stencils. Weights on boundary points are converted to weights of handles.
+/// A list of stencils. Weights of boundary points are converted to weights of handles.
 template <std::size_t D>
 class StencilTable {
 public:
@@ -25,7 +25,7 @@ public:
         double share;
     };
 
-    /// Appends a stencil. `data` is the cage's BoundaryData.
+    /// Appends a stencil. `data` is a BoundaryData.
     template <class Data>
     void add(const grid::CutStencil<D>& stencil, const Data& data) {
         nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
@@ -38,7 +38,7 @@ public:
         end_stencil();
     }
 
-    /// Appends a stencil: the shares of nodes and of vertices. handle_of(vertex) is a vertex's handle.
+    /// Appends a stencil given by shares of nodes and vertices. handle_of(vertex) returns a vertex's handle.
     template <class HandleOf>
     void add(std::span<const Node> nodes, std::span<const Handle> vertices, const HandleOf& handle_of) {
         nodes_.append(nodes.data(), nodes.data() + nodes.size());
@@ -50,8 +50,8 @@ public:
         const std::size_t begin = n == 0 ? 0 : ends_[n - 1].nodes;
         return {nodes_.data() + begin, ends_[n].nodes - begin};
     }
-    /// Returns the weights of a stencil's handles first … first + count − 1, ascending. A handle may stand
-    /// there more than once.
+    /// Returns the weights of a stencil's handles in [first, first + count), ascending. A handle may occur
+    /// more than once.
     std::span<const Handle> handles(std::size_t n, std::size_t first, std::size_t count) const noexcept {
         const auto* const begin = handles_.data() + (n == 0 ? 0 : ends_[n - 1].handles);
         const auto* const end = handles_.data() + ends_[n].handles;
@@ -73,7 +73,7 @@ private:
 
     Buffer<Node> nodes_;
     Buffer<Handle> handles_;
-    Buffer<Ends> ends_; ///< where each stencil's nodes and handles end
+    Buffer<Ends> ends_; ///< ends of each stencil's nodes and handles
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

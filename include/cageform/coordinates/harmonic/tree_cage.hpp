@@ -1,5 +1,4 @@
-// Embeds a cage in an adaptive grid: chooses cell sizes for an accuracy, locates points and returns
-// their interpolation stencils.
+// Embeds a cage in an adaptive grid: cell sizes for an accuracy, location of points, interpolation stencils.
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -10,20 +9,18 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A cage embedded in a tree of cells. The cage must outlive it. It cannot be moved, because its
-/// members point to each other.
+/// A cage embedded in a tree of cells. Refers to the cage. Not movable, because members refer to each other.
 template <std::size_t D>
 class TreeCage {
     using C = CellComplex<double, D>;
 
 public:
-    /// The largest depth of the tree: its smallest cells are 2^-depth of the cube around the cage.
+    /// The largest depth of the tree. Cells of depth d have the size 2^-d of the cube around the cage.
     static constexpr unsigned most_depth = D == 2 ? 20 : 16, least_depth = 8;
     /// The largest depth for a cage with thin bones.
     static constexpr unsigned most_depth_at_bones = grid::CellTree<D>::most_depth;
-    /// Returns the largest depth for this cage. It is limited so that no cell is much smaller than
-    /// the tolerance: points that close to the cage count as boundary points, and such cells would
-    /// be lost in the rounding of coordinates.
+    /// Returns the largest depth for this cage, so that cells are not much smaller than the tolerance:
+    /// smaller cells hold only boundary points and are lost in the rounding of coordinates.
     static unsigned depth_of(const C& cage, double tolerance) noexcept {
         const auto bounds = bounds_of(cage.vertices());
         double longest = 0;
@@ -38,7 +35,7 @@ public:
         return depth;
     }
 
-    /// Predicts the size of a tree before it is built.
+    /// Predicts the size of a tree before it is made.
     class Plan {
     public:
         ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
@@ -75,11 +72,11 @@ public:
     TreeCage& operator=(const TreeCage&) = delete;
     ~TreeCage() = default;
 
-    /// Returns the cell sizes for an accuracy. The factors are measured. In 2D errors are of order four
-    /// in the cell size. All errors on cages with known solutions and on random cages are within the
-    /// accuracy. In 3D with a near field, cells need not resolve the kinks of the data. So cells may be
-    /// far larger than small facets and than the thickness of the domain. HarmonicOptions::accuracy states
-    /// the errors. Without a near field errors are of order two in the cell size.
+    /// Returns the cell sizes for an accuracy. The factors are empirical. 2D errors are of order four in the
+    /// cell size, and within the accuracy on all cages with known solutions and on random cages. With a 3D
+    /// near field, cells need not resolve the kinks of the data, and may be far larger than small facets and
+    /// than the thickness of the domain (HarmonicOptions::accuracy). Without a near field, 3D errors are of
+    /// order two.
     static grid::RefinementOptions sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
@@ -87,7 +84,7 @@ public:
                     .per_facet = (std::max)(1.0, 0.75 * finer),
                     .corner_levels = 0.8 * std::log2(1 / accuracy) - 1.4,
                     .corner_gradation = 0.7 + 0.6 * finer,
-                    // Sizes are powers of two, so the cells halve for a tenth of the accuracy.
+                    // Sizes are powers of two, so a tenth of the accuracy halves the cells.
                     .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
             const double finer = std::sqrt(2e-3 / accuracy);
@@ -101,12 +98,12 @@ public:
                         .per_radius = 10 * finer,
                         .largest = (std::min)(0.08, 0.0253 / finer)};
             }
-            // Once kinks are subtracted, reflex edges have the largest errors.
+            // Without kinks, reflex edges have the largest errors.
             const double levels = (std::max)(2.0, 2 + std::log2(finer));
             return {.across = 2.4 * finer,
                     .small_error = accuracy,
                     .per_facet = 0.25 * finer,
-                    // No more faces are near than a near field can take.
+                    // Bounds the number of faces in a near field.
                     .of_root_area = 1.7,
                     .edge_levels = levels,
                     .reflex_levels = levels,
@@ -116,8 +113,7 @@ public:
         }
     }
 
-    /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
-    /// estimate of how many.
+    /// Refines the tree. Returns false if it needs more than `most` leaves; `leaves` is then an estimate.
     bool refine(double accuracy, double most, double& leaves, const Running& running) {
         const bool whole = grid::refine(tree_, sizing(accuracy, subtracts_kinks_), std::size_t(most), finest_,
                                         running.subtask(0, 0.8));
@@ -126,7 +122,7 @@ public:
         return whole;
     }
 
-    /// Writes the smallest cells to the report.
+    /// Reports the smallest cells.
     void report_finest(SolverReport& report) const noexcept {
         std::int32_t smallest = tree_.cells().size();
         tree_.cells().for_each_leaf([&](const Cell& leaf) {
@@ -139,7 +135,7 @@ public:
     }
 
     const C& cage() const noexcept { return cage_; }
-    /// Returns a handle of a bone that is thinner than the smallest possible cells, if there is one.
+    /// Returns a handle of a bone that is thinner than the smallest cells, if there is one.
     std::optional<std::uint32_t> too_thin() const noexcept { return boundary_.bones().too_thin(); }
     const grid::CutTree<D>& tree() const noexcept { return tree_; }
     const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
@@ -162,16 +158,16 @@ public:
         const auto at = placed(p);
         return located(p, at, tree_.leaf_at(at)).state;
     }
-    /// Returns the distance from a point inside to the boundary, along an axis, up or down, in
-    /// sizes of the point's leaf; at most `limit`.
+    /// Returns the distance from an inside point to the boundary along an axis, up or down, in sizes of the
+    /// point's leaf; at most `limit`.
     double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         const auto at = placed(p);
         const double size = tree_.leaf_at(at).size;
         return std::fmin(limit, boundary_.free_distance({at, axis, up, limit * size}) / size);
     }
 
-    /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil is
-    /// empty for points outside and beyond the batch.
+    /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil of outside
+    /// points, and of indices beyond the batch, is empty.
     template <Scalar T>
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const {
         auto stencil = stencil_outside(batch, i);
@@ -181,7 +177,7 @@ public:
         }
         return stencil;
     }
-    /// As `stencil`, but points inside get an empty stencil too. Sets the state of every point.
+    /// As `stencil`, but without stencils of inside points.
     template <Scalar T>
     grid::CutStencil<D> stencil_outside(const Batch<T>& batch, std::size_t i) const {
         grid::CutStencil<D> stencil;
@@ -201,10 +197,10 @@ private:
         return {cage, depth_of(cage, tolerance), 2 * tolerance, scale};
     }
     Vec<double, D> placed(const Vec<double, D>& p) const noexcept { return boundary_.in_units(p); }
-    /// Sets the stencil of a point inside. Close to the boundary the tree's facets are rounded, and
-    /// a leaf does not see all facets that shape the function. There the value is interpolated
-    /// linearly between the nearest point of the unrounded boundary and a point farther inside, so
-    /// it tends to the boundary data.
+    /// Sets the stencil of an inside point. Close to the boundary, facets of the tree are rounded and a leaf
+    /// lacks some facets that affect the function. There the value is interpolated linearly between the
+    /// nearest point of the unrounded boundary and a point farther inside, so it tends to the boundary
+    /// values.
     void set_stencil(const Vec<double, D>& p, const Cell& leaf, grid::CutStencil<D>& stencil) const {
         double layer = layer_share * leaf.size;
         const auto nearest = boundary_.nearest(tree_.facets(leaf.number), p, false);
@@ -247,7 +243,7 @@ private:
         const auto state = tree_.state(leaf.number);
         if (in_cube && state != grid::CellState::cut)
             return {state == grid::CellState::in ? PointState::inside : PointState::outside, {}};
-        // Only within this distance can the tolerance or the rounding of the tree change the result.
+        // Beyond this distance neither the tolerance nor the rounding of the tree changes the result.
         const double undecided =
             1e-4 + std::ldexp(2.0, -boundary_.fraction()) + 2 * tolerance_ / boundary_.unit();
         if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > undecided) {
@@ -259,9 +255,9 @@ private:
         return found;
     }
 
-    /// Width of the linear layer at the boundary, as a share of the leaf. In 2D, where
-    /// interpolation beyond it is of fourth order, the layer is so thin that its error is below
-    /// every accuracy. In 3D it is where linear interpolation is the better of the two.
+    /// Width of the linear layer at the boundary, relative to the leaf. In 2D, where interpolation beyond the
+    /// layer is of fourth order, the layer's error is below every accuracy. In 3D, linear interpolation is
+    /// more accurate within the layer.
     static constexpr double layer_share = D == 2 ? 0.01 : 0.3;
 
     const C& cage_;

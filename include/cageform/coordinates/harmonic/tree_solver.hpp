@@ -1,5 +1,5 @@
-// Solves harmonic functions of a cage by multigrid on an adaptive grid, to a given accuracy. Cells
-// are small where the cage is thin, its facets are small or its edges are sharp (grid/tree/).
+// Solves the harmonic functions of a cage by multigrid on an adaptive grid, to a given accuracy. Cells are
+// small where the cage is thin, its facets are small or its edges are sharp (grid/tree/).
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -20,12 +20,12 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// An order of the handles in which neighbours come together. The functions of a group of sixteen
-/// are then large in the same region, and the solver skips the rest.
+/// An order of the handles with neighbours close together. The functions of a group of sixteen are then large
+/// in the same region, and the solver skips the rest.
 class HandleOrder {
 public:
     HandleOrder() = default;
-    /// Halves the handles across the longest side of their bounds, down to groups of `width`.
+    /// Bisects the handles across the longest side of their bounds, down to groups of `width`.
     template <std::size_t D>
     HandleOrder(std::span<const Vec<double, D>> points, std::size_t width)
         : handle_(points.size())
@@ -67,7 +67,7 @@ private:
     Buffer<std::uint32_t> handle_, position_;
 };
 
-/// The boundary data, with handles numbered by HandleOrder::position.
+/// The boundary values, with handles numbered by HandleOrder::position.
 template <std::size_t D>
 class OrderedData {
 public:
@@ -90,16 +90,16 @@ private:
 
 } // namespace detail
 
-/// A CageSolver for every kind of cage; groups have sixteen functions. HarmonicOptions::accuracy
-/// decides how fine the grid is and when the cycles stop. Bones thinner than half the finest cell,
-/// some millionths of the cage, are refused (grid_too_coarse).
+/// A CageSolver for all cages, with sixteen functions per group. HarmonicOptions::accuracy determines the
+/// grid and when cycles stop. Bones thinner than half the finest cell, some millionths of the cage, are
+/// refused (grid_too_coarse).
 template <std::size_t D>
 class TreeSolver {
     using Cage = detail::TreeCage<D>;
     using Multigrid = grid::TreeMultigrid<D>;
     static constexpr std::size_t width = Multigrid::width;
-    /// The cycles stop at this fraction of the accuracy. It is smaller in 2D: cycles are cheap there,
-    /// and around corners, where cells are tiny, gradients are differences of nearly equal values.
+    /// Cycles stop at this fraction of the accuracy. It is smaller in 2D, where cycles are cheap, and where
+    /// gradients around corners, with tiny cells, are differences of nearly equal values.
     static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
 
 public:
@@ -121,7 +121,7 @@ public:
         const double most =
             (std::min)(double(input.options.memory_limit) / bytes_of_leaf, 0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
-        constexpr double few = 2e5; // quick to make, and the plan overestimates such small trees
+        constexpr double few = 2e5; // quick to make; the plan overestimates such small trees
         if (leaves < (std::max)(1.5 * most, few))
             cage = std::make_unique<Cage>(input.cage, input.tolerance, subtracts_kinks, plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
@@ -186,8 +186,8 @@ public:
             const double change = multigrid_.cycle(block, count, keep_going);
             ++report.multigrid.cycles;
             if (!keep_going()) return Status::cancelled;
-            // The change of a cycle is the error before it, minus the error that remains. The first
-            // cycles gain more than later ones.
+            // The change of a cycle is the difference of the errors before and after it. The first cycles
+            // gain more than later ones.
             const double gained = before > 0 ? change / before : 0.5;
             if (before > tolerance_)
                 report.multigrid.convergence_factor = (std::max)(report.multigrid.convergence_factor, gained);
@@ -208,14 +208,14 @@ public:
         return Status::ok;
     }
 
-    /// The values of a group at the nodes at which some function exceeds accuracy / 500. The rounding to
-    /// float is far below any allowed accuracy.
+    /// The values of a group at nodes where a function exceeds accuracy / 500. The rounding to float is far
+    /// below the least accuracy.
     using Functions = detail::KeptFunctions;
     Functions keep(const Block& block) const {
         return Functions(block, multigrid_.unknowns(), 0.002 * tolerance_ / of_accuracy);
     }
 
-    /// Returns what a file of kept functions has to be of: cage, grid and accuracy.
+    /// Returns the header that packed functions for this cage, grid and accuracy have.
     detail::SolutionHeader solution_header() const {
         detail::SolutionHeader header;
         header.dimension = D;
@@ -242,7 +242,7 @@ public:
     using Samples = detail::CutSamples<D>;
     using GradientSamples = detail::GradientSamples<D>;
 
-    /// Returns the numbers of the points along the Morton curve.
+    /// Returns the indices of the points along the Morton curve.
     template <Scalar T>
     std::vector<std::size_t> order(const Batch<T>& batch) const {
         using Nodes = grid::TreeNodes<D>;
@@ -289,7 +289,7 @@ public:
     }
     /// Whether the solver makes stencils of derivatives: if samples are C².
     bool has_gradient_samples() const noexcept { return field_.has_value(); }
-    /// Makes the stencils of derivatives of points inside and on the boundary. Other points have none.
+    /// Makes the stencils of derivatives of inside and boundary points. Other points get none.
     template <Scalar T>
     GradientSamples gradient_samples(const Batch<T>& batch, std::span<const std::size_t> points) const {
         GradientSamples samples(order_.size());
@@ -318,7 +318,7 @@ public:
         samples.reserve();
         return samples;
     }
-    template <class AnySamples, class Solved, Scalar T> // Solved: a block or kept functions
+    template <class AnySamples, class Solved, Scalar T> // Solved: a Block or kept Functions
     void sample(AnySamples& samples, std::size_t group, const Solved& solved,
                 BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
@@ -346,8 +346,8 @@ private:
         std::conditional_t<D == 3, detail::LeafSamples<detail::LeafModel, detail::LeafFit>,
                            detail::LeafSamples<detail::PlaneModel, detail::ModelFit<detail::PlaneModel>>>;
 
-    /// Whether samples blend the models of leaves. In 2D: if the cage has no bones. In 3D: if the boundary
-    /// data is linear on faces and the cage has no cells inside.
+    /// Whether samples blend models of leaves: in 2D if the cage has no bones, in 3D if the boundary values
+    /// are linear on faces and the cage has no interior cells.
     static bool is_blended(const SolverInput<D>& input) noexcept {
         if (D == 2) return input.cage.cells().bones.empty();
         return input.data.is_linear() &&
@@ -400,14 +400,15 @@ private:
         return cage_->tree().boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
     }
 
-    /// Returns the function from a handle to its position in the order.
+    /// Returns a function that maps a handle to its position in the order.
     auto position_of() const noexcept {
         return [this](std::uint32_t handle) { return order_.position(handle); };
     }
     detail::OrderedData<D> ordered_data() const noexcept { return {*data_, order_}; }
     /// Returns the value below which the next coarser level represents a function well enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
-    /// Returns whether values need iterative refinement in double; float alone stalls at about 3e-7.
+    /// Returns whether values need iterative refinement in double. In float, convergence stalls at about
+    /// 3e-7.
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
     /// Returns the position of a group's first handle, and the number of its handles.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {

@@ -1,4 +1,4 @@
-// Defines UniformGrid. uniform_harmonic.hpp includes it, unless the program links cageform::compiled.
+// Definition of UniformGrid. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/harmonic/multigrid_solver.hpp>

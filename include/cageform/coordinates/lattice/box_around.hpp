@@ -1,4 +1,4 @@
-// The box of a lattice about a figure.
+// A box around a figure, for a lattice.
 #pragma once
 
 #include <cageform/core/result.hpp>
@@ -10,11 +10,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Returns an axis-parallel box around points, for a lattice.
+/// Returns an axis-aligned box around points, for a lattice.
 ///
-///   margin  is added on all sides, as a part of the diagonal. A side shorter than a thousandth of the
-///           diagonal is widened by that to both sides
-///   status  figure_empty; figure_not_finite; figure_has_no_size, if all points are one
+///   margin  added on all sides, relative to the diagonal. A side shorter than a thousandth of the diagonal
+///           is widened by that much on both sides
+///   status  figure_empty; figure_not_finite; figure_has_no_size if all points coincide
 template <PointRange R>
 auto box_around(const R& points, double margin = 0.02)
     -> Result<Transform<range_scalar_t<R>, range_dimension<R>>> {

@@ -1,4 +1,4 @@
-// Finer lattices that deform as the coarser one does: control points are added along one axis.
+// Refinement of lattices along one axis, without a change of the deformation.
 #pragma once
 
 #include <cageform/coordinates/lattice/spline_axis.hpp>
@@ -9,12 +9,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An axis with more control points, and the rows that make them: control point r is Σ_i row(r)[i] · point i
-/// of the coarser axis, at rest and in every pose. No number is negative, rows sum to one, and the
-/// deformation stays.
+/// An axis with more control points, and the matrix that makes them: control point r is Σ_i row(r)[i] · point
+/// i of the coarser axis, at rest and in every pose. Entries are not negative, and rows sum to 1.
 struct RefinedAxis {
     LatticeAxis axis;
-    std::size_t before = 0;     ///< control points of the coarser axis
+    std::size_t before = 0;     ///< number of control points of the coarser axis
     std::vector<double> matrix; ///< axis.points rows of `before` numbers
 
     std::span<const double> row(std::size_t r) const noexcept { return {matrix.data() + r * before, before}; }
@@ -29,7 +28,7 @@ inline RefinedAxis unrefined(const LatticeAxis& axis) {
     for (std::size_t i = 0; i < same.before; ++i) same.matrix[i * same.before + i] = 1;
     return same;
 }
-/// Makes one control point more: point r is the mean of r − 1 and r, with the weight share(r) for r.
+/// Adds one control point: point r becomes share(r) · point r + (1 − share(r)) · point r − 1.
 template <class Share>
 void mix(RefinedAxis& axis, const Share& share) {
     std::vector<double> mixed((axis.axis.points + 1) * axis.before);
@@ -55,7 +54,7 @@ inline void insert(RefinedAxis& refined, double knot) {
     });
     knots.insert(above, knot);
 }
-/// Refines an axis that has no fault: change(refined) returns a status.
+/// Refines a valid axis by change(refined), which returns a status.
 template <class Change>
 Result<RefinedAxis> refine(const LatticeAxis& axis, const Change& change) {
     if (const auto fault = SplineAxis<double>::fault_of(axis, 0)) return {{}, status_of(fault->kind)};
@@ -72,10 +71,10 @@ Result<RefinedAxis> refine(const LatticeAxis& axis, const Change& change) {
 
 } // namespace detail
 
-/// Adds a knot in (0, 1), and with it one control point. O(points²).
+/// Inserts a knot in (0, 1), which adds one control point. O(points²).
 ///
-///   status  lattice_degree_not_supported, lattice_knots_not_supported: of the axis, or the knot is out of
-///           range or there are `degree` of it already; splines of degree 4 and more have one span.
+///   status  lattice_degree_not_supported, lattice_knots_not_supported: of the axis, or if the knot is out of
+///           range or has multiplicity `degree` already; splines of degree 4 and more have one span.
 ///           out_of_memory
 inline Result<RefinedAxis> insert_knot(const LatticeAxis& axis, double knot) {
     return detail::refine(axis, [&](RefinedAxis& refined) {
@@ -85,7 +84,7 @@ inline Result<RefinedAxis> insert_knot(const LatticeAxis& axis, double knot) {
     });
 }
 
-/// Halves every span. Evenly spaced knots stay so. O(points³).
+/// Halves every span. Uniform knots stay uniform. O(points³).
 ///
 ///   status  as for `insert_knot`
 inline Result<RefinedAxis> halve_spans(const LatticeAxis& axis) {
@@ -98,7 +97,7 @@ inline Result<RefinedAxis> halve_spans(const LatticeAxis& axis) {
     });
 }
 
-/// Raises the degree of an axis of one span by one (Bernstein polynomials). O(points²).
+/// Raises the degree of an axis with a single span by one (Bernstein polynomials). O(points²).
 ///
 ///   status  lattice_degree_not_supported: the axis has several spans, or has degree 63; out_of_memory
 inline Result<RefinedAxis> raise_degree(const LatticeAxis& axis) {
@@ -114,10 +113,10 @@ inline Result<RefinedAxis> raise_degree(const LatticeAxis& axis) {
     });
 }
 
-/// Refines control points along one axis, those at rest or those of a pose. Points after them (still handles)
-/// stay. Throws std::bad_alloc.
+/// Refines control points along one axis, at rest or in a pose. Points after them (still handles) are copied.
+/// Throws std::bad_alloc.
 ///
-///   counts  the number of control points along every axis, before
+///   counts  number of control points along each axis before the refinement
 template <Scalar T, std::size_t D>
 std::vector<Vec<T, D>> refined_points(std::span<const Vec<T, D>> points,
                                       const std::array<std::size_t, D>& counts, std::size_t axis,

@@ -1,5 +1,4 @@
-// One axis of a lattice: B-splines on clamped knots over [0, 1]. With one span they are Bernstein
-// polynomials.
+// One axis of a lattice: B-splines on clamped knots over [0, 1], or Bernstein polynomials for a single span.
 #pragma once
 
 #include <cageform/cage/types/report.hpp>
@@ -8,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -16,19 +14,18 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// One axis of a lattice.
 struct LatticeAxis {
-    std::size_t points = 4; ///< the number of control points, at least 2
-    /// The degree, lowered to points − 1: 1 … 3, or up to 63 where it is points − 1 (Bernstein polynomials).
+    std::size_t points = 4; ///< number of control points, at least 2
+    /// Degree, clamped to points − 1: 1 … 3, or up to 63 if it is points − 1 (Bernstein polynomials).
     std::size_t degree = 3;
-    /// points + degree + 1 ascending numbers: degree + 1 times 0, inner ones of which no more than `degree`
-    /// are equal, degree + 1 times 1. Knots that differ are at least 1e-9 apart. Empty: spans of the same
-    /// length.
+    /// points + degree + 1 ascending knots: degree + 1 zeros, inner knots of multiplicity at most `degree`,
+    /// degree + 1 ones. Different knots are at least 1e-9 apart. Empty: uniform spans.
     std::vector<double> knots{};
 };
 
 namespace detail {
 
-/// The functions N_i of an axis. Σ N_i = 1 and Σ g_i N_i(u) = u, where g_i, the Greville abscissa of N_i, is
-/// the mean of its inner knots.
+/// The functions N_i of an axis. Σ N_i = 1 and Σ g_i N_i(u) = u, where the Greville abscissa g_i is the mean
+/// of the inner knots of N_i.
 template <Scalar T>
 class SplineAxis {
 public:
@@ -54,7 +51,7 @@ public:
         }
     }
 
-    /// Returns what is wrong with an axis. `a` of the fault is its number.
+    /// Returns the first fault of an axis. `number` becomes `a` of the fault.
     static std::optional<CageFault> fault_of(const LatticeAxis& axis, std::size_t number) {
         const std::size_t degree = axis.points == 0 ? 0 : (std::min)(axis.degree, axis.points - 1);
         const std::size_t most = axis.points == degree + 1 ? most_degree : 3;
@@ -79,19 +76,17 @@ public:
     double greville(std::size_t i) const noexcept { return greville_[i]; }
     const std::vector<double>& knots() const noexcept { return knots_; }
 
-    /// Evaluates the degree + 1 functions that are not zero at u in [0, 1], and their slopes, by their
-    /// recurrence (de Boor, J. Approx. Theory 6 (1972)). No term is negative. On a knot the span above it
-    /// counts.
+    /// Evaluates the degree + 1 non-zero functions at u in [0, 1], and their slopes, by the recurrence of de
+    /// Boor, J. Approx. Theory 6 (1972), without negative terms. A knot belongs to the span above it.
     ///
-    ///   returns  the number of the first of them
+    ///   returns  the index of the first non-zero function
     std::size_t evaluate(T u, Values& value, Values& slope) const noexcept {
-
         const auto above = std::upper_bound(knots_.begin() + std::ptrdiff_t(degree_) + 1,
                                             knots_.begin() + std::ptrdiff_t(points_), double(u));
         const auto span = std::size_t(above - knots_.begin()) - 1;
         const T* over = over_.data() + (span - degree_) * (degree_ * (degree_ + 1) / 2);
         value[0] = 1;
-        Values share{}; // the last step's: a function of one degree less, over the length of its knots
+        Values share{}; // functions of one degree less, divided by the length of their support
         for (std::size_t p = 1; p <= degree_; ++p) {
             T carried = 0;
             for (std::size_t r = 0; r < p; ++r) {
@@ -108,10 +103,10 @@ public:
         return span - degree_;
     }
 
-    /// Evaluates all functions at a register of places, outside [0, 1] straight on.
+    /// Evaluates all functions at a register of positions, extended linearly outside [0, 1].
     ///
-    ///   value, slope   out, one row for each control point
-    ///   sloped         whether slopes are wanted, or a place is outside; else `slope` may stay as it is
+    ///   value, slope   out, one row per control point
+    ///   sloped         whether slopes are wanted or a position is outside; else `slope` may be unset
     void evaluate(const Lanes<T>& u, bool sloped, Lanes<T>* value, Lanes<T>* slope) const noexcept {
         if (points_ == degree_ + 1) return evaluate_bernstein(Simd<T>::load(u), sloped, value, slope);
         for (std::size_t i = 0; i < points_; ++i) {
@@ -136,7 +131,7 @@ private:
         std::array<X, most_degree + 1> at;
         at[0] = X(T(1));
         for (std::size_t p = 1; p <= degree_; ++p) {
-            if (sloped && p == degree_) { // the differences of the functions of one degree less
+            if (sloped && p == degree_) { // differences of functions of one degree less
                 const X size{T(degree_)};
                 for (std::size_t r = 0; r <= degree_; ++r) {
                     const X before = r > 0 ? at[r - 1] : X(T(0)), after = r < degree_ ? at[r] : X(T(0));
@@ -165,7 +160,7 @@ private:
 
     std::size_t points_ = 0, degree_ = 0;
     std::vector<double> knots_, greville_;
-    std::vector<T> over_; ///< 1 over the differences of knots, in the order of the recurrence, by span
+    std::vector<T> over_; ///< reciprocals of knot differences, by span, in the order of the recurrence
 };
 
 } // namespace detail

@@ -1,5 +1,4 @@
-// Evaluates mean value coordinates in 2D and 3D: everything around the formula itself, which is in
-// plane.hpp, space.hpp and polygons.hpp.
+// Evaluation of mean value coordinates in 2D and 3D. The formulas are in plane.hpp, space.hpp, polygons.hpp.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -13,18 +12,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Calls `weigh` with everything inlined, which keeps numbers in registers. For gradients the code
-/// is the same for every scalar of the cage.
+/// Calls `weigh` with everything inlined, which keeps numbers in registers.
 template <class N, class Frame, class S, std::size_t D, class Rows>
 CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const MeanValueLimits<S>& limits,
                                                      const Vec<ValueOf<N>, D>& p, Rows& memory) noexcept {
     return weigh(frame, limits, p, memory);
 }
 
-/// The base of MeanValueCoordinates in both dimensions. Points are evaluated a SIMD register at a
-/// time, gradients always in double. The formula loses digits next to the boundary and far away;
-/// such points are evaluated one by one in a wider scalar, in units of their distance from the
-/// boundary, so that nothing overflows.
+/// The base of MeanValueCoordinates. Points are evaluated a SIMD register at a time, gradients always in
+/// double. Next to the boundary and far away, where the formula cancels, single points are evaluated in a
+/// wider scalar, in units of their distance from the boundary, so that nothing overflows.
 template <class Cage>
 class MeanValueEvaluation : public CheckedCage<Cage> {
 public:
@@ -37,8 +34,8 @@ public:
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
                         std::span<PointState> states, const Running& running = {}) const;
-    /// See GradientCoordinates. On the boundary derivatives exist from one side only; there the
-    /// gradient at a point 1e-6 diagonals inside is returned.
+    /// See GradientCoordinates. Derivatives on the boundary are one-sided: the gradient at a point 1e-6
+    /// diagonals inside is returned.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
                                   std::span<PointState> states, const Running& running = {}) const;
     Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p,
@@ -71,7 +68,7 @@ private:
     template <class N>
     using Rows = typename Form::template Rows<N>;
 
-    /// The mesh that the formula is evaluated on; its points are the cage's vertices, then those of fans.
+    /// The mesh of the formula. Its points are the cage's vertices, then those of fans.
     const auto& surface() const noexcept { return surface_of(cage_); }
     std::size_t points() const noexcept { return surface().size(); }
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
@@ -85,11 +82,10 @@ private:
         return at;
     }
 
-    /// Returns the limits for evaluation in registers, in units of 1/scale_ (between half a
-    /// diagonal and a diagonal). Far away the weights grow like the distance and cancel:
-    /// `far_distance` limits the loss to some ten roundings, for gradients to a hundred. Next to
-    /// the boundary gradients in double lose accuracy in proportion to 1/distance; gradients that
-    /// are rounded to float are not affected.
+    /// Returns the limits for evaluation in registers, in units of 1/scale_ (half a diagonal to a diagonal).
+    /// `far_distance` limits cancellation to some ten roundings, for gradients to a hundred. Next to the
+    /// boundary, gradients in double lose accuracy in proportion to 1/distance; the rounding to float hides
+    /// that loss.
     template <class N>
     MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
         using S = ScalarOf<ValueOf<N>>;
@@ -116,7 +112,7 @@ private:
             }
         });
     }
-    /// Passes rows of points on to the vertices, for weights or for derivatives along several axes.
+    /// Distributes rows of means to the vertices, for weights or for derivatives along several axes.
     void fold([[maybe_unused]] std::size_t axes, [[maybe_unused]] const Lanes<T>* from,
               [[maybe_unused]] Lanes<T>* to) const noexcept {
         if constexpr (requires { cage_.fan_points(); }) {
@@ -125,8 +121,7 @@ private:
         }
     }
 
-    /// Evaluates the lanes of block `b` from `first` on, as many as N has. Each component has a row for
-    /// every point.
+    /// Evaluates as many lanes of block `b` as N has, from `first` on. Each component has one row per point.
     template <class N>
     void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Lanes<T>* rows,
                         Rows<N>& memory) const {
@@ -143,8 +138,7 @@ private:
                                [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
         }
 
-        // Inside, the sum is at least 2π (4π in 3D) over the diagonal (Hormann & Floater 2006, sec.
-        // 4.1).
+        // Inside, the sum is at least 2π (4π in 3D) over the diagonal (Hormann & Floater 2006, sec. 4.1).
         X special = result.special;
         if (any(value_of(result.sum) < X(S(1))))
             special += for_number<N>(test_, gradient_test_).failed(p, memory.weights, value_of(result.sum));
@@ -164,7 +158,7 @@ private:
         }
     }
 
-    /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
+    /// Evaluates one point in a wider scalar. On the boundary it returns the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
         Vec<T, D> position;
@@ -184,27 +178,27 @@ private:
         if (value_of(sum) == 0) return PointState::unreached;
         if (!store_weights<N>(memory.weights, Wide(1) / sum, 1 / unit, rows, lane))
             return PointState::unreached;
-        // Near thin cages and far away rounding can change the sign of the sum, so it does not decide.
+        // The state does not come from the sum: near thin cages and far away, rounding can change its sign.
         return on_boundary ? PointState::on_boundary : locate(cage_, p, T(0));
     }
 
-    /// How far inside derivatives are evaluated for points on the boundary, in diagonals.
+    /// The distance of the point where gradients of boundary points are evaluated, in diagonals.
     static constexpr double step_inside = 0x1p-20;
 
-    /// Computes the unnormalised weights, with p as origin and lengths in `unit`s. Returns their sum.
+    /// Computes the unnormalised weights with p as origin, in units of `unit`. Returns their sum.
     template <class N>
     N weigh_about(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
-        // Only the last limit matters here. In these units a point near a face's plane, but not
-        // over the face, is at a distance of 1 or more from the face.
+        // Only the last limit is reached. In these units, a point near a face's plane but not over the face
+        // is at a distance of at least 1 from the face.
         const MeanValueLimits<Wide> limits{0, (std::numeric_limits<float>::max)(), Wide(0.1)};
         return weigh(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
                      Vec<Wide, D>{}, memory)
             .sum;
     }
 
-    /// Computes the unnormalised weights at a point `step` inside from a boundary point p. The step
-    /// goes against the mean normal of the facets at p. At corners so sharp that this leads
-    /// outside, it goes inwards from one of these facets.
+    /// Computes the unnormalised weights at a point `step` inside from a boundary point p. The step goes
+    /// against the mean normal of the facets at p. If that leads outside, at very sharp corners, it goes
+    /// inwards from one of the facets.
     template <class N>
     N weigh_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
         std::vector<Vec<double, D>> directions(1);

@@ -1,5 +1,4 @@
-// Defines what MeanValueCoordinates compute. mean_value.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of MeanValueCoordinates. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/mean_value/polygons.hpp>
@@ -21,11 +20,7 @@ MeanValueEvaluation<Cage>::evaluate_gradients(BlockView<const scalar> points, Bl
 
 template <class Cage>
 Status MeanValueEvaluation<Cage>::prepare() {
-    if (report_.status != Status::ok) return report_.status;
-    report_.status = guard_memory([&] {
-        fill_tables();
-        return Status::ok;
-    });
+    if (report_.status == Status::ok) report_.status = guard_memory([&] { fill_tables(); });
     return report_.status;
 }
 

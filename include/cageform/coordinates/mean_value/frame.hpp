@@ -1,4 +1,4 @@
-// Inputs and outputs of the mean value formulas in 2D and 3D.
+// Inputs and outputs of the mean value formulas.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -6,21 +6,20 @@
 #include <cageform/core/affine/compensated_sum.hpp>
 #include <cageform/core/affine/dual.hpp>
 
-#include <array>
 #include <type_traits>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The connectivity of a cage: its facets (edges in 2D, faces in 3D), consistently oriented.
+/// The connectivity of a cage: its facets (edges in 2D, triangles in 3D), consistently oriented.
 template <std::size_t D>
 struct MeanValueTopology;
 
-/// A cage as the formula needs it, with its vertices moved and scaled.
+/// The tables of a cage, with its vertices moved and scaled.
 template <class S, std::size_t D>
 struct MeanValueFrame;
 
-/// Frames are computed in double at least.
+/// The scalar of tables while they are computed: at least double.
 template <class S>
 using Precise = std::common_type_t<S, double>;
 
@@ -34,16 +33,16 @@ inline Vec<double, 3> outward_normal(const Corners<3>& facet) noexcept {
     return (1 / length(n)) * n;
 }
 
-/// Where the formula is not used, and where it switches; in lengths of the frame.
+/// Limits of the formula, in lengths of the frame.
 template <class S>
 struct MeanValueLimits {
-    S near_distance; ///< points closer to the boundary than this are flagged
-    S far_distance;  ///< points farther from the cage than this are flagged
-    /// 3D: points closer to a face's plane than this, but not over the face, use `sum_beside_face`.
+    S near_distance; ///< points nearer to the boundary are flagged
+    S far_distance;  ///< points farther from the cage are flagged
+    /// 3D: points nearer to a face's plane, but not over the face, use `sum_beside_face`.
     S beside;
 };
 
-/// Working memory of the formula: a number per handle, and in 3D per edge.
+/// Scratch memory of the formula: a number per handle, and in 3D per edge.
 template <class N>
 struct WeightRows {
     std::vector<N> weights, edges;
@@ -59,7 +58,7 @@ struct WeightRows {
     }
 };
 
-/// The types of the formula for a kind of cage: connectivity, numbers, working memory, boundary data.
+/// The types of the formula for a kind of cage.
 template <class Cage>
 struct MeanValueForm {
     using Topology = MeanValueTopology<Cage::dimension>;
@@ -72,8 +71,8 @@ struct MeanValueForm {
     static Data data(const Cage& /*cage*/) noexcept { return {}; }
 };
 
-/// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1
-/// and 4.2). `special` is one in the lanes flagged by the limits, zero in the others.
+/// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1 and 4.2).
+/// `special` is 1 in lanes flagged by the limits, else 0.
 template <class N>
 struct WeightSum {
     N sum;

@@ -1,4 +1,4 @@
-// The formula of mean value weights in 2D, for any number type.
+// The formula of mean value weights in 2D.
 #pragma once
 
 #include <cageform/cage/detail/loop_sides.hpp>
@@ -14,10 +14,10 @@ struct MeanValueTopology<2> {
         std::size_t begin, end;
     };
     Buffer<Loop> loops;
-    /// The edge that starts at each vertex, with the inside on its left.
+    /// The edges by start vertex, with the inside on the left.
     std::vector<std::array<std::uint32_t, 2>> facets;
 
-    static std::size_t edge_count() noexcept { return 0; } ///< no memory per edge is needed
+    static std::size_t edge_count() noexcept { return 0; } ///< 2D needs no memory per edge
 
     MeanValueTopology() = default;
     template <Scalar T>
@@ -56,8 +56,8 @@ struct MeanValueFrame<S, 2> {
     }
 };
 
-/// The vector u from the point to a vertex, its squared length and its length. `inverse_r` is set
-/// only for numbers whose roots are estimated.
+/// The vector u from the point to a vertex, its squared length and its length. `inverse_r` is set only for
+/// numbers with estimated roots.
 template <class N>
 struct Spoke {
     using X = ValueOf<N>;
@@ -80,22 +80,21 @@ struct Spoke {
     }
 };
 
-/// Computes the weights of Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1), before
-/// normalising:
+/// Computes the unnormalised weights of Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1):
 ///
 ///   w_i = (t_{i−1} + t_i) / r_i,   t_i = tan(α_i/2),   α_i the signed angle C_i p C_{i+1}
 ///
-/// With u = C_i − p, v = C_{i+1} − p and e the edge, c = u × e is |u||v| sin α and d = u·v is |u||v|
-/// cos α. The cross product uses the edge because u × v would cancel far away. The tangent is tan(α/2)
-/// = sin/(1 + cos) = (1 − cos)/sin, whichever form does not cancel. One division by (the tangent's
-/// denominator times |v|) yields both the tangent and 1/|v|, unless 1/|v| comes with the root.
+/// With u = C_i − p, v = C_{i+1} − p and e the edge, c = u × e is |u||v| sin α and d = u·v is |u||v| cos α. c
+/// is computed from the edge because u × v cancels far away. tan(α/2) = sin/(1 + cos) = (1 − cos)/sin,
+/// whichever form does not cancel. A single division, by the tangent's denominator times |v|, yields the
+/// tangent and 1/|v|, unless 1/|v| comes with the root.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance),
         far2(limits.far_distance * limits.far_distance);
-    // The smallest distances to a vertex and to an edge. At an edge |c| is small and d is not positive.
+    // The smallest distances from a vertex and from an edge. At an edge |c| is small and d is not positive.
     X special = zero, least_rr((std::numeric_limits<S>::max)()), least_clearance = least_rr;
     for (const auto& loop : cage.loops) {
         const Spoke<N> first(cage.corners[loop.begin].position, p);
@@ -111,7 +110,7 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
             const N c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
             const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
             const auto acute = zero < value_of(d);
-            const N s = from.r * to.r + select(acute, d, -d); // |d|, with the slope of the form at d = 0 too
+            const N s = from.r * to.r + select(acute, d, -d); // |d|; at d = 0 with the slope of −d
             const N numerator = select(acute, c, s), denominator = select(acute, s, c);
             least_clearance =
                 (min)(abs(value_of(denominator)) - X(limits.near_distance * corner.extent), least_clearance);

@@ -14,7 +14,7 @@ class MeanValueCoordinates; // in coordinates/mean_value.hpp
 
 namespace detail {
 
-/// The connectivity of the triangles, and which of them form a planar face with more than three corners.
+/// The connectivity of the triangles, and the planar faces with more than three corners.
 struct PolygonTopology : MeanValueTopology<3> {
     struct Polygon {
         std::vector<std::uint32_t> corners;
@@ -23,8 +23,8 @@ struct PolygonTopology : MeanValueTopology<3> {
         MeanValueTopology<2> plane;
     };
     std::vector<Polygon> polygons;
-    std::vector<std::size_t> triangles; ///< triangles that are faces themselves, or belong to fans
-    std::size_t most_corners = 0;       ///< of any polygon
+    std::vector<std::size_t> triangles; ///< triangular faces and triangles of fans
+    std::size_t most_corners = 0;       ///< the largest number of corners of a polygon
 
     PolygonTopology() = default;
     template <Scalar T>
@@ -54,7 +54,7 @@ struct PolygonFrame : MeanValueFrame<S, 3> {
     struct Polygon {
         std::vector<std::uint32_t> corners;
         std::pair<std::size_t, std::size_t> triangles;
-        std::vector<std::array<Point, 3>> corners_of_triangle; ///< its triangles, in its plane
+        std::vector<std::array<Point, 3>> corners_of_triangle; ///< in the plane of the polygon
         MeanValueFrame<S, 2> plane;
         Point lower, upper; ///< bounds of the corners
     };
@@ -91,7 +91,7 @@ struct PolygonFrame : MeanValueFrame<S, 3> {
     }
 };
 
-/// Working memory of the formula, with that for a polygon's plane.
+/// Scratch memory of the formula, and of the formula in a polygon's plane.
 template <class N>
 struct PolygonRows : WeightRows<N> {
     using InPlane = std::conditional_t<has_gradient<N>, Dual<ValueOf<N>, 2>, N>;
@@ -103,7 +103,7 @@ struct PolygonRows : WeightRows<N> {
         , in_plane(MeanValueTopology<2>(), topology.most_corners) {}
 };
 
-/// Computes the 2D weights at a point on the polygon's edges: linear along the nearest edge.
+/// Computes the 2D weights at a point on the polygon's boundary: linear along the nearest edge.
 template <class N, class S>
 N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRows<N>& rows) noexcept {
     S least = (std::numeric_limits<S>::max)(), fraction = 0;
@@ -127,16 +127,15 @@ N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRow
     return N(S(1));
 }
 
-/// The sum of the weights of a polygon's corners, and their weighted mean in its plane.
+/// The sum of the weights of a polygon's corners, and the weighted mean of the corners in its plane.
 template <class N>
 struct PolygonMean {
     N sum;
     std::array<N, 2> position;
 };
 
-/// Computes the mean from the triangles of a polygon. They give their corners weights with Σ w_k
-/// (C_k − p) = m, where m is as in MeanValueCoordinates<T, 3>. So neither the sum nor the mean
-/// depends on the triangulation.
+/// Computes the mean from the triangles of a polygon, whose weights satisfy Σ w_k (C_k − p) = m (see
+/// MeanValueCoordinates). Sum and mean therefore do not depend on the triangulation.
 template <class N, class S>
 PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Polygon& polygon,
                        const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
@@ -158,22 +157,21 @@ PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<
     for (std::size_t axis = 0; axis < 2; ++axis) {
         const X low(polygon.lower[axis]), high(polygon.upper[axis]);
         x[axis] = x[axis] / select(vanishes, N(one), sum);
-        // By rounding, if the sum is small.
+        // Clamps rounding errors, which are large if the sum is small.
         x[axis] = select(value_of(x[axis]) < low, N(low), x[axis]);
         x[axis] = select(high < value_of(x[axis]), N(high), x[axis]);
     }
     return {sum, x};
 }
 
-/// Distributes the weights of a face with more than three corners. Let s be the sum of its
-/// triangles' weights and x = Σ w_k C_k / s, a point in the face's convex hull. Corner i gets s
-/// μ_i(x), where μ are the mean value coordinates in the face's plane. Then Σ s μ_i(x) (C_i − p) =
-/// s (x − p) = m, as for triangles. Langer, Belyaev, Seidel (Spherical barycentric coordinates, SGP
-/// 2006, sec. 4) also distribute m by coordinates of the face's polygon, but by coordinates around
-/// the direction of m on the sphere.
+/// Distributes the weights of a face with more than three corners. Let s be the sum of its triangles' weights
+/// and x = Σ w_k C_k / s, a point of the face's convex hull. Corner i gets s μ_i(x), where μ are the mean
+/// value coordinates in the face's plane, so Σ s μ_i(x) (C_i − p) = s (x − p) = m, as for triangles. Langer,
+/// Belyaev, Seidel (Spherical barycentric coordinates, SGP 2006, sec. 4) also distribute m, but by spherical
+/// coordinates around the direction of m.
 template <class N, class S>
-void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polygon& polygon,
-               const MeanValueLimits<S>& limits, PolygonRows<N>& rows) noexcept {
+void distribute(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polygon& polygon,
+                const MeanValueLimits<S>& limits, PolygonRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const auto& [sum, x] = mean;
     rows.in_plane.weights.resize(polygon.corners.size());
@@ -198,7 +196,7 @@ void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polyg
     }
 }
 
-/// Computes the weights of the vertices of a PolyhedralMesh and of its fans' points, before normalising.
+/// Computes the unnormalised weights of the vertices and of the means of fans.
 template <class N, class S>
 WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
                    PolygonRows<N>& rows) noexcept {
@@ -206,14 +204,12 @@ WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits
     for (const std::size_t t : cage.triangles)
         add_triangle<N, S>(cage.faces[t], limits, p, rows.special, rows);
     for (const auto& polygon : cage.polygons)
-        share_out<N, S>(mean_of<N, S>(cage, polygon, limits, p, rows), polygon, limits, rows);
+        distribute<N, S>(mean_of<N, S>(cage, polygon, limits, p, rows), polygon, limits, rows);
     return {rows.sum(), rows.special};
 }
 
-/// The types of the formula for a PolyhedralMesh.
-///
-///   Plane  the coordinates of a face in its plane, as a parameter because that type is still incomplete
-///          here
+/// The types of the formula for a PolyhedralMesh. `Plane` is a parameter because 2D MeanValueCoordinates are
+/// still incomplete here.
 template <Scalar T, class Plane>
 struct PolygonForm {
     using Topology = PolygonTopology;

@@ -1,4 +1,4 @@
-// The formula of mean value weights in 3D, for any number type.
+// The formula of mean value weights in 3D.
 #pragma once
 
 #include <cageform/cage/detail/indices.hpp>
@@ -100,20 +100,20 @@ X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
     return X(a[0]) * b[0] + (X(a[1]) * b[1] + X(a[2]) * b[2]);
 }
 
-/// The lower limit of divisors, so that quotients stay finite.
+/// The lower limit of divisors, which keeps quotients finite.
 template <class S>
 inline constexpr S least_divisor = (std::numeric_limits<S>::min)() * S(1e6);
 
-/// Returns whether both ends of an edge lie on the same side of a point's foot on the edge's line,
-/// and far from it; r² is the squared distance to the line. The series of the arctangents in
-/// r/begin and r/end then gain two digits a term.
+/// Returns whether both ends of an edge lie on the same side of a point's foot on the edge's line, and far
+/// from the foot relative to the distance √rr from the line. Each term of the series in r/begin and r/end
+/// then adds two digits.
 template <class U>
 bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
     using K = ValueOf<U>;
     return U(K(0)) < begin * end && K(100) * rr < begin * begin && K(100) * rr < end * end;
 }
 
-/// Returns G of `angle_over_distance`, −2 dg/d(R²), from the series g = Σ_k (−1)^k/(2k + 1) R^2k
+/// Returns G of `angle_over_distance`, G = −2 dg/d(R²), from the series g = Σ_k (−1)^k/(2k + 1) R^2k
 /// (begin^−(2k+1) − end^−(2k+1)).
 template <class X>
 X radial_beyond_ends(X rr, X begin, X end) noexcept {
@@ -128,9 +128,8 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
     return sum;
 }
 
-/// An edge relative to a point p: the vector u from p to its start, its direction t, the positions
-/// `begin` and `end` of its ends along its line from the foot of p, and R = |R⃗|, where R⃗ is the
-/// vector to that foot.
+/// An edge relative to a point p: the vector u from p to its start, its direction t, the positions `begin`
+/// and `end` of its ends along its line, measured from the foot of p, and the distance R of p from its line.
 template <class X, class S>
 struct SeenEdge {
     Vec<X, 3> u, t;
@@ -146,14 +145,13 @@ struct SeenEdge {
         rr = (max)(inner(c, c), X(least_divisor<S>));
         r = sqrt(rr);
     }
-    /// The sine and cosine of the angle θ that the edge subtends at p, times the distances of both
-    /// its ends.
+    /// Sine and cosine of the angle θ that the edge subtends at p, times the distances of both ends.
     X sine() const noexcept { return r * length; }
     X cosine() const noexcept { return rr + begin * end; }
 };
 
-/// Returns g = θ/R of an edge: the integral of one over the squared distance along it. With τ its
-/// direction and a, b the distances of its ends:
+/// Returns g = θ/R of an edge: the integral of 1/distance² along it. With its direction τ, the vector R⃗ from
+/// p to its foot on the line, and the distances a, b of the ends from p:
 ///
 ///   ∇g = τ (1/a² − 1/b²) + R⃗ G,   G = (g + end/b² − begin/a²)/R²
 template <class N, class S>
@@ -177,8 +175,8 @@ N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec
     }
 }
 
-/// Computes g of all edges. SIMD registers take two stages, the quotients and then their
-/// arctangents. Each stage is so short that a processor works on several edges at once.
+/// Computes g of all edges. For SIMD registers, quotients and arctangents are separate loops, which are short
+/// enough for a processor to overlap several edges.
 template <class N, class S>
 void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& edges,
                            const Vec<ValueOf<N>, 3>& p, std::vector<N>& g) noexcept {
@@ -204,7 +202,7 @@ void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& ed
     }
 }
 
-/// Returns the linear function offset − normal·p, given its value at p.
+/// Returns the linear function offset − normal·p, or the same function from its value at p.
 template <class N, class S>
 N linear(const ValueOf<N>& value, const Vec<S, 3>& normal) noexcept {
     using X = ValueOf<N>;
@@ -215,14 +213,14 @@ N linear(S offset, const Vec<S, 3>& normal, const Vec<ValueOf<N>, 3>& p) noexcep
     return linear<N>(ValueOf<N>(offset) - inner(normal, p), normal);
 }
 
-/// Returns (g ρ − φ)/H² of an edge of a face. φ is the signed angle that the edge subtends at the
-/// foot point of p in the plane; `begin` and `end` are the positions of its ends along its line.
+/// Returns (g ρ − φ)/H² of an edge of a face. φ is the signed angle that the edge subtends at the foot of p
+/// in the plane; `begin` and `end` are the positions of its ends along its line.
 template <class U>
 U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end) noexcept {
     using std::atan;
     using K = ValueOf<U>;
     const U zero(K(0)), one(K(1)), rr = rho * rho, distance2 = rr + height * height;
-    if (is_beyond_ends(distance2, begin, end)) { // both g and φ as series, with the H² divided out
+    if (is_beyond_ends(distance2, begin, end)) { // series of g and φ, divided by H²
         const U b = one / begin, e = one / end;
         U b_power = b, e_power = e, powers = one, rho_power = one, sum = zero;
         constexpr int terms = sizeof(K) == 8 ? 8 : 10;
@@ -245,24 +243,22 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
             K(1e-3) < abs(value_of(x)) ? atan(x) / x : one - x * x * (U(K(1) / K(3)) - K(0.2) * (x * x));
         return -(t * slope / ((r + distance) * d));
     };
-    const U seen = angle(r * (end - begin), rr + begin * end); // from the foot point
+    const U seen = angle(r * (end - begin), rr + begin * end); // from the foot
     const U sign(rho < zero ? K(-1) : K(1));
     return (rho / distance) * (antiderivative(end) - antiderivative(begin)) -
            sign * (seen / (distance * (r + distance)));
 }
 
-/// Returns S of a face that p is not over. In this case Σ φ_k = 0, so S = ½ H Σ (g_k ρ_k − φ_k)/H².
-/// This stays accurate next to the plane, where Σ g_k ρ_k is a difference of nearly equal numbers.
-/// `rho` must be the numbers by which the caller decided that p is not over the face. Computed again,
-/// with products and sums fused differently, they might say that it is, and Σ φ_k would be 2π.
+/// Returns S of a face that p is not over. Then Σ φ_k = 0, so S = ½ H Σ (g_k ρ_k − φ_k)/H², which is accurate
+/// next to the plane, where Σ g_k ρ_k cancels. `rho` must be the values from which the caller decided that p
+/// is not over the face: recomputed values may round differently, and Σ φ_k would then be 2π.
 template <class U, class S>
 CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face, const U& height,
                                             const std::array<U, 3>& rho) noexcept {
     using K = ValueOf<U>;
     U sum(K(0));
     for (std::size_t k = 0; k < 3; ++k) {
-        // Returns the position along edge k of its common corner with edge `other`, from the
-        // distances to both.
+        // Returns the position of the common corner with edge `other` along edge k, from both distances.
         const auto along = [&](std::size_t other, K cosine) {
             const K sine = std::sqrt((max)(K(0), (1 - cosine) * (1 + cosine)));
             return (1 / sine) * (rho[other] - cosine * rho[k]);
@@ -274,7 +270,7 @@ CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>:
     return K(0.5) * sum;
 }
 
-/// Replaces `s` by `sum_beside_face` in the lanes where `beside` holds, point by point.
+/// Replaces `s` by `sum_beside_face` in the lanes of `beside`, one by one.
 template <class N, class S>
 CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mask& beside,
                                                const typename MeanValueFrame<S, 3>::Face& face,
@@ -298,7 +294,7 @@ CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mas
     for (std::size_t k = 0; k < components; ++k) NumberTraits<N>::component(s, k) = Simd<S>::load(lanes[k]);
 }
 
-/// Returns the weights that a face adds to its corners. Flags lanes next to the face in `special`.
+/// Returns the weights that a face adds to its corners. Sets `special` in lanes next to the face.
 template <class N, class S>
 std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, const std::array<N, 3>& g,
                               const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
@@ -307,7 +303,7 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     const X zero(S(0)), one(S(1)), half(S(0.5)), least(least_divisor<S>);
     const N height = linear<N>(face.offset, face.normal, p);
     std::array<N, 3> rho, w;
-    N height_times_s = zero; // S is the sum of the weights of the face's corners
+    N height_times_s = zero; // S is the sum of the corners' weights
     for (std::size_t k = 0; k < 3; ++k) {
         rho[k] = linear<N>(face.across_offset[k], face.across[k], p);
         height_times_s = height_times_s + g[k] * rho[k];
@@ -333,8 +329,7 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     return w;
 }
 
-/// Computes g of all edges and clears the weights. Returns one in the lanes that are too far away,
-/// else zero.
+/// Computes g of all edges and clears the weights. Returns 1 in lanes that are too far away, else 0.
 template <class N, class S>
 ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
                          const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
@@ -360,8 +355,7 @@ void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanVal
     for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
 }
 
-/// Computes the weights of Ju, Schaefer, Warren, Mean value coordinates for closed triangular
-/// meshes (SIGGRAPH 2005), sec. 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
+/// Computes the unnormalised weights of MeanValueCoordinates in 3D.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {

@@ -1,18 +1,18 @@
-// Measures the overlap of the Voronoi cell of a new point with the present Voronoi cells of the sites.
+// Measures the overlap of the Voronoi cell of a new point with the Voronoi cells of the sites.
 #pragma once
 
 #include <cageform/cage/sites/delaunay.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Grows scratch memory to at least `size` elements. It never shrinks.
+/// Grows scratch memory to at least `size` elements.
 template <class T>
 void grow_to(std::vector<T>& scratch, std::size_t size) {
     if (scratch.size() < size) scratch.resize(size);
 }
 
-/// The cavity of a new point p: the Delaunay simplices whose circumscribed ball contains p. Inserting
-/// p would replace them. Its vertices, simplices and boundary facets (the *rim*) are numbered from 0.
+/// The cavity of a new point p: the Delaunay simplices whose circumscribed ball contains p. Its vertices,
+/// simplices and boundary facets (the *rim*) are numbered from 0.
 template <std::size_t D>
 struct Cavity {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -28,15 +28,15 @@ struct Cavity {
         std::uint32_t index; ///< the simplex's vertex that is not on the facet
     };
 
-    // All of these are valid until the next fill.
-    /// Vertex numbers of the triangulation, in the order in which its simplices name them.
+    // Valid until the next fill.
+    /// Vertex numbers of the triangulation, in order of first use by a simplex.
     std::span<const std::uint32_t> vertices;
     /// Simplex numbers of the triangulation, as passed to `fill`.
     std::span<const std::uint32_t> numbers;
     std::span<const Simplex> simplices;
     std::span<const RimFacet> rim;
 
-    /// Numbers a cavity. `cavity` is ascending and without ghosts; it must live as long as the result.
+    /// Numbers a cavity. `cavity` is ascending, without ghosts, and referred to.
     void fill(const Delaunay<D>& sites, std::span<const std::uint32_t> cavity) {
         if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
         if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
@@ -70,8 +70,8 @@ struct Cavity {
         for (const std::uint32_t s : numbers) of_simplex_[s] = none;
     }
 
-    /// Returns the other rim facet at a ridge: the ridge is `facet` without its vertex `y`. The
-    /// function rotates about the ridge from simplex to simplex through the cavity.
+    /// Returns the other rim facet at a ridge, which is `facet` without its vertex `y`. Rotates around the
+    /// ridge through the simplices of the cavity.
     std::uint32_t across(const RimFacet& facet, std::uint32_t y) const noexcept {
         std::uint32_t s = facet.simplex, last = facet.index;
         while (simplices[s].inner[y] != none) {
@@ -90,7 +90,7 @@ private:
     std::vector<std::uint32_t> vertices_;
     std::vector<Simplex> simplices_;
     std::vector<RimFacet> rim_;
-    /// New numbers of vertices and simplices; all none outside `fill`.
+    /// Numbers in the cavity by vertex and simplex of the triangulation; none outside `fill`.
     std::vector<std::uint32_t> of_vertex_, of_simplex_;
 };
 
@@ -115,18 +115,17 @@ enum class OverlapSums : std::uint8_t {
     smooth,  ///< the measures of the C² coordinates
 };
 
-/// Sums the area or volume of V_p ∩ V_i for every neighbour i of a new point p.
+/// Measures V_p ∩ V_i for every neighbour i of a new point p.
 ///
-/// The corners of V_p ∩ V_i are known: they are circumcentres, of the cavity's simplices and of the
-/// simplices that p would form with the rim facets. The measure of the polygon or polyhedron is then
-/// a sum of determinants over its edges, with p as origin (the shoelace formula in 2D, cones over
-/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet, so one
-/// pass over the facets of the cavity finds all edges, in any order. N is double or WideFloat.
+/// The corners of V_p ∩ V_i are circumcentres: of the cavity's simplices, and of p with each rim facet. The
+/// measure is a sum of determinants over the edges, with p as origin (the shoelace formula in 2D, cones over
+/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet, so one pass over
+/// the facets of the cavity visits all edges, in any order. N is double or WideFloat.
 template <class N, std::size_t D>
 struct CellOverlap {
     using Vector = Numbers<N, D>;
 
-    /// Coordinates are relative to p, in lattice steps. Sizes and errors are used only in double.
+    /// Positions are relative to p, in lattice steps. Sizes and errors are used only for double.
     struct Site {
         Vector at;
         double size; ///< Σ|x|
@@ -136,18 +135,17 @@ struct CellOverlap {
         double size, error; ///< Σ|x|, and an error bound for each component
     };
 
-    // Input. The vectors only grow, so they can be longer than the cavity needs.
+    // Input. The vectors may be longer than the cavity needs.
     std::vector<Site> site; ///< the cavity's vertices
     /// Circumcentres: of the cavity's simplices, then of p with each rim facet.
     std::vector<Centre> centre;
-    // Output, one per vertex. Quantities that `sum` was not called for keep their old values.
+    // Output, one per vertex. Quantities that were not requested keep old values.
     std::vector<N> measure; ///< D! times the area or volume of V_p ∩ V_i
     /// (D − 1)! |P|/2 times the length or area of the facet between p's cell and the site's cell.
     std::vector<N> facet;
-    /// |P|²/2 times the gradient of `measure` with respect to p: a multiple of the first moment of the
-    /// facet about p, ∫ y dy.
+    /// |P|²/2 times the gradient of `measure` by p: a multiple of the facet's first moment about p, ∫ y dy.
     std::vector<Vector> moment;
-    double squares = 0; ///< sum over all terms of the squared rounding bound; double only
+    double squares = 0; ///< sum of the squared rounding bounds of all terms; double only
 
     void make_room(const Cavity<D>& cavity) {
         grow_to(site, cavity.vertices.size());
@@ -156,8 +154,8 @@ struct CellOverlap {
         grow_to(facet, cavity.vertices.size());
         grow_to(moment, cavity.vertices.size());
     }
-    /// Computes the sums. Smooth measures are those of the C² coordinates of Hiyoshi & Sugihara (2D
-    /// only): 6 ∫ (|y − P|² − |y − p|²) dy over V_p ∩ V_i. They have no facets and no moments.
+    /// Computes the sums. Smooth measures, without facets and moments, are those of the C² coordinates of
+    /// Hiyoshi & Sugihara (2D only): 6 ∫ (|y − P|² − |y − p|²) dy over V_p ∩ V_i.
     void sum(const Cavity<D>& cavity, OverlapSums sums) {
         sums_ = sums;
         const std::size_t count = cavity.vertices.size();
@@ -182,7 +180,7 @@ struct CellOverlap {
 private:
     static constexpr bool measures_error = std::is_same_v<N, double>;
 
-    /// Returns the vertices of a simplex other than k. Their order followed by k is an even permutation.
+    /// Returns the vertices of a simplex other than k, so that followed by k they are an even permutation.
     static constexpr auto others(std::uint32_t k) noexcept {
         if constexpr (D == 2) {
             constexpr std::uint32_t all[3][2] = {{1, 2}, {2, 0}, {0, 1}};
@@ -204,10 +202,10 @@ private:
         height_.resize(cavity.simplices.size() + cavity.rim.size(), N(0));
     }
 
-    /// Adds the dual edge from circumcentre `a` of a simplex, across its facet without vertex `k`,
-    /// to circumcentre `b`. The edge belongs to the Voronoi facet of every two vertices i, j of that
-    /// facet, which lies in their bisector plane. In 3D its term is det((P_i + P_j)/2, a, b),
-    /// because the midpoint lies in that plane; cell i gets it with one sign, cell j with the other.
+    /// Adds the dual edge from circumcentre `a` of a simplex, across its facet without vertex `k`, to
+    /// circumcentre `b`. The edge lies in the bisector plane of any two vertices i, j of that facet. In 3D
+    /// its term is det((P_i + P_j)/2, a, b), because the midpoint lies in that plane; the signs for cells i
+    /// and j are opposite.
     void dual_edge(const typename Cavity<D>::Simplex& simplex, std::uint32_t k, std::size_t a,
                    std::size_t b) {
         const auto order = others(k);
@@ -233,9 +231,8 @@ private:
             note_error(site[i].size + site[j].size + site[l].size, a, b);
         }
     }
-    /// Closes the boundary of V_p ∩ V_i at rim facet `n`: at each ridge of the facet it adds the
-    /// edge between the circumcentres of p with the two rim facets that meet there. These edges
-    /// bound p's cell.
+    /// Closes the boundary of V_p ∩ V_i at rim facet `n`: at each ridge of the facet, adds the edge between
+    /// the circumcentres of p with the two rim facets of the ridge. These edges bound p's cell.
     void close(const Cavity<D>& cavity, std::size_t n) {
         const auto& rim = cavity.rim[n];
         const auto& vertex = cavity.simplices[rim.simplex].vertex;
@@ -255,8 +252,8 @@ private:
             }
         }
     }
-    /// Adds the edge from b to a of the facet between i and j, and the same edge in the opposite
-    /// direction to the two facets between p's cell and the cells of i and j.
+    /// Adds the edge from b to a of the facet between i and j, and the reversed edge to the facets between
+    /// p's cell and the cells of i and j.
     void close(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b) requires(D == 3) {
         const Vector normal = cross_of(centre[a].at, centre[b].at);
         const N x = half_of(i, normal), y = half_of(j, normal);
@@ -279,10 +276,11 @@ private:
     }
 
     static N half() noexcept {
-        if constexpr (measures_error)
+        if constexpr (measures_error) {
             return 0.5;
-        else
+        } else {
             return inverse(N(2));
+        }
     }
     N half_of(std::uint32_t i, const Vector& normal) const noexcept {
         N sum(0);
@@ -303,8 +301,7 @@ private:
     }
 
     OverlapSums sums_ = OverlapSums::moments;
-    /// |y − P|² − |y − p|² at each circumcentre y, equal for all vertices P of its simplex; smooth
-    /// only.
+    /// |y − P|² − |y − p|² at each circumcentre y, equal for all vertices P of its simplex; smooth only.
     std::vector<N> height_;
 };
 

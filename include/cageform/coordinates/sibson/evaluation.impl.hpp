@@ -1,5 +1,4 @@
-// Defines what SibsonCoordinates compute. sibson.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of SibsonCoordinates. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/coordinates/sibson.hpp>
@@ -21,10 +20,10 @@ Evaluation SibsonCoordinates<T, D>::evaluate_gradients(BlockView<const T> points
 
 template <Scalar T, std::size_t D>
 Vec<T, D> SibsonCoordinates<T, D>::nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
-    Scratch scratch(handles_.size());
-    const auto position = neighbours_.find_on_hull(vec_cast<double>(p), scratch.search);
-    add_weights(scratch);
-    for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(scratch.row[h]);
+    RowBuilder builder(handles_.size());
+    const auto position = neighbours_.find_on_hull(vec_cast<double>(p), builder.scratch);
+    add_weights(builder);
+    for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(builder.row[h]);
     return vec_cast<T>(position);
 }
 

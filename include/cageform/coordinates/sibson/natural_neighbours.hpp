@@ -1,22 +1,21 @@
-// Computes Sibson's natural neighbour weights of a point among sites, inside their convex hull and
-// on it.
+// Sibson's natural neighbour weights of a point in the convex hull of sites.
 //
-// How a point p is evaluated:
+// Evaluation of a point p:
 //
-//   1. `Delaunay::find_cavity` walks from simplex to neighbouring simplex towards p, and then finds the
-//      *cavity*: the Delaunay simplices whose circumscribed ball contains p. Their vertices are the
-//      natural neighbours of p. A *ghost*, a simplex beyond a facet of the hull, is in the cavity only
-//      if p lies beyond that facet or in its plane.
-//   2. Next to the hull, `find_near_hull` decides whether p lies outside, on a facet or inside. On a
-//      facet the weights are those of the facet's sites alone.
-//   3. Inside, `NewCell` (new_cell.hpp) measures the overlap of the Voronoi cell that p would have
-//      with the present cell of each neighbour, by the sums of cell_overlap.hpp.
-//   4. `take_cell` divides the overlaps by their sum, and `restore` removes the rounding errors of
-//      Σu = 1 and Σ u (P − p) = 0.
+//   1. `Delaunay::find_cavity` walks from simplex to simplex towards p and finds the *cavity*: the Delaunay
+//      simplices whose circumscribed ball contains p. Their vertices are the natural neighbours of p. A
+//      *ghost*, a simplex beyond a facet of the hull, is in the cavity only if p lies beyond that facet or in
+//      its plane.
+//   2. Next to the hull, `find_near_hull` decides whether p lies outside, on a facet or inside. On a facet,
+//      only the facet's sites have weights.
+//   3. Inside, `NewCell` (new_cell.hpp) measures the overlap of the Voronoi cell of p with the cell of each
+//      neighbour (cell_overlap.hpp).
+//   4. `take_cell` divides the overlaps by their sum, and `restore` removes the rounding errors of Σu = 1 and
+//      Σ u (P − p) = 0.
 //
-// Coordinates come in three forms: `LatticePoint` holds integers of the lattice (p as the triangulation
-// sees it), *extents* are lattice coordinates times 2^-60, and *units* are those of the user. An extent
-// is a length: the least power of two above the longest side of the sites' bounds (site_lattice.hpp).
+// Coordinates have three units: `LatticePoint` holds integers of the lattice, *extents* are lattice
+// coordinates times 2^-60, and *units* are those of the user. An extent is the smallest power of two above
+// the longest side of the sites' bounds (site_lattice.hpp).
 #pragma once
 
 #include <cageform/cage/sites/hull_facets.hpp>
@@ -27,17 +26,17 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A natural neighbour of a point, and the point's weight for it.
+/// A natural neighbour of a point, and its weight.
 template <std::size_t D>
 struct Neighbour {
     std::uint32_t site;
     double weight;
-    Vec<double, D> gradient; ///< of the weight with respect to the point, per unit of length
+    Vec<double, D> gradient; ///< of the weight by the point, per unit of length
     Vec<double, D> away;     ///< site − point
 };
 
-/// Solves m x = y for a positive definite matrix, in place: y becomes x. Only the diagonal and the
-/// upper triangle of m are read. Returns false if m is singular to rounding.
+/// Solves m x = y in place for a positive definite matrix: y becomes x. Reads only the upper triangle of m.
+/// Returns false if m is singular to rounding.
 template <std::size_t N>
 bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
     std::array<double, N> first, inverse;
@@ -58,7 +57,7 @@ bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
     return true;
 }
 
-/// Finds the natural neighbours of points among fixed sites, with their weights and weight gradients.
+/// Finds the natural neighbours of points among fixed sites.
 template <std::size_t D>
 class NaturalNeighbours {
     struct Nothing {
@@ -67,10 +66,10 @@ class NaturalNeighbours {
     using Flat = std::conditional_t<D == 3, NaturalNeighbours<2>, Nothing>;
 
 public:
-    /// The working memory of an evaluation, one per thread. `find` leaves its results here.
+    /// Scratch memory of an evaluation, one per thread, with the results of `find`.
     struct Scratch {
         std::vector<Neighbour<D>> found; ///< the order depends on the triangulation alone
-        bool gradients = true;           ///< the only input: whether `find` computes gradients
+        bool gradients = true;           ///< input: whether `find` computes gradients
         bool at_site = false;
         Vec<double, D> missed{}; ///< for a point on a facet: Σ weight · away, in extents
         typename Delaunay<D>::Search search;
@@ -81,9 +80,9 @@ public:
     NaturalNeighbours() = default;
     /// Triangulates the sites.
     ///
-    ///   tolerance  points closer together than this count as one; in the units of the sites
-    ///   smooth     2D only: uses the C² coordinates of Hiyoshi & Sugihara instead of Sibson's. They are
-    ///              what Sibson's weights in space tend to on a flat facet of the hull
+    ///   tolerance  distance below which points coincide, in the units of the sites
+    ///   smooth     2D only: uses the C² coordinates of Hiyoshi & Sugihara, which are the limits of Sibson's
+    ///              3D weights on a flat facet of the hull
     NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
         : smooth_(smooth)
         , lattice_(bounds_of(sites))
@@ -110,15 +109,14 @@ public:
         }
     }
 
-    /// Returns whether all sites lie in a plane (on a line in 2D), up to the tolerance.
+    /// Returns whether all sites lie in a plane (2D: on a line) within the tolerance.
     bool empty() const noexcept { return facets_.empty(); }
     const Delaunay<D>& sites() const noexcept { return sites_; }
-    /// Returns the distance below which two points count as one, in the units of the sites.
+    /// Returns the distance below which points coincide, in the units of the sites.
     double tolerance() const noexcept { return lattice_.units(tolerance_); }
-    /// Returns the step of the lattice, in the units of the sites.
+    /// Returns the lattice step in the units of the sites.
     double step() const noexcept { return lattice_.units(0x1p-60); }
-    /// Returns for every site, by the user's numbering, whether it lies on the hull within the
-    /// tolerance.
+    /// Returns for every site, in the user's order, whether it lies on the hull within the tolerance.
     std::vector<bool> on_hull() const {
         const auto vertices = hull_vertices();
         std::vector<bool> result(sites_.size(), false);
@@ -126,14 +124,13 @@ public:
         return result;
     }
 
-    /// Finds the neighbours of a finite point, and none if it lies outside the hull. Gradients are
-    /// set only inside the hull; at a site they are zero.
+    /// Finds the neighbours of a finite point; none if it lies outside the hull. Gradients are set only
+    /// inside the hull. At a site they are zero.
     PointState find(const Vec<double, D>& p, Scratch& scratch) const {
         scratch.found.clear();
         scratch.at_site = false;
         for (std::size_t k = 0; k < D; ++k) {
-            // A hull as thin as the tolerance has facets without a usable plane, so the bounds are
-            // tested first.
+            // Tested first, because a hull as thin as the tolerance has facets without a usable plane.
             if (p[k] < bounds_.lower[k] || p[k] > bounds_.upper[k]) return PointState::outside;
         }
         const auto position = lattice_.position(p);
@@ -149,7 +146,7 @@ public:
         return PointState::on_boundary;
     }
 
-    /// Returns the point of the hull's surface nearest to a finite point, and finds its neighbours.
+    /// Returns the point of the hull's surface nearest to a finite point, and finds that point's neighbours.
     Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
         typename HullTree<D>::Nearest nearest{0, {}, (std::numeric_limits<double>::max)()};
         hull_.find(lattice_.to_extents(p), nearest);
@@ -159,8 +156,8 @@ public:
         return lattice_.from_extents(nearest.position + scratch.missed);
     }
 
-    /// Moves `p`, a point of the hull, towards the centroid of the first simplex, by the given
-    /// fraction of the way. The result lies inside the hull.
+    /// Moves `p`, a point of the hull, by a fraction of the way to the centroid of the first simplex. The
+    /// result lies inside the hull.
     Vec<double, D> drawn_inside(const Vec<double, D>& p, double fraction) const noexcept {
         std::uint32_t s = 0;
         while (sites_.simplices()[s].is_ghost()) ++s;
@@ -172,7 +169,7 @@ public:
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// A flat facet with more sites than a simplex has, with its own triangulation in the facet's plane.
+    /// A flat facet with more sites than a simplex has, and its triangulation.
     struct FlatFacet {
         std::array<Vec<double, D>, 2> axis;
         Flat neighbours;
@@ -180,8 +177,8 @@ private:
 
     // ---- inside ---------------------------------------------------------------------------------
 
-    /// Computes the weights of a point inside the hull; the cavity has been found, starting at
-    /// simplex `at`. Returns false if the point's cell has no measure.
+    /// Computes the weights of a point inside the hull. The cavity is found; the search began at simplex
+    /// `at`. Returns false if the point's cell has no measure.
     bool find_inside(const LatticePoint<D>& position, std::uint32_t at, Scratch& scratch) const {
         if (scratch.search.cavity().empty())
             return find_site(position, sites_.simplices()[at].vertex, scratch);
@@ -193,8 +190,7 @@ private:
         if (sound) take_cell(scratch.cell, sums == OverlapSums::moments, scratch.found);
         return sound;
     }
-    /// Gives all the weight to one of these vertices if the point lies within tolerance of it, and
-    /// returns whether it does.
+    /// Returns whether the point coincides with one of these vertices, which then gets all the weight.
     template <class Vertices>
     bool find_site(const LatticePoint<D>& position, const Vertices& vertices, Scratch& scratch) const {
         for (const std::uint32_t v : vertices) {
@@ -234,9 +230,8 @@ private:
         for (auto& n : found) n.gradient = (per_step / cell.total) * (n.gradient - n.weight * sum);
     }
 
-    /// Restores Σu = 1 and Σ u away = 0, which rounding has disturbed. Each u_i changes by u_i
-    /// y·(1, away_i): this is the smallest change relative to the weights. If the neighbours are
-    /// flat to rounding, the weights stay as they are.
+    /// Restores Σu = 1 and Σ u away = 0 after rounding. Each u_i changes by u_i y·(1, away_i), the smallest
+    /// change relative to the weights. If the neighbours are flat to rounding, nothing changes.
     static void restore(std::vector<Neighbour<D>>& found) noexcept {
         for (int round = 0; round < 2; ++round) {
             Square<double, D + 1> m{};
@@ -259,7 +254,7 @@ private:
             };
             double largest = 0;
             for (const auto& n : found) largest = (std::max)(largest, std::fabs(factor(n)));
-            // An error above rounding has another cause and is left alone.
+            // Larger errors have another cause and are kept.
             if (!(largest < 1e-6)) return;
             for (auto& n : found) n.weight += n.weight * factor(n);
             if (largest < 1e-12) return;
@@ -268,7 +263,7 @@ private:
 
     // ---- on the hull ----------------------------------------------------------------------------
 
-    /// Returns for every vertex whether it lies on the hull, within the tolerance.
+    /// Returns for every vertex whether it lies on the hull within the tolerance.
     std::vector<bool> hull_vertices() const {
         std::vector<bool> result(sites_.size(), false);
         for (const auto& simplex : sites_.simplices()) {
@@ -279,13 +274,13 @@ private:
         }
         return result;
     }
-    /// Decides, if the cavity touches the hull, whether the point `q` (in extents) lies outside, on
-    /// a facet or inside. On a facet it also finds the neighbours.
+    /// Decides whether the point `q` (in extents), whose cavity touches the hull, lies outside, on a facet or
+    /// inside. On a facet it also finds the neighbours.
     PointState find_near_hull(const Vec<double, D>& q, Scratch& scratch) const {
         const auto cavity = scratch.search.cavity();
         const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
         const bool beyond = std::any_of(cavity.begin(), cavity.end(), is_ghost);
-        // The sites of a facet can lie one tolerance off its plane, and the point another one.
+        // The sites of a facet may be off its plane by one tolerance, and the point by another.
         typename HullTree<D>::Nearest nearest{none, {}, 4 * tolerance_ * tolerance_};
         hull_.find(q, nearest);
         if (nearest.facet == none) return beyond ? PointState::outside : PointState::inside;
@@ -295,8 +290,7 @@ private:
         find_on_facet(nearest.facet, q, scratch);
         return PointState::on_boundary;
     }
-    /// Sorts the sites of a facet along the line (2D), or triangulates them if there are more than
-    /// three (3D).
+    /// Sorts the sites of a facet along the line (2D), or triangulates more than three sites (3D).
     void prepare(HullFacet<D>& facet) {
         if constexpr (D == 2) {
             std::sort(facet.vertex.begin(), facet.vertex.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -352,8 +346,8 @@ private:
         if constexpr (D == 3) refine(q, corner, weight);
         for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
     }
-    /// Corrects the barycentric weights of a triangle. For sliver triangles the weights lose digits, and
-    /// so does each correction; up to four rounds are made until the point is met within the tolerance.
+    /// Corrects the barycentric weights of sliver triangles, in up to four rounds, until the point is
+    /// reproduced within the tolerance. Each round loses digits too.
     void refine(const Vec<double, D>& q, const Corners<D>& corner, std::array<double, D>& weight) const {
         const auto& [a, b, c] = corner;
         const auto n = cross(b - a, c - a);
@@ -375,9 +369,9 @@ private:
         scratch.missed = scratch.missed + weight * away;
     }
 
-    bool smooth_ = false; ///< 2D: the weights are the C² coordinates
+    bool smooth_ = false; ///< whether weights are the C² coordinates; 2D
     SiteLattice<D> lattice_;
-    double unit_ = 1;            ///< the length of one extent, in the units of the user
+    double unit_ = 1;            ///< one extent in the units of the user
     Bounds<double, D> bounds_{}; ///< of the sites, widened by the tolerance
     double tolerance_ = 0;       ///< in extents
     Delaunay<D> sites_;

@@ -1,31 +1,29 @@
-// Computes the overlaps of a new point's Voronoi cell with the cells of the sites, to working precision.
+// The overlaps of a new point's Voronoi cell with the cells of the sites, to working precision.
 #pragma once
 
 #include <cageform/coordinates/sibson/cell_overlap.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The overlaps, facets and moments of a new point's cell, as `CellOverlap` in cell_overlap.hpp defines them.
-/// A facet lies between the cells of the point and of a site; its moment is the integral over it of
-/// the position relative to the point, which gives the gradient of the overlap. They are
-/// computed in double if a bound of the rounding errors allows it. Otherwise circumcentres come from
-/// integers and the sums carry 120 bits: this is needed next to flat facets of the hull, where the
-/// cell is long and thin.
+/// The overlaps, facets and moments of a new point's cell (see CellOverlap). A facet lies between the cells
+/// of the point and of a site. Its moment, the integral of the position relative to the point, gives the
+/// gradient of the overlap. Sums are computed in double if their rounding bound allows it. Otherwise
+/// circumcentres come from integers and sums have 120 bits, which long thin cells next to flat facets of the
+/// hull need.
 template <std::size_t D>
 class NewCell {
 public:
-    /// The largest rounding error of the weights that is accepted in double. It is compared with
-    /// the root of the sum of squared bounds of all terms, because rounding errors do not all add
-    /// up and rings of sites have hundreds of terms. Measured errors over the sets of
-    /// tests/fuzz/hostile_sites.cpp are below 1e-13 where this holds.
+    /// The largest accepted rounding error of the weights in double. It is compared with the root of the sum
+    /// of squared bounds, because the errors of hundreds of terms do not all add up. Measured errors over the
+    /// sets of tests/fuzz/hostile_sites.cpp are then below 1e-13.
     static constexpr double enough = D == 2 ? 0x1p-39 : 0x1p-35;
 
     Cavity<D> cavity;
     double total = 0;   ///< Σ measure
     bool exact = false; ///< whether double was not accurate enough
 
-    /// Computes the cell of `p` from its cavity `found`, which holds no ghosts. Returns false if
-    /// the cell has no measure. Smooth measures always use the exact path.
+    /// Computes the cell of `p` from its cavity `found`, without ghosts. Returns false if the cell has no
+    /// measure. Smooth measures are always exact.
     bool fill(const Delaunay<D>& sites, const LatticePoint<D>& p, std::span<const std::uint32_t> found,
               OverlapSums sums) {
         point_ = p;
@@ -52,7 +50,7 @@ public:
         }
         return total > 0;
     }
-    // Results for vertex n of the cavity, as far as `fill` was called for them.
+    // Results for vertex n of the cavity, as far as `sums` requested them.
     double measure(std::size_t n) const noexcept { return fast_.measure[n]; }
     double facet(std::size_t n) const noexcept { return fast_.facet[n]; }
     Vec<double, D> moment(std::size_t n) const noexcept { return vector(fast_.moment[n]); }
@@ -153,7 +151,7 @@ private:
     }
 
     LatticePoint<D> point_{};
-    CellOverlap<double, D> fast_; ///< the results, also those of the exact path
+    CellOverlap<double, D> fast_; ///< the results, also of the exact path
     CellOverlap<WideFloat, D> wide_;
 };
 

@@ -1,4 +1,4 @@
-// Estimates gradients at sites from the values at the sites.
+// Estimates gradients at sites from values at the sites.
 #pragma once
 
 #include <cageform/cage/detail/indices.hpp>
@@ -7,22 +7,19 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How the gradient g at a site i is estimated: by least squares over its Voronoi neighbours j. The
-/// residuals are errors of slopes,
+/// How the gradient g at site i is estimated: by least squares over its Voronoi neighbours j,
 ///
 ///     Σ_j μ ((g·d − Δz) / |d|)² → min,   μ = |F| / |d|
 ///
-/// where F is the facet between the two cells, d = P_j − P_i, and Δz the difference of the values.
-/// (g·d − Δz)² thus has the weight |F| / |d|³. The estimate is exact for linear functions. The cell of
-/// a site on the hull is unbounded, so the mirror images of its neighbours in the site are added to
-/// cut it.
+/// where F is the facet between the two cells, d = P_j − P_i, and Δz the difference of the values. The weight
+/// of (g·d − Δz)² is thus |F| / |d|³. The estimate is exact for linear functions. The unbounded cell of a
+/// site on the hull is cut by adding the mirror images of its neighbours in the site.
 enum class SiteGradients : std::uint8_t {
-    /// Also exact for a + b·x + γ|x|² at inner sites: the most accurate on evenly spread sites.
+    /// Also exact for a + b·x + γ|x|² at inner sites: the most accurate for evenly spread sites.
     facets,
-    /// μ = |F| |d|, so (g·d − Δz)² has the weight |F| / |d|: weights are less negative, and less
-    /// accurate.
+    /// μ = |F| |d|, so (g·d − Δz)² has the weight |F| / |d|: less negative weights, less accurate.
     gentle,
-    /// Cuts all cells by mirrored neighbours: for rings of sites with a small distance between rings.
+    /// Cuts all cells by mirrored neighbours: for closely spaced rings of sites.
     mirrored,
 };
 
@@ -38,7 +35,7 @@ public:
     };
 
     SiteGradientRows() = default;
-    /// `on_hull` has an entry per site, by the user's numbering.
+    /// `on_hull` has an entry per site, in the user's order.
     SiteGradientRows(const NaturalNeighbours<D>& sites, SiteGradients rule, const std::vector<bool>& on_hull)
         : sites_(&sites.sites())
         , rule_(rule)
@@ -57,7 +54,7 @@ public:
     std::span<const Term> row(std::size_t site) const noexcept { return rows_[site]; }
 
 private:
-    /// Lists the Delaunay neighbours of every vertex, in ascending order.
+    /// Lists the Delaunay neighbours of every vertex in ascending order.
     void list_neighbours() {
         neighbours_.resize(sites_->size());
         for (const auto& simplex : sites_->simplices()) {
@@ -79,7 +76,7 @@ private:
         for (const std::uint32_t n : around)
             positions.push_back(difference<D>(sites_->point(n), sites_->point(v)));
         if (mirrored) add_mirrored(positions);
-        // The cell of v is the cell of a new point at v among its neighbours.
+        // The cell of v equals the cell of a new point at v among the neighbours of v.
         const Delaunay<D> local(std::move(positions));
         if (local.empty()) return;
         (void)local.find_cavity({}, search_);
@@ -90,8 +87,8 @@ private:
         fit(v, local);
     }
 
-    /// Adds the mirror images of the neighbours, except those that coincide with another neighbour.
-    /// On lattices and rings rounding would otherwise decide which of the two gets the facet.
+    /// Adds the mirror images of the neighbours that do not coincide with a neighbour. Otherwise rounding
+    /// would decide which of the two gets the facet, on lattices and rings.
     void add_mirrored(std::vector<LatticePoint<D>>& positions) const {
         const std::size_t count = positions.size();
         for (std::size_t n = 0; n < count; ++n) {
@@ -106,7 +103,7 @@ private:
 
     void fit(std::uint32_t v, const Delaunay<D>& local) {
         const auto& around = neighbours_[v];
-        double size = 0; // the distance of the nearest neighbour
+        double size = 0; // distance of the nearest neighbour
         for (std::size_t n = 0; n < cell_.cavity.vertices.size(); ++n) {
             const double distance = length(cell_.seen(n));
             if (size == 0 || distance < size) size = distance;
@@ -118,7 +115,7 @@ private:
             const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
             const auto d = (1 / size) * cell_.seen(n);
             const double d2 = dot(d, d);
-            // The facet's area is `facet` / |d| times a constant. This is μ / |d|², for residuals g·d − Δz.
+            // The area is `facet` / |d| times a constant. The weight μ / |d|² belongs to residuals g·d − Δz.
             const double weight =
                 std::fmax(cell_.facet(n), 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
             if (number >= around.size() || !(weight > 0)) continue;
@@ -126,7 +123,7 @@ private:
             scaled.push_back(root.back() * d);
             row.push_back({sites_->site(around[number]), {}});
         }
-        // With A = QR the pseudoinverse is R⁻¹Qᵀ. Unlike AᵀA this does not square the condition number.
+        // With A = QR the pseudoinverse is R⁻¹Qᵀ, which does not square the condition number as AᵀA does.
         const OrthonormalRows<D> rows(std::move(scaled));
         for (std::size_t k = 0; k < D; ++k) {
             if (rows.triangle()[k][k] == 0) return row.clear();
@@ -144,7 +141,7 @@ private:
     double unit_ = 1; ///< a lattice step, in the units of the sites
     double tolerance_ = 0;
     std::vector<std::vector<std::uint32_t>> neighbours_;
-    std::vector<std::vector<Term>> rows_; ///< by the user's numbering
+    std::vector<std::vector<Term>> rows_; ///< in the user's order
     typename Delaunay<D>::Search search_;
     NewCell<D> cell_;
 };

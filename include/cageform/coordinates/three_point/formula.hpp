@@ -1,4 +1,4 @@
-// The formula of three-point weights in a convex polygon, for any number type.
+// The formula of three-point weights in a convex polygon.
 #pragma once
 
 #include <cageform/core/affine/compensated_sum.hpp>
@@ -7,12 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A convex cage as the formula needs it, with its vertices moved and scaled.
+/// The tables of a convex cage, with its vertices moved and scaled.
 template <class S>
 struct ThreePointFrame {
     struct Corner {
@@ -26,7 +25,7 @@ struct ThreePointFrame {
     S sign = 1;   ///< −1 if edges are reversed
 
     ThreePointFrame() = default;
-    /// `at` in the user's order, counter-clockwise or (not `left`) clockwise.
+    /// `at` in the user's order, counter-clockwise if `left`, else clockwise.
     template <class Number>
     ThreePointFrame(const Buffer<Vec<Number, 2>>& at, bool left, S unit)
         : square(unit * unit)
@@ -51,7 +50,7 @@ struct ThreePointFrame {
     }
 };
 
-/// The sum of the weights, and two masks that are one in the lanes where they hold, else zero.
+/// The sum of the weights, and two masks: 1 where the condition holds, else 0.
 template <class N>
 struct ThreePointSum {
     N sum;
@@ -75,8 +74,8 @@ struct ThreePointSpoke {
 /// How the differences of c along edges are computed.
 enum class ThreePointRises : std::uint8_t { none, of_squares, of_any };
 
-/// Returns (c_{i+1} − c_i) times the scale of the edge. For c = r² this is e·(u_i + u_{i+1}), where
-/// no large numbers cancel: along short edges the difference of squares is mostly rounding.
+/// Returns (c_{i+1} − c_i) times the scale of the edge. For c = r² this is e·(u_i + u_{i+1}), which does not
+/// cancel along short edges as the difference of squares does.
 template <ThreePointRises rises, class N, class S>
 N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>::Corner& corner,
               const ThreePointSpoke<N>& from, const ThreePointSpoke<N>& to) noexcept {
@@ -91,18 +90,17 @@ N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>:
     }
 }
 
-/// Computes the weights of Floater, Hormann & Kós, A general construction of barycentric
-/// coordinates over convex polygons (Adv. Comput. Math. 24, 2006), before normalising. Areas are
-/// doubled, which halves all weights:
+/// Computes the unnormalised weights of Floater, Hormann & Kós, A general construction of barycentric
+/// coordinates over convex polygons (Adv. Comput. Math. 24, 2006). Doubled areas halve all weights:
 ///
 ///   w_i = K_i c_i / (A_{i−1} A_i) + (c_{i+1} − c_i) / A_i − (c_i − c_{i−1}) / A_{i−1}
 ///
-/// K_i is a constant of the cage, so nothing cancels next to the boundary. A_i is computed from the
-/// edge, because with the next vertex instead it would cancel. Edges are scaled to a length of
-/// about 1, so A_i is about the distance from the edge's line and one minimum finds the nearest
-/// line; K_i / (A_{i−1} A_i) does not change.
+/// K_i is a constant of the cage, so nothing cancels next to the boundary. A_i is computed from the edge;
+/// from the next vertex it would cancel. Edges are scaled to a length of about 1, so A_i is about the
+/// distance from the edge's line, and one minimum finds the nearest line. K_i / (A_{i−1} A_i) does not
+/// change.
 ///
-///   rises  none if f is constant: differences of c are left out; of_squares if it is r²
+///   rises  none if f is constant, without differences of c; of_squares if f = r²
 template <ThreePointRises rises, class N, class S, class F>
 CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFrame<S>& cage, const F& f,
                                                             S near_distance, const Vec<ValueOf<N>, 2>& p,

@@ -5,19 +5,29 @@
 
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Thrown when a progress callback cancels a function that returns no Status.
+/// Thrown if a progress callback cancels work that returns no status.
 struct Cancelled {};
 
-/// Returns f(). std::bad_alloc becomes Status::out_of_memory, Cancelled becomes Status::cancelled.
-/// Without exceptions, a failed allocation ends the program.
+/// Runs `f` and returns its status, or ok if `f` returns nothing. A failed allocation becomes
+/// Status::out_of_memory, and Cancelled becomes Status::cancelled. (Without exceptions the standard library
+/// ends the program at a failed allocation.)
 template <class F>
 Status guard_memory(F&& f) {
+    const auto run = [&]() -> Status {
+        if constexpr (std::is_void_v<decltype(f())>) {
+            f();
+            return Status::ok;
+        } else {
+            return f();
+        }
+    };
 #if defined(__cpp_exceptions)
     try {
-        return f();
+        return run();
     } catch (const std::bad_alloc&) {
         return Status::out_of_memory;
     } catch (const std::length_error&) {
@@ -26,7 +36,7 @@ Status guard_memory(F&& f) {
         return Status::cancelled;
     }
 #else
-    return f();
+    return run();
 #endif
 }
 

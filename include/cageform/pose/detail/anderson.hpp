@@ -6,9 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Accelerates x ← g(x) from the last steps (Walker, Ni, Anderson acceleration for fixed-point iterations,
-/// SIAM J. Numer. Anal. 49 (2011), sec. 2): with f = g(x) − x, it takes g − Σ θ_j Δg_j for the θ that makes
-/// |f − Σ θ_j Δf_j| least.
+/// Accelerates x ← g(x) by the previous steps (Walker, Ni, Anderson acceleration for fixed-point iterations,
+/// SIAM J. Numer. Anal. 49 (2011), sec. 2): with f = g(x) − x, the step is g − Σ θ_j Δg_j, where θ minimises
+/// |f − Σ θ_j Δf_j|.
 ///
 ///   memory  2 (history + 1) vectors
 ///   cost    (3 history + 2) passes over a vector
@@ -16,7 +16,7 @@ class Anderson {
 public:
     static constexpr std::size_t most = 10;
 
-    /// Makes room for vectors of `blocks` blocks. May throw std::bad_alloc.
+    /// Allocates for vectors of `blocks` blocks. May throw std::bad_alloc.
     void reset(std::size_t blocks, std::size_t history) {
         blocks_ = blocks;
         history_ = history < most ? history : most;
@@ -31,8 +31,8 @@ public:
 
     /// Replaces x by the accelerated step.
     ///
-    ///   x  where g was taken; out: the step
-    ///   g  the plain step
+    ///   x  the argument of g; out: the accelerated step
+    ///   g  the step without acceleration
     void step(Lanes<double>* x, const Lanes<double>* g) noexcept {
         Lanes<double>*const last_g = row(0), *const last_f = row(1);
         if (has_last_) {
@@ -78,7 +78,7 @@ private:
         return total;
     }
 
-    /// Solves the normal equations, with 1e-10 of their trace added. Returns whether they have a solution.
+    /// Solves the normal equations, regularised by 1e-10 of their trace. Returns whether they are solvable.
     bool find_factors(std::size_t count, double* theta) noexcept {
         double a[most][most], trace = 0;
         for (std::size_t i = 0; i < count; ++i) {
@@ -111,7 +111,7 @@ private:
 
     std::size_t blocks_ = 0, history_ = 0, steps_ = 0;
     bool has_last_ = false;
-    std::vector<Lanes<double>> memory_; ///< g and f of the last step, then Δg and Δf of each earlier one
+    std::vector<Lanes<double>> memory_; ///< g and f of the previous step, then pairs Δg, Δf of earlier steps
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

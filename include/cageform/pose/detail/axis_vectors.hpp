@@ -1,15 +1,15 @@
-// Vectors of points, an axis at a time.
+// Vectors of points in blocks, one axis after the other.
 #pragma once
 
 #include <cageform/pose/detail/cholesky.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// D vectors of numbers, in whole blocks that are zero behind the last number.
+/// D vectors of numbers in whole blocks, padded by zeros.
 template <std::size_t D>
 class AxisVectors {
 public:
-    /// Makes room for zeros. May throw std::bad_alloc.
+    /// Allocates zeros. May throw std::bad_alloc.
     void reset(std::size_t count) {
         blocks_ = eights(count);
         values_.resize(D * blocks_);
@@ -34,7 +34,7 @@ public:
     void set(std::size_t i, const Vec<double, D>& v) noexcept {
         for (std::size_t k = 0; k < D; ++k) axis(k)[i / lane_count<double>][i % lane_count<double>] = v[k];
     }
-    /// Returns the sums of the products with a row.
+    /// Returns the dot products of all axes with a row.
     Vec<double, D> product(const Lanes<double>* row) const noexcept {
         Vec<double, D> sums{};
         for (std::size_t k = 0; k < D; ++k) {
@@ -47,11 +47,11 @@ public:
         }
         return sums;
     }
-    /// Adds factors times a row.
+    /// Adds a row times one factor per axis.
     void add(const Lanes<double>* row, const Vec<double, D>& factors) noexcept {
         with_axes([&](auto& axes) { subtract_row<D>(row, 0, blocks_, -1.0 * factors, axes); });
     }
-    /// Calls f(axes) with an array of the axes' addresses.
+    /// Calls f(axes) with an array of pointers to the axes.
     template <class F>
     void with_axes(const F& f) noexcept {
         Lanes<double>* axes[D];

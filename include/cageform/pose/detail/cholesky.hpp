@@ -1,4 +1,4 @@
-// A Cholesky factorisation of a dense matrix, whose solves take several right sides at once.
+// Cholesky factorisation of a dense matrix, and solves for several right-hand sides at once.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -8,12 +8,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the blocks of eight numbers that hold `count` numbers.
+/// Returns the number of blocks that hold `count` numbers.
 constexpr std::size_t eights(std::size_t count) noexcept {
     return block_count<double>(count);
 }
 
-/// Subtracts `factor[k]` times a row from D vectors, a block at a time.
+/// Subtracts `factor[k]` times a row from D vectors, in blocks [first, last).
 template <std::size_t D>
 CAGEFORM_DETAIL_INLINE inline void subtract_row(const Lanes<double>* row, std::size_t first, std::size_t last,
                                                 const Vec<double, D>& factor, Lanes<double>* const (&to)[D]) {
@@ -24,9 +24,9 @@ CAGEFORM_DETAIL_INLINE inline void subtract_row(const Lanes<double>* row, std::s
     }
 }
 
-/// The triangles of a symmetric positive definite matrix: A = L Lᵀ. Rows are padded by zeros to whole blocks.
+/// Factors a symmetric positive definite matrix: A = L Lᵀ. Rows are padded by zeros to whole blocks.
 ///
-///   memory  #unknowns² numbers
+///   memory  #unknowns² doubles
 ///   cost    `factor` #unknowns³ / 3 operations, `solve` 2 D #unknowns²
 class Cholesky {
 public:
@@ -34,7 +34,7 @@ public:
 
     std::size_t size() const noexcept { return size_; }
 
-    /// Makes room for a matrix of zeros. May throw std::bad_alloc.
+    /// Allocates a matrix of zeros. May throw std::bad_alloc.
     void reset(std::size_t size) {
         size_ = size;
         diagonal_.assign(size, 0);
@@ -48,14 +48,14 @@ public:
         clear(upper_, upper_begin_[size]);
     }
 
-    /// Returns entry (i, j) for i ≤ j, to be set before `factor`.
+    /// Returns entry (i, j), i ≤ j, to be set before `factor`.
     double& at(std::size_t i, std::size_t j) noexcept {
         const std::size_t first = i / lane_count<double>;
         return upper_[upper_begin_[i] + j / lane_count<double> - first][j % lane_count<double>];
     }
 
-    /// Factors the matrix in place. Returns the first unknown whose pivot is not positive relative to its
-    /// diagonal entry, or none.
+    /// Factors the matrix in place. Returns the first unknown with a pivot that is not positive, relative to
+    /// its diagonal entry, or none.
     std::size_t factor() noexcept {
         constexpr std::size_t lanes = lane_count<double>;
         for (std::size_t i = 0; i < size_; ++i) {
@@ -80,11 +80,11 @@ public:
         for (std::size_t i = 0; i < size_; ++i) {
             for (std::size_t j = 0; j < i; ++j) lower_[lower_begin_[i] + j / lanes][j % lanes] = at(j, i);
         }
-        for (std::size_t i = 0; i < size_; ++i) at(i, i) = 0; // the rows are then as those of `lower_`
+        for (std::size_t i = 0; i < size_; ++i) at(i, i) = 0; // as in `lower_`
         return none;
     }
 
-    /// Replaces D right sides by the solutions.
+    /// Replaces D right-hand sides by the solutions.
     template <std::size_t D>
     void solve(Lanes<double>* const (&x)[D]) const noexcept {
         constexpr std::size_t lanes = lane_count<double>;
@@ -112,9 +112,9 @@ private:
     }
 
     std::size_t size_ = 0;
-    std::vector<double> diagonal_;                       ///< the inverses of the diagonal of L
+    std::vector<double> diagonal_;                       ///< reciprocals of the diagonal of L
     std::vector<Lanes<double>> lower_, upper_;           ///< L and Lᵀ, without their diagonals
-    std::vector<std::size_t> lower_begin_, upper_begin_; ///< of the rows
+    std::vector<std::size_t> lower_begin_, upper_begin_; ///< first blocks of rows
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// The rotations nearest to matrices, a register of matrices at a time, and one by one.
+// The rotations nearest to matrices, for a register of matrices or a single matrix.
 #pragma once
 
 #include <cageform/core/detail/simd_instructions.hpp>
@@ -19,15 +19,15 @@ inline DoubleLanes sum_of_squares(const DoubleLanes* x, std::size_t count) noexc
     return sum;
 }
 
-/// Replaces `turn`, a rotation minus the identity, by R − 1 for the rotation R nearest to J: it makes
-/// tr(Rᵀ J) largest. Lanes where J determines none (a reflection, or zero) keep what `turn` holds. A
-/// symmetric J without negative eigenvalues gives exact zeros.
+/// Replaces `turn`, a rotation minus the identity, by R − 1 for the rotation R nearest to J, which maximises
+/// tr(Rᵀ J). Lanes where J determines no rotation (a reflection or zero) keep `turn`. A symmetric J without
+/// negative eigenvalues gives exact zeros.
 inline void nearest_rotation(const LinearMap<DoubleLanes, 2>& j, LinearMap<DoubleLanes, 2>& turn) noexcept {
     const DoubleLanes along = j.at[0][0] + j.at[1][1], across = j.at[1][0] - j.at[0][1];
     const DoubleLanes square = multiply_add(along, along, across * across);
     const auto is_open = square <= DoubleLanes(1e-24) * sum_of_squares(&j.at[0][0], 4);
     const DoubleLanes size = select<double>(is_open, DoubleLanes(1), sqrt(square));
-    // cos − 1 without cancellation where the angle is below a right one.
+    // cos − 1, without cancellation for angles below 90 degrees.
     const DoubleLanes is_ahead = (max)(along, DoubleLanes(0)) + size;
     const DoubleLanes cosine = select<double>(along < DoubleLanes(0), along / size - DoubleLanes(1),
                                               DoubleLanes(0) - across / size * (across / is_ahead));
@@ -38,9 +38,8 @@ inline void nearest_rotation(const LinearMap<DoubleLanes, 2>& j, LinearMap<Doubl
     turn.at[0][1] = select<double>(is_open, turn.at[0][1], DoubleLanes(0) - sine);
 }
 
-/// The largest eigenvalue of a symmetric 4 × 4 matrix of trace 0, and its eigenvector: the unit quaternion
-/// of Horn (Closed-form solution of absolute orientation using unit quaternions, J. Opt. Soc. Am. A 4
-/// (1987)).
+/// The eigenvector of the largest eigenvalue of a symmetric 4 × 4 matrix of trace 0: the unit quaternion of
+/// Horn (Closed-form solution of absolute orientation using unit quaternions, J. Opt. Soc. Am. A 4 (1987)).
 class RotationQuaternion {
 public:
     /// j  a matrix whose squares sum to 1
@@ -61,7 +60,7 @@ public:
         }
         find_value(a);
         find_vector();
-        // One step with the Rayleigh quotient of the vector makes both exact to rounding.
+        // One step with the Rayleigh quotient makes eigenvalue and eigenvector exact to rounding.
         value_ = DoubleLanes(0);
         for (std::size_t r = 0; r < 4; ++r) {
             DoubleLanes row = n_[r][0] * q[0];
@@ -72,10 +71,10 @@ public:
     }
 
     DoubleLanes q[4];      ///< w, x, y, z
-    DoubleLanes certainty; ///< 0 where two eigenvalues are equal
+    DoubleLanes certainty; ///< 0 for a double eigenvalue
 
 private:
-    /// Newton's method from a bound above all eigenvalues.
+    /// Computes the eigenvalue by Newton's method from an upper bound.
     void find_value(const DoubleLanes (&a)[3][3]) noexcept {
         const DoubleLanes determinant = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
                                         a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
@@ -103,7 +102,7 @@ private:
         }
     }
 
-    /// Sets the cofactors of N − value. They are those of a symmetric matrix.
+    /// Sets the cofactors of the symmetric matrix N − value.
     void set_cofactors(DoubleLanes (&to)[4][4]) const noexcept {
         DoubleLanes m[4][4];
         for (std::size_t r = 0; r < 4; ++r) {
@@ -131,7 +130,7 @@ private:
         }
     }
 
-    /// Takes the row of the adjugate with the largest diagonal entry.
+    /// Sets q to the normalised row of the adjugate with the largest diagonal entry.
     void find_vector() noexcept {
         DoubleLanes cofactors[4][4];
         set_cofactors(cofactors);
@@ -178,7 +177,7 @@ inline void nearest_rotation(const LinearMap<DoubleLanes, 3>& j, LinearMap<Doubl
     set(2, 1, y * z + w * x);
 }
 
-/// As above, for one matrix.
+/// The same for a single matrix.
 template <std::size_t D>
 void nearest_rotation(const LinearMap<double, D>& j, LinearMap<double, D>& turn) noexcept {
     LinearMap<DoubleLanes, D> many, turns;

@@ -1,4 +1,4 @@
-// Pins as rows of weights, read from a binding of any format.
+// Pins as rows of weights, from a binding in any format.
 #pragma once
 
 #include <cageform/clone/detail/weight_rows.hpp>
@@ -22,7 +22,7 @@ double stored_weight(const PackedBindingView<T, D>& view, std::size_t row, std::
     });
 }
 
-/// Returns where a point is stored; points may be in another order.
+/// Returns the position at which a point is stored. Linear in #points if points are reordered.
 template <Scalar T, std::size_t D>
 std::size_t stored_position(const PackedBindingView<T, D>& view, std::size_t point) noexcept {
     std::size_t position = point;
@@ -33,8 +33,8 @@ std::size_t stored_position(const PackedBindingView<T, D>& view, std::size_t poi
     return position;
 }
 
-/// Adds `factor` times the weights of a stored point to a row of zeros: what a clone multiplies displacements
-/// by, with the residual of a packed binding.
+/// Adds `factor` times the weights of a stored point to a row of zeros. The weights are those of a clone,
+/// including the residual of a packed binding.
 template <Scalar T, std::size_t D>
 void add_weights(const PackedBindingView<T, D>& view, std::size_t position, double factor,
                  Lanes<double>* to) noexcept {
@@ -51,26 +51,26 @@ void add_weights(const PackedBindingView<T, D>& view, std::size_t position, doub
     }
 }
 
-/// The rows of the pins: one for a point, D more for the axes of a pin that turns.
+/// The rows of the pins: one for the point, D more for the axes of a pin that turns.
 template <Scalar T, std::size_t D>
 struct PinRows {
     struct Row {
         std::uint32_t pin;
         std::uint8_t axis;    ///< D for a point
         double weight;        ///< μ m
-        double points;        ///< Σ w over the handles that are points: 1 or, for an axis, 0
-        Vec<double, D> place; ///< Σ w H of the weights, in units of the samples
+        double points;        ///< Σ w over the point handles: 1, or 0 for an axis
+        Vec<double, D> place; ///< Σ w H, in units of the samples
         Vec<double, D> rest;  ///< the bound point, in units of the cage
 
         bool is_point() const noexcept { return axis == D; }
     };
 
     std::vector<Row> rows;
-    std::vector<Lanes<double>> weights; ///< eights(#handles) blocks a row
+    std::vector<Lanes<double>> weights; ///< eights(#handles) blocks per row
     std::size_t pins = 0;
     bool has_turns = false;
 
-    /// Reads the pins; names the one that is at fault. May throw std::bad_alloc.
+    /// Reads the pins. `culprit` becomes the refused pin. May throw std::bad_alloc.
     Status read(const PoseSamples<T, D>& samples, const PosePins<T, D>& given, double pin_weight,
                 std::size_t& culprit) {
         const auto& binding = given.binding;

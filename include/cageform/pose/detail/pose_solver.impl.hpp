@@ -1,5 +1,4 @@
-// Defines what a PoseSolver computes. pose_solver.hpp includes it, unless the program links
-// cageform::compiled.
+// Definitions of PoseSolver. Not included if the program links cageform::compiled.
 #pragma once
 
 #include <cageform/pose/pose_solver.hpp>

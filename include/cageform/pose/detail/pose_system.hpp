@@ -1,4 +1,4 @@
-// The equations of a PoseSolver: a matrix for some pins and held handles, and its solutions.
+// The equations of a PoseSolver: the matrix for given pins and held handles, and its solutions.
 #pragma once
 
 #include <cageform/pose/detail/axis_vectors.hpp>
@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The matrix of the unknown handles, factored, for some pins and held handles.
+/// The factored matrix of the unknown handles, for given pins and held handles.
 template <Scalar T, std::size_t D>
 class PoseSystem {
 public:
@@ -14,9 +14,9 @@ public:
     std::vector<std::uint32_t> unknowns, held; ///< handles, ascending
     double proximity = 0;                      ///< ε κ
 
-    /// Factors the matrix for pins and held handles that are set. May throw std::bad_alloc.
+    /// Factors the matrix for the members `pins` and `held`. May throw std::bad_alloc.
     ///
-    ///   culprit  out: the handle of a pivot that is not positive (pose_not_determined)
+    ///   culprit  out: the handle with a pivot that is not positive (pose_not_determined)
     Status factor(const PoseSamples<T, D>& samples, bool hard, std::size_t& culprit) {
         constexpr double epsilon_of_matrix = 1e-9;
         const std::size_t count = samples.handle_count();
@@ -57,8 +57,8 @@ public:
     /// Solves for the unknowns.
     ///
     ///   right          A d for all handles
-    ///   displacements  those of held handles; they stay
-    ///   demands        where the rows of hard pins are to be
+    ///   displacements  of held handles
+    ///   demands        the target positions of the rows of hard pins
     ///   to             out: the unknowns
     void solve(const AxisVectors<D>& right, const AxisVectors<D>& displacements,
                const Vec<double, D>* demands, AxisVectors<D>& to) noexcept {
@@ -90,7 +90,8 @@ private:
             sum += pins.rows[r].weight * pin_weight(r, blocks, i) * pin_weight(r, blocks, j);
         return sum;
     }
-    /// Makes Z = A⁻¹Wᵀ and factors W Z + δ 1, δ a thousandth of a soft pin's (Powell's augmented Lagrangian).
+    /// Computes Z = A⁻¹Wᵀ and factors W Z + δ 1, with δ a thousandth of a soft pin's (augmented Lagrangian,
+    /// Powell).
     void correct() {
         const std::size_t blocks = pins.rows.empty() ? 0 : pins.weights.size() / pins.rows.size();
         of_unknowns_.clear();
@@ -112,14 +113,14 @@ private:
                 correction_.at(i, j) =
                     responses_[j].product(of_unknowns_[i].data())[0] + (i == j ? softness[i] : 0);
         }
-        if (correction_.factor() != Cholesky::none) responses_.clear(); // soft pins serve then
+        if (correction_.factor() != Cholesky::none) responses_.clear(); // falls back to soft pins
         misses_.reset(count);
     }
 
     Cholesky factors_, correction_;
     std::vector<AxisVectors<1>> coupling_;    ///< a row of A for each held handle
     std::vector<AxisVectors<1>> of_unknowns_; ///< W, for hard pins
-    std::vector<AxisVectors<1>> responses_;   ///< A⁻¹Wᵀ; empty: pins are soft
+    std::vector<AxisVectors<1>> responses_;   ///< A⁻¹Wᵀ; empty for soft pins
     AxisVectors<D> misses_;
 };
 

@@ -1,4 +1,4 @@
-// A rigid motion, and the one that takes places to targets best.
+// Rigid motions, and the motion that fits pairs of positions best.
 #pragma once
 
 #include <cageform/pose/detail/nearest_rotation.hpp>
@@ -7,13 +7,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The motion x ↦ Q x + b. Q is kept as Q − 1, so that no motion is exactly none.
+/// The motion x ↦ Q x + b. Storing Q − 1 makes the identity exact.
 template <std::size_t D>
 struct RigidFrame {
     LinearMap<double, D> turn{}; ///< Q − 1
     Vec<double, D> shift{};      ///< b
 
-    /// Returns (Q − 1) v, or (Q − 1)ᵀ v.
+    /// `change` returns (Q − 1) v, `change_back` (Q − 1)ᵀ v.
     Vec<double, D> change(const Vec<double, D>& v) const noexcept {
         Vec<double, D> to{};
         for (std::size_t r = 0; r < D; ++r) {
@@ -32,8 +32,8 @@ struct RigidFrame {
     Vec<double, D> rotate_back(const Vec<double, D>& v) const noexcept { return v + change_back(v); }
 };
 
-/// Sums up pairs of places and targets for the rigid motion with the least Σ m |Q y + b − t|². Vectors count
-/// in the rotation alone.
+/// Sums up pairs of a place y and a target t for the rigid motion that minimises Σ m |Q y + b − t|². Vectors
+/// affect only the rotation.
 template <std::size_t D>
 class RigidFit {
 public:
@@ -42,7 +42,7 @@ public:
         target_ = target_ + weight * target;
         weight_ += weight;
     }
-    /// Call it when all centres are added.
+    /// To be called after all centres are added.
     void add_point(const Vec<double, D>& place, const Vec<double, D>& target, double weight) noexcept {
         add_vector(place - (1 / weight_) * place_, target - (1 / weight_) * target_, weight);
     }
@@ -52,7 +52,7 @@ public:
         }
         scale_ += weight;
     }
-    /// Sets the motion. The rotation stays as it is where the pairs leave it open.
+    /// Sets the motion. A rotation that the pairs do not determine is unchanged.
     void set(RigidFrame<D>& frame) const noexcept {
         double squares = 0;
         for (const auto& row : sums_.at) {
@@ -67,7 +67,7 @@ private:
         nearest_rotation(sums_, frame.turn);
     }
     void rotate(RigidFrame<3>& frame, double squares) const noexcept {
-        double minors = 0; // squares of the 2 × 2 minors: those of a matrix of rank 1 vanish
+        double minors = 0; // sum of the squared 2 × 2 minors, zero for rank 1
         const auto& a = sums_.at;
         std::size_t longest = 0;
         double length[3];
@@ -85,14 +85,14 @@ private:
         else
             rotate_axis(frame, unit({a[longest][0], a[longest][1], a[longest][2]}));
     }
-    /// Adds the least rotation that takes a line of places to the line of their targets.
+    /// Applies the smallest rotation that maps a line of places to the line of their targets.
     void rotate_axis(RigidFrame<3>& frame, const Vec<double, 3>& axis) const noexcept {
         Vec<double, 3> to{};
         for (std::size_t r = 0; r < 3; ++r)
             to[r] = dot(Vec<double, 3>{sums_.at[r][0], sums_.at[r][1], sums_.at[r][2]}, axis);
         to = unit(to);
         const Vec<double, 3> from = unit(frame.rotate(axis));
-        // Two half turns, about the middle of both lines and about the first line, make that rotation.
+        // The product of two half turns: about the first line, then about the bisector of both lines.
         Vec<double, 3> middle = from + to;
         if (dot(middle, middle) < 1e-24) middle = across(from);
         middle = unit(middle);
@@ -104,7 +104,7 @@ private:
             column = 2 * dot(middle, column) * middle - column;
             for (std::size_t r = 0; r < 3; ++r) turned.at[r][c] = column[r];
         }
-        nearest_rotation(turned, frame.turn); // so that roundings do not add up from frame to frame
+        nearest_rotation(turned, frame.turn); // keeps rounding errors from accumulating over frames
     }
     static Vec<double, 3> unit(const Vec<double, 3>& v) noexcept { return (1 / std::sqrt(dot(v, v))) * v; }
     static Vec<double, 3> across(const Vec<double, 3>& v) noexcept {
@@ -117,12 +117,12 @@ private:
     double weight_ = 0, scale_ = 0;
 };
 
-/// Returns R − 1 for a turn by an angle, in radians, counterclockwise.
+/// Returns R − 1 for a counterclockwise rotation by an angle, in radians.
 inline LinearMap<double, 2> rotation_of(const Vec<double, 1>& angle) noexcept {
     const double half = std::sin(angle[0] / 2), sine = std::sin(angle[0]), cosine = -2 * half * half;
     return {{{cosine, -sine}, {sine, cosine}}};
 }
-/// Returns R − 1 for a turn about an axis by its length, in radians.
+/// Returns R − 1 for a rotation about the axis `turn` by its length, in radians.
 inline LinearMap<double, 3> rotation_of(const Vec<double, 3>& turn) noexcept {
     const double angle = std::sqrt(dot(turn, turn));
     LinearMap<double, 3> to{};

@@ -1,4 +1,4 @@
-// One pass over the clusters of samples: their matrices, their rotations, and the right side.
+// One pass over the clusters of samples: their matrices, their rotations, and the right-hand side.
 #pragma once
 
 #include <cageform/clone/detail/row_sums.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Turns each cluster as it fits the displacements d of the handles best, and sums up Σ_c (R_c − 1) G_c.
+/// Rotates each cluster to fit the displacements d of the handles best, and sums up Σ_c (R_c − 1) G_c.
 ///
 ///   cost  4 #clusters #handles D² operations and the rotations; reads G once; no allocation
 template <Scalar T, std::size_t D>
@@ -18,23 +18,23 @@ class RotationPass {
     static constexpr std::size_t step = lanes / Simd<T>::count; ///< numbers of a register
 
 public:
-    /// Makes room for the rotations, which are none at first. May throw std::bad_alloc.
+    /// Allocates the rotations and sets them to the identity. May throw std::bad_alloc.
     void reset(const PoseSamples<T, D>& samples) {
         turns_.resize(block_count<T>(samples.cluster_count) * D * D);
         sums_.resize(samples.handle_count() * D);
         forget();
     }
-    /// Sets all rotations to none.
+    /// Sets all rotations to the identity.
     void forget() noexcept {
         for (auto& row : turns_) Simd<T>(T(0)).store(row);
     }
 
-    /// Computes the rotations and the right side.
+    /// Computes the rotations and the right-hand side.
     ///
     ///   displacements  of the handles, d
     ///   right          out, D vectors of #handles: Σ_c (R_c − 1) G_c
-    ///   stretches      out: those of the clusters; null: they are not asked for
-    ///   returns        Σ_c 2 ⟨d G_cᵀ, 1 − R_c⟩ + |(1 − R_c) M_c^½|²: the energy without the part of K
+    ///   stretches      out: the stretches of the clusters; null if not wanted
+    ///   returns        Σ_c 2 ⟨d G_cᵀ, 1 − R_c⟩ + |(1 − R_c) M_c^½|²: the energy without the term of K
     double run(const PoseSamples<T, D>& samples, const Vec<T, D>* displacements,
                Lanes<double>* const (&right)[D], Stretches* stretches) noexcept {
         const std::size_t handles = samples.handle_count();
@@ -56,7 +56,7 @@ public:
         }
         for (std::size_t i = 0; i < handles; ++i) {
             for (std::size_t k = 0; k < D; ++k) {
-                double sum = 0; // lane by lane: the bits do not depend on the registers
+                double sum = 0; // lane by lane, so that the bits do not depend on the register width
                 for (const T x : sums_[i * D + k].v) sum += double(x);
                 right[k][i / lane_count<double>][i % lane_count<double>] = sum;
             }
@@ -107,7 +107,7 @@ private:
         }
     }
 
-    /// Turns eight clusters; returns their energy.
+    /// Rotates eight clusters. Returns their energy.
     static double turn(const Lanes<T>* change, const Lanes<T>* moments, Lanes<T>* turns,
                        std::size_t first) noexcept {
         LinearMap<DoubleLanes, D> d, m, j, r;
@@ -146,8 +146,8 @@ private:
         }
     }
 
-    std::vector<Lanes<T>> turns_; ///< R − 1: blocks of clusters, row D · row + column
-    std::vector<Lanes<T>> sums_;  ///< handle · D + axis: a part of the right side in each lane
+    std::vector<Lanes<T>> turns_; ///< R − 1 in blocks of clusters, row D · row + column
+    std::vector<Lanes<T>> sums_;  ///< row handle · D + axis: partial sums of the right-hand side by lane
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// How far small matrices stretch and whether they fold: determinants and singular values.
+// Stretches and folds of small matrices: determinants and singular values.
 #pragma once
 
 #include <cageform/pose/detail/nearest_rotation.hpp>
@@ -17,7 +17,7 @@ inline double determinant(const LinearMap<double, 3>& m) noexcept {
            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
 }
 
-/// The inverse of a symmetric positive definite matrix, by its cofactors.
+/// Returns the inverse of a symmetric positive definite matrix.
 inline LinearMap<double, 2> inverse(const LinearMap<double, 2>& m) noexcept {
     const double over = 1 / determinant(m);
     return {{{over * m.at[1][1], -over * m.at[0][1]}, {-over * m.at[1][0], over * m.at[0][0]}}};
@@ -41,8 +41,8 @@ inline Vec<double, 2> squared_stretches(const LinearMap<double, 2>& m) noexcept 
     const double p = std::sqrt(x * x + y * y), q = std::sqrt(z * z + w * w);
     return {(p - q) * (p - q) / 4, (p + q) * (p + q) / 4};
 }
-/// In space the eigenvalues of MᵀM, by the cosines of Smith (Eigenvalues of a symmetric 3 × 3 matrix, Comm.
-/// ACM 4 (1961)); the least from the determinant, so that it does not cancel.
+/// From the eigenvalues of MᵀM in trigonometric form (Smith, Eigenvalues of a symmetric 3 × 3 matrix, Comm.
+/// ACM 4 (1961)). The least is computed from the determinant, without cancellation.
 inline Vec<double, 2> squared_stretches(const LinearMap<double, 3>& m) noexcept {
     double s[3][3];
     for (std::size_t r = 0; r < 3; ++r) {
@@ -68,12 +68,12 @@ inline Vec<double, 2> squared_stretches(const LinearMap<double, 3>& m) noexcept 
     return {middle > 0 ? volume * volume / (middle * largest) : 0, largest};
 }
 
-/// The stretch of several deformations.
+/// The extreme stretches of several deformations.
 struct Stretches {
     std::size_t folded = 0;
     double least = 1, largest = 1; ///< squares of singular values
 
-    /// Adds the deformation 1 + d M⁻¹. A deformation that is one to rounding counts as 1.
+    /// Adds the deformation 1 + d M⁻¹.
     template <std::size_t D>
     void add(const LinearMap<double, D>& d, const LinearMap<double, D>& moments) noexcept {
         const LinearMap<double, D> over = inverse(moments);

@@ -1,9 +1,9 @@
-// The binary layout of packed PoseSamples: written to a file, read by a game. The bytes can be a part of
-// a packed figure too (FigurePackOptions::parts).
+// The binary layout of packed PoseSamples, for a file or a part of a packed figure
+// (FigurePackOptions::parts).
 //
-// Byte order is that of the machine that wrote it, marked by a tag. Every array begins at a multiple
-// of 64 bytes from the beginning; there are offsets, no pointers. L = 64 / sizeof(T) clusters make a
-// block, B = ⌈#clusters / L⌉. PoseSamples says what the arrays hold.
+// The byte order is that of the writing machine, marked by a tag. Each array is given by an offset and begins
+// at a multiple of 64 bytes. L = 64 / sizeof(T) clusters form a block; B = ⌈#clusters / L⌉. PoseSamples
+// explains the arrays.
 //
 //     PoseBlobHeader
 //     rest_handles     #handles × D × T
@@ -11,9 +11,9 @@
 //     gradients        B × #handles × D × L × T
 //     moments          B × D × D × L × T
 //     stiffness        #handles (#handles + 1) / 2 × double
-//     weak_handles     #weak_handles × uint32, ascending; only if there are some
-//     points           #samples × D × T          these three only if they were asked for:
-//     sample_clusters  #samples × uint32         no frame reads them
+//     weak_handles     #weak_handles × uint32, ascending; absent if empty
+//     points           #samples × D × T          this and the following are optional:
+//     sample_clusters  #samples × uint32         not needed for frames
 //     centres          #clusters × uint32
 #pragma once
 
@@ -25,7 +25,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 192 bytes of packed samples. Offsets are in bytes from its beginning, 0 if an array is absent.
+/// The first 192 bytes of packed samples. Offsets are in bytes from the beginning; 0: the array is absent.
 struct PoseBlobHeader {
     static constexpr std::uint64_t magic_number = 0x65736F7065676163u; // "cagepose" in little endian
     static constexpr std::uint32_t current_version = 1;
@@ -33,13 +33,13 @@ struct PoseBlobHeader {
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
     std::uint32_t endian = 0x01020304u;
-    std::uint64_t bytes = 0;    ///< of the whole blob, a multiple of 64
-    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
+    std::uint64_t bytes = 0;    ///< size of the whole blob, a multiple of 64
+    std::uint64_t checksum = 0; ///< `hash_memory` of all bytes after this field
     std::uint32_t scalar_bytes = 0, dimension = 0;
     std::uint64_t handles = 0, clusters = 0, weak_handle_count = 0;
-    std::uint64_t samples = 0; ///< 0: the parts by sample are absent
+    std::uint64_t samples = 0; ///< 0: the arrays by sample are absent
     std::uint64_t cage_hash = 0;
-    double centre[3] = {}; ///< PoseSamples::centre, and 0 in the plane
+    double centre[3] = {}; ///< PoseSamples::centre, padded by 0 in 2D
     double size = 0;
     std::uint64_t rest_handles = 0, handle_kinds = 0, gradients = 0, moments = 0, stiffness = 0,
                   weak_handles = 0;
@@ -49,18 +49,18 @@ struct PoseBlobHeader {
 static_assert(sizeof(PoseBlobHeader) == 192);
 
 struct PosePackOptions {
-    /// Whether the points of the samples and their clusters are packed too, for an editor that draws them.
+    /// Whether to pack the points and clusters of the samples, for an editor that draws them.
     bool keep_points = false;
     std::uint64_t cage_hash = 0; ///< stored in the blob; 0: `hash_memory` of the handles at rest
 };
 
-/// Owns packed samples; made by `pack`. A copy copies all bytes.
+/// Owns packed samples; made by `pack`.
 class PackedPoseSamples {
 public:
     PackedPoseSamples() = default;
     explicit PackedPoseSamples(detail::PackedMemory memory) noexcept
         : memory_(std::move(memory)) {}
-    /// Returns the bytes to write to a file and to give to `open_pose_samples`; aligned to 64 bytes.
+    /// Returns the bytes for a file or for `open_pose_samples`, aligned to 64 bytes.
     std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
 
 private:
@@ -69,8 +69,8 @@ private:
 
 namespace detail {
 
-/// Visits the arrays of a blob and the parts of samples that they hold: visit(offset, part, #elements).
-/// Arrays without elements are absent.
+/// Calls visit(offset, part, #elements) for each array of a blob and its part of the samples. Arrays without
+/// elements are absent.
 template <Scalar T, std::size_t D, class Header, class Samples, class Visit>
 void for_each_pose_array(Header& header, Samples& samples, const Visit& visit) {
     const std::uint64_t handles = header.handles, lanes = lane_count<T>;
@@ -90,8 +90,7 @@ constexpr std::uint64_t bytes_of(const std::vector<X>&, std::uint64_t count) noe
     return count * sizeof(X);
 }
 
-/// Returns whether the numbers of samples are finite, and their indices those of things that exist. The sizes
-/// of all parts agree already.
+/// Returns whether all numbers are finite and all indices valid. The sizes of the parts must agree.
 template <Scalar T, std::size_t D>
 bool is_sound(const PoseSamples<T, D>& samples) noexcept {
     bool sound = samples.size > 0 && is_finite(samples.size) && is_finite(samples.centre);
@@ -147,7 +146,7 @@ Status pack_pose_samples(const PoseSamples<T, D>& samples, const PosePackOptions
     return Status::ok;
 }
 
-/// Reads the arrays of a blob whose prefix is sound. Counts of 32 bits, and of at most 4,096 handles, keep
+/// Reads the arrays of a blob with a valid header prefix. Counts of 32 bits and at most 4,096 handles keep
 /// the products of `for_each_pose_array` below 2^64.
 template <Scalar T, std::size_t D>
 Status read_pose_samples(const std::byte* data, const PoseBlobHeader& header, PoseSamples<T, D>& samples) {
@@ -173,11 +172,11 @@ Status read_pose_samples(const std::byte* data, const PoseBlobHeader& header, Po
 
 } // namespace detail
 
-/// Packs samples for `open_pose_samples`, to the bit.
+/// Packs samples for `open_pose_samples`, bitwise.
 ///
 ///   returns  the bytes, empty unless the status is ok; samples_missing; too_many_handles (more than 4,096);
-///            input_malformed (the parts do not agree, or hold a number that is not finite); out_of_memory
-///   cost     a copy of all parts but those by sample
+///            input_malformed (parts that do not agree, or a number that is not finite); out_of_memory
+///   cost     a copy of all parts, except those by sample unless kept
 template <Scalar T, std::size_t D>
 Result<PackedPoseSamples> pack(const PoseSamples<T, D>& samples, const PosePackOptions& options = {}) {
     Result<PackedPoseSamples> result;
@@ -187,15 +186,15 @@ Result<PackedPoseSamples> pack(const PoseSamples<T, D>& samples, const PosePackO
     return result;
 }
 
-/// Reads packed samples for a PoseSolver, whose frames give the bits that they gave before packing. The
-/// points and clusters of the samples are empty unless they were packed.
+/// Reads packed samples for a PoseSolver, whose results are bitwise those before packing. The points and
+/// clusters of the samples are empty unless they were packed.
 ///
-///   data      at least the blob, aligned to 64 bytes; bytes after it are ignored
-///   expected  as for `open_blob`; there is no hash of a figure
+///   data      at least the blob, aligned to 64 bytes; later bytes are ignored
+///   expected  as for `open_blob`, without a hash of a figure
 ///   returns   not_pose_samples, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
 ///             blob_malformed, blob_of_another_cage, out_of_memory, or ok: all numbers are finite, and a
-///             solver never reads or writes out of bounds, whatever the bytes
-///   cost      a copy of the blob, and no more memory than that; with BlobCheck::all reads everything twice
+///             solver stays in bounds for any bytes
+///   cost      a copy of the blob, without further memory; BlobCheck::all reads everything twice
 template <Scalar T, std::size_t D>
 Result<PoseSamples<T, D>, BlobReport> open_pose_samples(std::span<const std::byte> data,
                                                         const BlobExpectation& expected = {}) noexcept {

@@ -1,4 +1,4 @@
-// The samples of a cage's inside, by which pins move the cage: made once, shipped with a game.
+// Samples of a cage's inside, for posing by pins: made once, shipped with a game.
 #pragma once
 
 #include <cageform/core/types/blocks.hpp>
@@ -8,16 +8,16 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The energy of a pose, summed over samples of the inside, as `pose_samples` makes it. Lengths are shares
-/// of the diagonal L of the cage's box, with the centre of the box as the origin.
+/// The energy of a pose, summed over samples of the inside (`pose_samples`). Lengths are relative to the
+/// diagonal L of the cage's box; the origin is the centre of the box.
 ///
 ///     E(h, R) = Σ_s a_s |J_s(h) − R_c(s)|² + (ρ/#handles) Σ_i |g_iᵀh − R_c(i) u_i|²
 ///               + (ℓ²/#samples) Σ_neighbours |J_s − J_t|² / |s − t|²
 ///     J_s = Σ_i h_i ∇w_i(s)ᵀ,   Σ a_s = 1,   c(s) the cluster of sample s,   R_c a rotation for each cluster
 ///
-/// In the displacements d = h − H of the handles from rest, cluster c has the matrix J_c = M_c + d G_cᵀ, and
-/// the matrix of the energy is K, with all samples in it. So a frame costs as many operations as there are
-/// clusters, whatever the number of samples.
+/// In the displacements d = h − H from rest, cluster c has the matrix J_c = M_c + d G_cᵀ. The matrix K of the
+/// energy includes all samples. The cost of a frame therefore depends on the number of clusters, not of
+/// samples.
 template <Scalar T, std::size_t D>
 struct PoseSamples {
     using scalar = T;
@@ -26,19 +26,18 @@ struct PoseSamples {
 
     std::vector<Vec<T, D>> rest_handles;  ///< #handles
     std::vector<HandleKind> handle_kinds; ///< #handles
-    Vec<double, D> centre{};              ///< of the cage's box
+    Vec<double, D> centre{};              ///< centre of the cage's box
     double size = 0;                      ///< L
     std::vector<Vec<T, D>> points;        ///< #samples, in the units of the cage
     std::vector<std::uint32_t> clusters;  ///< #samples
-    std::vector<std::uint32_t> centres; ///< #clusters: the sample in the middle of each, at which spokes end
+    std::vector<std::uint32_t> centres;   ///< #clusters: the sample at the centre of each, where spokes end
     std::size_t cluster_count = 0;
-    /// G: a block for each group of clusters, with row handle · D + axis.
+    /// G: one block per group of clusters, with row handle · D + axis.
     std::vector<Lanes<T>> gradients;
-    /// M: blocks as of `gradients`, with row D · row + column.
+    /// M: blocks as in `gradients`, with row D · row + column.
     std::vector<Lanes<T>> moments;
-    std::vector<double> stiffness; ///< K: its lower triangle, row after row
-    /// Handles that hardly a sample feels: those whose diagonal entry of K, without spokes, is below 1e-6 of
-    /// the mean.
+    std::vector<double> stiffness; ///< K: its lower triangle by rows
+    /// Handles with negligible stiffness: a diagonal entry of K, without spokes, below 1e-6 of the mean.
     std::vector<std::uint32_t> weak_handles;
 
     std::size_t handle_count() const noexcept { return rest_handles.size(); }
@@ -49,7 +48,7 @@ struct PoseSamples {
     double stiffness_of(std::size_t i, std::size_t j) const noexcept {
         return i < j ? stiffness[j * (j + 1) / 2 + i] : stiffness[i * (i + 1) / 2 + j];
     }
-    /// Returns the bytes of all parts but those by sample, which no frame reads.
+    /// Returns the size in bytes of all parts except those by sample, which frames do not need.
     std::size_t bytes() const noexcept {
         return rest_handles.size() * (sizeof(Vec<T, D>) + sizeof(HandleKind)) +
                (gradients.size() + moments.size()) * sizeof(Lanes<T>) + stiffness.size() * sizeof(double);

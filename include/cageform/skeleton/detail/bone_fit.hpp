@@ -270,8 +270,8 @@ private:
         for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
         return DoubleLanes::load(numbers);
     }
-    /// Right sides of a bone minus the contributions of other bones, by column and axis. The frames are those
-    /// of the group that starts at `at`.
+    /// Right sides of a bone minus the contributions of other bones, by column and axis, in the frames of a
+    /// group that starts at `at`.
     std::array<std::array<DoubleLanes, 3>, 4> residual_of(std::size_t bone, std::size_t at,
                                                           const Couplings& couplings) const noexcept {
         std::array<std::array<DoubleLanes, 3>, 4> left;
@@ -354,8 +354,8 @@ private:
             for (DoubleLanes& x : line) x *= factor;
         }
     }
-    /// Replaces a rotation by the affine map that fits J best. In directions in which the vertices have no
-    /// extent, the rotation is kept.
+    /// Replaces a rotation by the affine map that fits J best. The rotation is kept in directions without
+    /// extent.
     static void stretch(LinearMap<DoubleLanes, 3>& turn, const LinearMap<DoubleLanes, 3>& j,
                         const double (&spread)[3][3], double size) {
         const double hold = 1e-3 * size / 3;
