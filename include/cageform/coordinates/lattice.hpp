@@ -54,8 +54,8 @@ public:
 
     std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
     const CageReport& cage_report() const noexcept { return report_; }
-    /// Returns the number of still handles, the last handles, which must stay at rest.
-    std::size_t still_handles() const noexcept {
+    /// Returns the number of frame handles: the last handles, which must stay at rest.
+    std::size_t frame_handles() const noexcept {
         return handles_.size() - (std::min)(points_, handles_.size());
     }
     const Transform<T, D>& box() const noexcept { return box_; }

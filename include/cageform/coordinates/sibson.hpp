@@ -247,8 +247,8 @@ private:
         if (state == PointState::inside && !scratch.at_site) return;
         if (scratch.at_site && options_.degree == 3) return;
         for (const double fraction : {0x1p-20, 0x1.8p-20}) {
-            (void)neighbours_.find(neighbours_.drawn_inside(p, fraction), search);
-            if (!search.at_site) return;
+            (void)neighbours_.find(neighbours_.drawn_inside(p, fraction), scratch);
+            if (!scratch.at_site) return;
         }
     }
     void add_gradients(RowBuilder& builder) const {

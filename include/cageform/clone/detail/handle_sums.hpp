@@ -36,7 +36,7 @@ void add_transposed(const BlockRows& rows, const Lanes<T> (*gradients)[D], const
             unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
                 Register w = load_weights<Format, T>(begin + row * row_bytes + b * rows.stride);
                 if constexpr (Last) w = used ? w : Register{};
-                conceal(w); // otherwise GCC would reload it for every product
+                optimizer_barrier(w); // otherwise GCC would reload it for every product
                 unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { sum[k] = multiply_add(w, g[b][k], sum[k]); });
             });
             unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { store_bytes(sums[k].v + group * lanes, sum[k]); });
