@@ -34,9 +34,9 @@ struct PolyhedralOptions {
         planar, ///< planar faces have coordinates in their plane
         fan,    ///< all faces are fans
     };
-    /// Maximum distance of a corner from its face's plane, in units of the cage. Values below 8
-    /// coincidence_tolerance are raised to it. Weights on such a face reproduce the point's projection onto
-    /// the plane, so their error is at most this distance.
+    /// Maximum distance of a corner from its face's plane, in units of the cage. The minimum is 8 times the
+    /// coincidence_tolerance. Weights on such a face reproduce the point's projection onto the plane, so
+    /// their error is at most this distance.
     double off_plane = 0;
     NonPlanar non_planar = NonPlanar::refuse;
     Faces faces = Faces::planar;
