@@ -15,8 +15,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The points that a PolyhedralMesh adds after its vertices. Each point is a weighted mean of corners of one
-/// face, with positive weights that sum to 1. The weight of a point is distributed to these corners, which
-/// preserves the sum of all weights w and the sum Σ w C over the positions C.
+/// face, with positive weights that sum to 1. The weight of a point is distributed to these corners. This
+/// preserves the sum of all weights w, and the sum Σ w C over the positions C.
 class FanPoints {
 public:
     std::size_t size() const noexcept { return ends_.size(); }

@@ -1,8 +1,8 @@
 // The largest allowed cell size at each point.
 //
-// The size depends on the thickness of the domain, on the altitudes of its facets, and on the vertices and
-// edges where functions are singular (grid/tree/features.hpp). grid/tree/refinement.hpp splits cells
-// accordingly.
+// The size depends on the thickness of the domain and on the altitudes of its facets. It also depends on the
+// vertices and edges where functions are singular (grid/tree/features.hpp). grid/tree/refinement.hpp splits
+// cells accordingly.
 #pragma once
 
 #include <cageform/grid/tree/bone_sizes.hpp>
@@ -277,9 +277,9 @@ private:
     }
     /// Returns the distance across the domain from a point on a facet to the opposite facet (Shapira, Shamir,
     /// Cohen-Or, Visual Computer 24 (2008)). If `front` is false and the facet is not a wall, the distance is
-    /// across the outside. Returns infinity in three cases. The first facet on the ray may not face this one.
-    /// It may have a common vertex with this one (a wedge has no thickness). Or it may be at a distance of
-    /// `most` or more.
+    /// across the outside. Returns infinity if the first facet on the ray does not face this one. Returns
+    /// infinity too if that facet has a common vertex with this one (a wedge has no thickness), or is at a
+    /// distance of `most` or more.
     double thickness(std::uint32_t from_facet, bool front, const Point& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();

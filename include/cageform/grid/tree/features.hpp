@@ -230,7 +230,7 @@ private:
         const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
-        // If `levels` is 2, the size of a cell at a distance r from the vertex is the radius of the cone
+        // If `levels` is 2, a cell at a distance r from the vertex is as large as the radius of the cone
         // there, but at least r / 32. Each further level halves the cells.
         const double slope =
             (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
