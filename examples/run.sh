@@ -1,8 +1,9 @@
 #!/bin/sh
 # Usage: sh examples/run.sh [cat | --build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and writes pictures into out/.
-# For example, they show the cat at rest and in every pose, the man, the aleph, a fish moved by points without a cage and
-# a character in space. Other pictures are heat maps of coordinates, the convergence of the solver, and its grid.
+# The figures are the cat at rest and in every pose, the man, the aleph, a fish moved by points without a cage, and a
+# character in space. Other pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame
+# curves.
 # The text output of programs goes to out/*.txt, such as tables of figures and of fits of key-frame curves.
 # The cat is drawn first, as soon as the two programs for it are built. Prints one line per step, and at the end a list
 # of the files to open.
@@ -492,7 +493,7 @@ Open, in out/:
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
   character_bones.png        bones computed from that dance; character_bones.glb, character_fitted.glb: the same, for an engine
   bones_heat.png             the character moved by bones with computed weights; bones_heat.glb: the same, for a viewer
-  hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
+  hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: its bones and control points; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured values
   eversion.png               a sphere turned inside out, eversion_twisted.png: in a lattice; homotopy.png, zoom_koch.png,
                              zoom_peano.png, zoom_sierpinski.png: other films of mathematics; films.txt: measured values

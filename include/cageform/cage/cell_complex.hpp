@@ -147,7 +147,7 @@ CellComplex(Polygon<T>) -> CellComplex<T, 2>;
 template <Scalar T>
 CellComplex(TriangleMesh<T>) -> CellComplex<T, 3>;
 
-/// The functions boundary_of and interior_cells accept any cage.
+/// boundary_of and interior_cells return the boundary and the interior cells of any cage.
 template <class Cage>
 const Cage& boundary_of(const Cage& cage) noexcept {
     return cage; // NOLINT(bugprone-return-const-ref-from-parameter): no temporaries, see below

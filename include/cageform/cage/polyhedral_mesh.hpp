@@ -219,9 +219,9 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
 
-/// Returns the first fault of one face, if any. It does not depend on the other faces. It is too_few_vertices
-/// or face_without_vertex or, for a face of more than three corners, one of the following. A fan can have the
-/// faults of a fan; another face can have face_without_area, face_not_planar or face_crosses_itself. Vertices
+/// Returns the first fault of one face, if any. The result does not depend on the other faces. Any face can
+/// have too_few_vertices or face_without_vertex. A fan can also have the faults of a fan. Another face of
+/// more than three corners can also have face_without_area, face_not_planar or face_crosses_itself. Vertices
 /// must be finite. O(m log m) for m corners, O(m²) at worst.
 template <class T>
 std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t face);

@@ -14,7 +14,7 @@ enum class CageFaultKind : std::uint8_t {
     loops_do_not_match,  ///< the loop sizes add up to `a`, but there are `b` vertices
     vertex_not_finite,   ///< vertex `a` is NaN or infinite; in a cage of curves, point `b` of edge `a`
     duplicate_vertices,  ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
-    edges_cross,         ///< the edges from vertices `a` and `b` cross or touch; `a` = `b` for one curve
+    edges_cross,         ///< the edges from vertices `a` and `b` cross or touch; `a` = `b`: one curve
     no_area,             ///< all vertices of loop `a` lie on one line
     degenerate_simplex,  ///< the simplex has no volume relative to its size
     no_volume,           ///< a mesh has no faces, or the shell of face `a` is flat

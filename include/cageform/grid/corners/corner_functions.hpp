@@ -208,7 +208,7 @@ private:
         Corner corner;
         std::array<std::size_t, 3> handles; ///< the vertices at the corner, before it and after it
         std::uint32_t first = 0;            ///< index of its first coefficient
-        std::size_t columns = 0;            ///< number of columns of both tables; functions may be dropped later
+        std::size_t columns = 0;            ///< columns of each table; functions may be dropped later
         NodeRows functions{};               ///< the functions at the nodes of the disc
         NodeRows defects{};                 ///< their defects; `nodes` become indices in Block::source
         Buffer<Around> around{};            ///< the nodes of the fit

@@ -278,8 +278,8 @@ private:
     /// Returns the distance across the domain from a point on a facet to the opposite facet (Shapira, Shamir,
     /// Cohen-Or, Visual Computer 24 (2008)). If `front` is false and the facet is not a wall, the distance is
     /// across the outside. Returns infinity if the first facet on the ray does not face this one. Returns
-    /// infinity too if that facet has a common vertex with this one (a wedge has no thickness), or is at a
-    /// distance of `most` or more.
+    /// infinity too if that facet has a common vertex with this one, because a wedge has no thickness. A
+    /// distance of `most` or more also counts as infinity.
     double thickness(std::uint32_t from_facet, bool front, const Point& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();

@@ -231,7 +231,7 @@ private:
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
         // If `levels` is 2, a cell at a distance r from the vertex is as large as the radius of the cone
-        // there, but at least r / 32. Each further level halves the cells.
+        // there. The smallest size is r / 32. Each further level halves the cells.
         const double slope =
             (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
         for (const auto& at : about) {
