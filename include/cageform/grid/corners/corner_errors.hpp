@@ -40,7 +40,7 @@ public:
         double constant;
         double factor;
         double order;    ///< the error decreases like the spacing to this power
-        double room = 1; ///< distance to the rest of the boundary; the order holds from one cell on
+        double room = 1; ///< distance to the rest of the boundary; `order` holds if it is one cell or more
     };
 
     /// Returns the factor of an untreated corner or edge: the fraction of its first singular function, r^λ

@@ -152,7 +152,8 @@ public:
         return change;
     }
 
-    /// Adds the functions to those in double. The residual becomes the right-hand side of the next cycles.
+    /// Adds the functions to the solution in double. The residual becomes the right-hand side of the next
+    /// cycles.
     void refine(Block& block, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
         block.keep_going_ = &keep_going;
