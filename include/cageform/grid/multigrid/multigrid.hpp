@@ -408,7 +408,8 @@ private:
     /// case.
     static constexpr std::size_t finest_sweeps = D == 2 ? 5 : 7;
     static constexpr std::size_t few_nodes = 2048, few_runs = 64; ///< fewer are not worth another thread
-    static constexpr std::size_t refine_every = 2; ///< cycles 2, 4, … refine; more in between gain nothing
+    /// Cycles 2, 4, … refine. Further cycles in float between two refinements gain nothing.
+    static constexpr std::size_t refine_every = 2;
 
     std::uint32_t unknowns_;
     double reach_ = 1;                      ///< the largest error of an interior node for a residual of 1
