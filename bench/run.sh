@@ -1,11 +1,12 @@
 #!/bin/sh
 # Usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]
-# Installs what the benchmarks need (Debian), builds them with -O3 -march=native into build/bench, runs them
-# and prints four tables: one thread; one, two and four threads; clones compiled with -O2 against -O3; compile
-# time. About five minutes on four processors. bench/README.md explains the tables.
-#   WORDS       only rows with these words in description or benchmark name: clone, "solve in space"
+# Installs what the benchmarks need (Debian), builds them with -O3 -march=native into build/bench and runs them.
+# Prints four tables: one thread; one, two and four threads; clones compiled with -O2 against -O3; compile time.
+# Takes about five minutes on four processors. bench/README.md explains the tables.
+#   WORDS       prints only rows with these words in the description or the benchmark name, for example clone or
+#               "solve in space"
 #   --csv FILE  writes all medians and quartiles, in seconds
-#   --count     prints instructions of our side of each row (callgrind, x86-64-v3) instead of times
+#   --count     prints the instructions of our benchmark in each row (callgrind, x86-64-v3) instead of times
 #   --compiled  links the compiled library (cageform::compiled) instead of headers only
 set -eu
 usage="usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]"
@@ -44,7 +45,7 @@ esac
 load=$(cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || echo 0) # before the build
 cd "$(dirname "$0")/.."
 
-# A group is one process; its benchmarks are measured in turns, REPETITIONS times.
+# A group is one process; its benchmarks are measured in turn, REPETITIONS times.
 #   group PROGRAM REPETITIONS
 #   row   description; our benchmark; peer; its benchmarks (best of several, separated by &); limit; its benchmark
 #   row   description; our benchmark, where @ is the number of threads
@@ -55,7 +56,7 @@ rows() {
   cgal="CGAL fast with edges"
   plain="plain loop, double; plain_mean_value_mesh"
   in_double="writing weights; limit_write_weights/again/points:8019/handles:112"
-  in_float="writing weights; limit_write_weights/again/points:8019/handles:56" # 56 doubles have as many bytes
+  in_float="writing weights; limit_write_weights/again/points:8019/handles:56" # 56 doubles have as many bytes as 112 floats
   plane="multigrid<2>/n:1024/threads:1/real_time"
   plane_moved="moving the solution once; limit_move_solution<2>/n:1024"
   eigen="Eigen, best layout; eigen_product<float"
@@ -128,7 +129,7 @@ compile=
 
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libbenchmark-dev
 sh cmake/install_packages.sh libcgal-dev libgmp-dev libmpfr-dev libsuitesparse-dev libopenblas0-serial ||
-  echo "Continuing; rows with a missing peer say so." >&2
+  echo "Continuing; rows without their peer show 'missing'." >&2
 
 # ---- the machine
 read_file() { cat "$1" 2>/dev/null || echo unknown; }
@@ -204,7 +205,7 @@ if [ -n "$count" ]; then
 fi
 
 # ---- run
-# One thread for CHOLMOD: by default it starts several, which busy-wait.
+# One thread for CHOLMOD: by default CHOLMOD starts several threads, which busy-wait.
 export OMP_THREAD_LIMIT=1 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 busy() { awk '/^cpu / { print $2 + $3 + $4 + $7 + $8, $9; exit }' /proc/stat 2>/dev/null || echo 0 0; }
 others=$out/others # jiffies of all programs and of this script, before and after
@@ -251,6 +252,6 @@ awk -v tick="$(getconf CLK_TCK)" '
 cat $out/warnings
 if [ -n "$compile" ]; then
   [ ! -s $out/rows ] || echo
-  echo "Compile time, beside its budget"
+  echo "Compile time and its budget"
   CXX=$compiler sh bench/compile.sh
 fi

@@ -1,6 +1,7 @@
 # cmake -DROOT=<project> -P check_includes.cmake
-# The table of what each room of include/cageform may include: itself, config.hpp, version.hpp, and what stands here.
-# A game ships these rooms, which need nothing but the standard library. Each includes only rooms before it.
+# The table of what each room may include: itself, config.hpp, version.hpp, and what the table lists. A room is a folder
+# of include/cageform. A game ships the following run-time rooms. They need only the standard library. Each of them
+# includes only the run-time rooms listed before it.
 set(run_time core clip figure clone pose)
 set(before)
 foreach(room IN LISTS run_time)
@@ -26,7 +27,7 @@ set(foreign_adapt Eigen/ glm/)
 set(foreign_binding Eigen/)
 set(foreign_fields Eigen/)
 set(foreign_skeleton Eigen/)
-# Standard headers that preprocess to 27,000 lines and more, kept out of run time.
+# Standard headers that preprocess to 27,000 lines or more. Run-time headers must not include them.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
 
 cmake_policy(VERSION 3.25)
@@ -64,7 +65,7 @@ foreach(header IN LISTS headers)
   string(REGEX REPLACE "[^\n]" "" line_ends "${text}")
   string(LENGTH "${line_ends}" lines)
   if(lines GREATER 450)
-    message(SEND_ERROR "${header} has ${lines} lines: split it by job")
+    message(SEND_ERROR "${header} has ${lines} lines, more than 450: split it")
   endif()
 endforeach()
 
@@ -79,7 +80,7 @@ foreach(room IN ITEMS io svg files splats cli pictures)
     foreach(line IN LISTS lines)
       math(EXPR checked "${checked} + 1")
       if(NOT line MATCHES "^#include \"(${allowed})/")
-        message(SEND_ERROR "${source}: the room ${room} may not have ${line}")
+        message(SEND_ERROR "${source}: the room ${room} may not contain ${line}")
       endif()
     endforeach()
   endforeach()

@@ -1,6 +1,6 @@
 # cmake -DCOMPILER=… -DSOURCE=… -DINCLUDES=… -P check_must_not_compile.cmake
-# SOURCE must compile, and with -DBROKEN fail with the message given in its first line,
-# "// BROKEN: <regular expression>", or "// BROKEN IN ONE LINE: …" if the first error line must match.
+# SOURCE must compile. With -DBROKEN it must fail with the message given in its first line,
+# "// BROKEN: <regular expression>". With "// BROKEN IN ONE LINE: …" the first error line must match.
 file(STRINGS ${SOURCE} first LIMIT_COUNT 1)
 if(NOT first MATCHES "^// BROKEN( IN ONE LINE)?: (.+)$")
   message(FATAL_ERROR "${SOURCE}: no message in the first line")

@@ -1,5 +1,5 @@
 # cmake -DPROGRAM=… -DEXPECTED=<file> -P check_output.cmake
-# Runs a program and compares its output with a text file, or with the lines of a source file after "//> ".
+# Runs a program and compares its output with a text file, or with the lines in a source file that begin with "//> ".
 execute_process(COMMAND ${PROGRAM} RESULT_VARIABLE failed OUTPUT_VARIABLE output)
 file(READ ${EXPECTED} expected)
 if(EXPECTED MATCHES "\\.cpp$")

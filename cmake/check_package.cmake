@@ -1,6 +1,7 @@
 # cmake -DBUILD=… -DSOURCE=… -DCOMPILER=… -DGENERATOR=… -DMAKE_PROGRAM=… -DEIGEN_INCLUDE=… -P check_package.cmake
-# Installs the project into a separate folder, then configures, builds and runs clients: one that binds, one that only plays
-# back without Eigen, and libraries that export their dependency. Run with an old CMake, it tests that version.
+# Installs the project into a separate folder, then configures, builds and runs clients: one that binds, one that only
+# plays back without Eigen, and libraries that export their dependency. The clients are configured with the CMake that
+# runs this script, so an old CMake tests that version.
 set(work ${BUILD}/package)
 file(REMOVE_RECURSE ${work})
 set(prefix ${work}/prefix)
@@ -13,7 +14,7 @@ function(run)
   endif()
 endfunction()
 
-# Installed alone, and together with Eigen packages of several versions, which use the installed headers.
+# Installs cageform alone, and together with Eigen packages of several versions. These packages use the installed headers of Eigen.
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 include(CMakePackageConfigHelpers)
 foreach(version IN ITEMS 3.3.9 5.0.1 6.0.0)

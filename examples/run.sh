@@ -1,11 +1,12 @@
 #!/bin/sh
 # Usage: sh examples/run.sh [cat | --build-only]
-# Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
-# pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
-# the man, the aleph, a fish moved by points without a cage, a character in space, heat maps of coordinates, how the
-# solver converges and where its grid is fine, a key-frame curve and its pieces. The output of programs goes to out/*.txt:
-# tables of figures and of fits of key-frame curves.
-# The cat comes first, once the two programs that draw it are built. Prints a line a step, and at the end what to open.
+# Installs what the examples need (Debian), builds them into build/examples/, runs them and writes pictures into out/.
+# The figures are the cat at rest and in every pose, the man, the aleph, a fish moved by points without a cage, and a
+# character in space. Other pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame
+# curves.
+# The text output of programs goes to out/*.txt, such as tables of figures and of fits of key-frame curves.
+# The cat is drawn first, as soon as the two programs for it are built. Prints one line per step, and at the end a list
+# of the files to open.
 #   cat           ends when the cat is drawn, as out/cat.png
 #   --build-only  builds all programs and draws nothing
 set -eu
@@ -16,7 +17,7 @@ mode=${1:-}
 case $mode in
   '' | cat | --build-only) ;;
   *)
-    echo "examples/run.sh: there is no option $mode; usage: sh examples/run.sh [cat | --build-only]" >&2
+    echo "examples/run.sh: unknown option $mode; usage: sh examples/run.sh [cat | --build-only]" >&2
     exit 2
     ;;
 esac
@@ -29,7 +30,7 @@ mkdir -p out
 step "configure"
 cmake --preset examples >/dev/null
 build() { # [TARGETS]
-  if [ -t 1 ]; then # ninja keeps to one line
+  if [ -t 1 ]; then # ninja rewrites a single line
     cmake --build build "$@"
   else
     cmake --build build "$@" >out/build.txt 2>&1 || { cat out/build.txt; exit 1; }
@@ -41,7 +42,7 @@ if [ "$mode" = --build-only ]; then
   build
   exit 0
 fi
-step "build the library, and what draws the cat"
+step "build the library and the programs that draw the cat"
 build --target deform_svg contact_sheet
 
 programs=build/examples
@@ -71,14 +72,14 @@ step "build all other programs (some minutes)"
 build
 step "lessons"
 for lesson in "$programs"/[0-2]*; do
-  [ -f "$lesson" ] || continue # CMake keeps a folder beside it
+  [ -f "$lesson" ] || continue # not a folder of CMake
   echo "== $(basename "$lesson")"
   "$lesson"
   echo
 done >out/lessons.txt
 
 step "the cat by Green coordinates"
-# Green coordinates keep angles, and leave the cage for that.
+# Green coordinates preserve angles. For this the figure may leave the cage.
 set --
 for pose in stretch leap; do
   deform cat_${pose}_green cat cat_cage cat_pose_$pose green
@@ -87,7 +88,7 @@ done
 "$programs/contact_sheet" -o out/cat_green.svg --columns 3 --png --png-width 1800 "$@"
 
 step "the cat, with cells inside its cage"
-# Cells inside the cage: a vertex in the face, a chain along the back. Nothing else has moved.
+# Cells inside the cage: a vertex in the face, a chain along the back. The vertices of the cage do not move.
 for cells in head spine; do
   "$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage_$cells.csv" --pose "$data/cat_pose_$cells.csv" \
     --coordinates harmonic -o out/cat_$cells.svg --png --show-cage-lines
@@ -95,8 +96,9 @@ done
 "$programs/contact_sheet" -o out/cat_interior.svg --columns 3 --png --png-width 1500 "at rest" out/cat_rest.svg \
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
 
-step "a cage made, and a first animation"
-# From the figure alone: a cage, a first look, a pose by the numbers in the picture, a motion to it and back.
+step "a cage made from the cat, and a first animation"
+# From the figure alone: a cage, a first picture, a pose given by the vertex numbers in the picture, and a motion to
+# this pose and back.
 "$programs/make_cage" "$data/cat.svg" -o out/cat_made_cage.svg --picture out/cat_made_numbers.svg >>$report
 "$programs/deform_svg" "$data/cat.svg" --cage auto -o out/cat_first_look.svg
 set -- --cage auto --coordinates harmonic --turn 7-8:-30@v6,9 --turn 0-2,20-23:12@v3,19
@@ -105,8 +107,8 @@ set -- --cage auto --coordinates harmonic --turn 7-8:-30@v6,9 --turn 0-2,20-23:1
 "$programs/contact_sheet" -o out/make_cage.svg --columns 3 --png --png-width 1800 "a cage made" out/cat_made_numbers.svg \
   "a first look" out/cat_first_look.svg "tail and head turned" out/cat_wags.svg
 
-step "the cat, posed by numbers"
-# No editor: the picture tells the numbers, operations move them.
+step "the cat, posed by vertex numbers"
+# Without an editor: the picture shows the vertex numbers, and operations move the vertices.
 "$programs/pose_cage" "$data/cat_cage.svg" --figure "$data/cat.svg" --picture out/cat_numbers.svg >>$report
 "$programs/pose_cage" "$data/cat_cage.svg" --turn 7-11:-25@775,400 --turn 15-24:12@330,325 --bend '0-1,24:yx,500,750,20' \
   --figure "$data/cat.svg" --picture out/cat_numbers_posed.svg -o out/cat_pose_numbers.svg >>$report
@@ -115,7 +117,7 @@ step "the cat, posed by numbers"
 "$programs/contact_sheet" -o out/pose_cage.svg --columns 3 --png --png-width 1800 "the numbers" out/cat_numbers.svg \
   "tail and head turned, a leg bent" out/cat_numbers_posed.svg "the cat by that pose" out/cat_by_numbers.svg
 
-step "a lattice about the cat, a face pulled out of a board"
+step "a lattice around the cat, a face pulled out of a board"
 # No cage at all: control points in a box.
 "$programs/make_cage" "$data/cat.svg" --lattice 4x4 -o out/cat.lattice.json --picture out/cat_lattice_numbers.svg >>$report
 "$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4 -o out/cat_lattice_look.svg --show-cage --fit
@@ -125,7 +127,7 @@ step "a lattice about the cat, a face pulled out of a board"
 "$programs/lattice_board" -o out/lattice_board.png >>$report
 
 step "a leaf in a cage of curves"
-# Four cubics, and the polygon of 25 vertices that does the same; poses by the numbers of control points.
+# A cage of four cubics, and the polygon of 25 vertices for the same pose; poses given by the numbers of control points.
 "$programs/leaf_cages" "$data/leaf.svg" --cage "$data/leaf_cage.svg" --pose "$data/leaf_pose.svg" -o out/leaf_cages.svg --png --seconds >>$report
 set -- --turn 6:40 --curve 0:4:0,-60
 "$programs/pose_cage" "$data/leaf_cage.svg" "$@" --figure "$data/leaf.svg" --picture out/leaf_numbers.svg >>$report
@@ -146,10 +148,11 @@ mv out/cat_walk_frames.png out/cat_walk.png
 rm -f out/cat_walk_[0-9][0-9].svg out/cat_walk_frames.svg
 
 step "figures pulled by pins"
-# The paws stay, the tail comes; then poses by pins beside the least moves of the cage with the same effect.
+# Pins hold the paws and pull the tail. Then poses by pins, beside poses by the least moves of the cage vertices that
+# satisfy the same pins.
 "$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --coordinates harmonic --pin 212,740 --pin 645,740 \
   --pin 480,400 --pin 915,165:760,60 -o out/cat_pulled.svg --save-pose out/cat_pose_pulled.svg --show-pins --report >>$report
-pinned() { # NAME FIGURE CAGE POSE POSE POSE   each of pins
+pinned() { # NAME FIGURE CAGE POSE POSE POSE   each POSE is a list of pins
   "$programs/pin_poses" "$2" --cage "$3" --coordinates harmonic --pinned "$4" --pinned "$5" --pinned "$6" -o "out/pins_$1_" >>$report 2>&1
   for number in 1 2 3; do tiles="$tiles pins out/pins_$1_$number.svg least~squares out/pins_$1_${number}_least.svg"; done
 }
@@ -188,7 +191,7 @@ deform aleph_harmonic aleph aleph_cage aleph_pose harmonic
   "mean value" out/aleph_mean_value.svg "harmonic" out/aleph_harmonic.svg
 
 step "a convex and a concave cage"
-# Rows: at rest, mean value, harmonic; the figure at rest in white under the posed one.
+# Rows: at rest, mean value, harmonic; the figure at rest is white, under the posed figure.
 set --
 for type in rest mean-value harmonic; do
   for figure in hexagon biped; do
@@ -201,7 +204,7 @@ for type in rest mean-value harmonic; do
   done
 done
 "$programs/contact_sheet" -o out/two_cages.svg --columns 2 --png "$@"
-# One pose by five types: what becomes of squares shows what each keeps.
+# One pose by five coordinate types: the deformed squares show what each type preserves.
 set --
 for type in mean-value harmonic green sibson sibson-c1; do
   "$programs/deform_svg" "$data/checkerboard.svg" --cage "$data/checkerboard_cage.csv" --pose "$data/checkerboard_pose.csv" \
@@ -233,7 +236,8 @@ for type in mean-value harmonic green sibson-c1; do
   set -- "$@" "$type" "$name.png"
 done
 "$programs/contact_sheet" -o out/character_types.svg --columns 2 --tile 700 --png --png-width 1400 "$@"
-# By pins: head, hips, hands and feet; beside the least moves of the cage with the same effect.
+# Poses by pins on head, hips, hands and feet, beside poses by the least moves of the cage vertices that satisfy the
+# same pins.
 head=0,1.75,0 hips=0,0.9,0 left=0.9,1.325,0 right=-0.9,1.325,0 foot=0.19,0.06,0.03 other=-0.19,0.06,0.03
 "$programs/pin_poses" out/character.obj --cage out/character_cage.obj --coordinates harmonic -o out/character_pins_ \
   --pinned "$head $hips $left:0.55,1.9,0.2 $right:=-0.5,0.8,0.15 $foot $other" \
@@ -244,7 +248,7 @@ head=0,1.75,0 hips=0,0.9,0 left=0.9,1.325,0 right=-0.9,1.325,0 foot=0.19,0.06,0.
   --pinned "$head:0,1.78,0.02 $hips:0,0.98,0 $left:0.65,1.85,0 $right:=-0.65,1.85,0 $foot:0.6,0.3,0 $other:=-0.2,0.02,0.03" >>$report
 "$programs/contact_sheet" -o out/character_pins.svg --columns 1 --tile 1560 --png --png-width 1000 \
   "by pins" out/character_pins_all.png "by least squares" out/character_pins_all_least.png
-# Tetrahedra, bent until cells fold, and where they stop.
+# Tetrahedra bent by 180 degrees, which folds cells; with --no-folds the bend stops before the first fold.
 "$programs/make_box" -o out/box.mesh --cage out/box_cage.obj >>$report
 for stop in "" --no-folds; do
   "$programs/deform_mesh" out/box.mesh --cage out/box_cage.obj --bend all:xy,1.5,2.5,180 $stop -o "out/box_bent$stop.mesh" \
@@ -252,7 +256,7 @@ for stop in "" --no-folds; do
 done
 "$programs/contact_sheet" -o out/box_folds.svg --columns 1 --tile 1000 --png --png-width 1000 \
   "bent by 180 degrees" out/box_bent.png "where the first tetrahedron would fold" out/box_bent--no-folds.png
-# Splats on the character, bent and drawn beside the bent mesh.
+# Splats on the character, bent, and drawn beside the bent mesh.
 "$programs/make_splats" out/character.obj -o out/splats.ply --count 100000 >>$report
 bend() { # PROGRAM FIGURE [OPTION ...]
   "$@" --cage lattice:4x9x4 --bend all:yx,0.9,0,75 --twist all:y,0,2,50
@@ -265,19 +269,19 @@ for view in 0,8 65,20 180,10; do
   set -- "$@" "seen from $view" "out/splats_$view.png"
 done
 "$programs/contact_sheet" -o out/splats.svg --columns 3 --tile 900 --png --png-width 1500 "$@"
-# By a lattice, in the pose that comes nearest to the one by the cage; then by that pose, as a file.
+# Fits the pose of a lattice to the pose by the cage; then poses the character by the file with that pose.
 "$programs/lattice_fit" out/character.obj out/character_harmonic.obj --cage lattice:6x6x6 -o out/lattice_pose.obj \
   --picture out/lattice_fit.png >>$report
 "$programs/deform_mesh" out/character.obj --cage lattice:6x6x6 --pose out/lattice_pose.obj -o out/character_lattice.obj
-# Cages made around what has one already, and the character by its made cage.
+# Makes cages around figures that already have one, and deforms the character by a made cage.
 "$programs/make_cage" out/character.obj --picture out/character_made.png -o out/character_made_cage.obj >>$report
 "$programs/make_cage" out/character.obj --quads --rings --mirror x --picture out/character_quads.png -o out/character_quads.obj >>$report
 "$programs/deform_mesh" out/character.obj --cage auto:60 -o out/character_look.obj --picture out/character_look.png
 for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out/${name}_made.svg >>$report; done
-# The parts of a cage, and a pose by their numbers.
+# The parts of a cage, and a pose given by part numbers.
 "$programs/make_cage" out/character.obj --mirror x --vertices 120 --picture out/character_parts.png \
   -o out/character_parts.obj >>$report
-arm=$(sed -n 's/^g part_-//p' out/character_parts.obj | sort -n | head -1) # the largest parts that are images of each other
+arm=$(sed -n 's/^g part_-//p' out/character_parts.obj | sort -n | head -1) # the largest pair of parts that are mirror images of each other
 "$programs/deform_mesh" out/character.obj --cage out/character_parts.obj --turn "part $arm:-50,y" --turn "part -$arm:20,y" \
   -o out/character_by_parts.obj --picture out/character_by_parts.png
 "$programs/contact_sheet" -o out/cage_parts.svg --columns 2 --png --png-width 1600 "the parts of a cage" \
@@ -286,13 +290,13 @@ arm=$(sed -n 's/^g part_-//p' out/character_parts.obj | sort -n | head -1) # the
   aleph.svg out/aleph_made.svg fish.svg out/fish_made.svg character.obj out/character_made.png
 
 step "a character for a game"
-# A game takes these: a packed binding with the dance, and glTF files as a skin and as morph targets.
+# Files for a game: a packed binding with the dance, and glTF files with a skin and with morph targets.
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
   --coordinates harmonic --max-distance 0.001 -o out/character.figure --report >>$report
-mkdir -p out/character_poses # four poses of its clip; sh examples/integrations/farms/run.sh has hundreds of them done by a farm
+mkdir -p out/character_poses # four poses of its clip; examples/integrations/farms/run.sh makes hundreds on a render farm
 "$programs/clone_figure" out/character.figure --poses out/character_clip.csv --rate 10 --rows 0:4 --json \
   -o 'out/character_poses/%02d.ply' >>$report
-# Points in tiles, half of them by each of two processes.
+# Points in tiles; each of two processes binds half of the tiles.
 mkdir -p out/tiles
 "$programs/make_tiles" out/character.obj --points 40000 --tiles 4 -o out/tiles/%d.ply
 for rows in 0:2 2:4; do
@@ -303,7 +307,7 @@ done
   --coordinates harmonic -o out/character_skin.glb --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --bones 24 \
   --coordinates harmonic -o out/character_bones.glb --picture out/character_bones.png --report >>$report
-mkdir -p out/character_frames # as any program writes a sequence of meshes
+mkdir -p out/character_frames # a sequence of meshes, as other programs write it
 "$programs/clone_figure" out/character.figure --poses out/character_clip.csv --rate 10 --mesh out/character.obj \
   -o 'out/character_frames/%02d.obj' >>$report
 "$programs/fit_skeleton" out/character.obj out/character_frames/*.obj --rate 10 --bones 24 -o out/character_fitted.glb --report >>$report
@@ -338,23 +342,23 @@ for vertex in 1 2; do
   field field_biped_${vertex}_harmonic biped_cage $vertex harmonic
 done
 "$programs/boundary_formula" --cage "$data/cat_cage.svg" --vertex 8 --at 937.5,237.5 >>$report
-# The papers' grid, coarse and fine.
+# The grid of the papers, coarse and fine.
 for cells in 32 64; do
   "$programs/coordinate_field" --cage "$data/cat_cage.svg" --vertex 8 --coordinates harmonic --resolution $cells \
     -o out/field_cat_$cells.png --classes out/classes_$cells.png >>$report
 done
 "$programs/contact_sheet" -o out/classes.svg --columns 2 --png "32 cells" out/classes_32.png "64 cells" out/classes_64.png
 
-# A field with values at the corners of a rectangle: the black line is what is given.
+# A field with values at the corners of a rectangle; the black line shows the given values.
 "$programs/coordinate_field" --cage "$data/rectangle.csv" --y-up --values 1,2,4,2 --coordinates harmonic \
   -o out/field_rectangle.png --surface out/surface_rectangle.png --turn 35 -60 >>$report
-# Mean value coordinates are means over rays, harmonic ones over Brownian paths.
+# Mean value coordinates are means over rays, harmonic coordinates are means over Brownian paths.
 "$programs/paths" --cage "$data/biped_cage.svg" --point 150,540 -o out/paths.svg --png >out/paths.txt
 
 for type in wachspress mean-value discrete-harmonic; do
   field "field_heptagon_$(echo $type | tr - _)" heptagon_cage 3 $type
 done
-# The root is negative in the thin cage of tests/coordinates/three_point.cpp.
+# With f = √r weights are negative in the thin cage of tests/coordinates/three_point.cpp.
 "$programs/contact_sheet" -o out/convex.svg --columns 3 --tile 480 --png --png-width 1800 \
   "Wachspress, f = 1: nowhere negative" out/field_heptagon_wachspress.png \
   "mean value, f = r (√r: to −0.015 in thin cages)" out/field_heptagon_mean_value.png \
@@ -388,7 +392,7 @@ step "puzzles of numbers"
 "$programs/puzzle" "$data/puzzle.csv" --exact --neighbours 8 --walks 10000 --from 2 2 -o out/puzzle_8.svg >>out/puzzle.txt
 "$programs/contact_sheet" -o out/puzzle.svg --columns 2 --png "each the mean of four neighbours" out/puzzle_4.svg \
   "of eight" out/puzzle_8.svg
-# A hundred by a hundred cells: what is given on the border decides the rest.
+# A hundred by a hundred cells: the values given on the border determine all others.
 awk 'function cell(x, y, n) { if (y == 0) return int(1000 * sin(3.14159 * x / n)) "/1000"
                               if (y == n) return int(-1000 * sin(6.28318 * x / n)) "/1000"
                               return x == 0 || x == n ? 0 : "." }
@@ -420,13 +424,14 @@ grid grid_hand out/hand_cage.obj --figure out/hand.obj --accuracy 0.005 --slice 
   "fingers in a cage to 0.005, cut from above" out/grid_hand.svg \
   "a body of 180 units to 0.002, cut from the front" out/grid_body.svg "its hand, fingers 1.7 thick, from above" out/grid_fingers.svg
 
-# Every grid point of the biped's cage, as numbers.
+# The weights at every point of a grid over the biped's cage, as numbers.
 awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print x "," y }' >out/biped_points.csv
 "$programs/cage_weights" --cage "$data/biped_cage.svg" --points out/biped_points.csv --coordinates mean-value \
   --outside keep-in-place --report -o out/biped_weights.csv >out/biped_report.txt
 
 step "electrons as waves"
-# One process for each processor: the waves take a third of the time of all pictures. Shadow and spin need the larger lattice.
+# One process per processor, because these pictures take a third of the total time. The scenes shadow and spin need the
+# larger lattice.
 printf '%s\n' 'shadow 320x240' 'spin 320x240' 'slit 256x192' 'two-slits 256x192' |
   xargs -P "$(nproc)" -L 1 sh -c '"$0/electron_waves" --scene "$1" --size "$2" --mesh 0.12 --float -o "out/waves_$1.png" \
     --csv "out/waves_$1.csv" >"out/waves_$1.txt"' "$programs"
@@ -437,12 +442,13 @@ for scene in slit two-slits spin shadow; do
 done >out/waves.txt
 
 step "a key-frame curve"
-# A key-frame curve by as few cubic pieces as a screen of 1920 pixels asks for.
+# A key-frame curve fitted by as few cubic pieces as a screen of 1920 pixels requires.
 "$programs/fit_curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.00052 --plot out/fit_curve.svg --png \
   --json out/fit_curve.json
 
 step "films of mathematics"
-# A sphere turned inside out, also in a lattice; curves that become others; zooms without end. Films where ffmpeg is.
+# A sphere turned inside out, also in a lattice; curves that are deformed into other curves; endless zooms. Makes films
+# if ffmpeg is installed.
 film() { # NAME PROGRAM WORD…   appends --gif
   name=$1
   shift
@@ -468,41 +474,41 @@ Open, in out/:
   cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage;
                              cat_green.png: two poses by three types of coordinates
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
-  make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to it (in a browser)
-  made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
-  character_quads.png        a cage of quads about the character, with rings about its limbs
-  cage_parts.png             the parts of a cage in space, and a pose by their numbers
-  pose_cage.png              a cage with its vertices' numbers, and a pose by them
+  make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to this pose (in a browser)
+  made_cages.png             cages made in the plane and in space; character_look.png: the character in a made cage
+  character_quads.png        a cage of quads around the character, with rings around its limbs
+  cage_parts.png             the parts of a cage in space, and a pose given by part numbers
+  pose_cage.png              a cage with vertex numbers, and a pose given by these numbers
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
-  leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers
-  lattice_fit.png            a character posed by its cage, and the pose of a lattice that comes nearest to that
+  leaf_cages.png             a leaf in a cage of four cubics, and in a polygon for the same pose; leaf.png: posed by vertex numbers
+  lattice_fit.png            a character posed by its cage, and by the nearest pose of a lattice
   pins.png                   figures pulled by pins, and by least squares; cat_markers.svg (in a browser): a walk by twelve markers
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
-  two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates
+  two_cages.png              a disc in a convex cage, a biped in a concave cage, by mean value and harmonic coordinates
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
-                             their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
+                             their weights are computed, beside harmonic weights; sibson.txt: degrees and rules of gradients
   character_pins.png         a character by pins, and by least squares; box_folds.png: tetrahedra bent until they fold
-  splats.png                 Gaussian splats, bent beside the mesh that they were made from; splats_bent.ply: for a viewer of splats
+  splats.png                 bent Gaussian splats, beside the mesh from which they were made; splats_bent.ply: for a viewer of splats
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
-  character_bones.png        bones found in that dance; character_bones.glb, character_fitted.glb: the same, for an engine
-  bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
-  hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
-                             hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
+  character_bones.png        bones computed from that dance; character_bones.glb, character_fitted.glb: the same, for an engine
+  bones_heat.png             the character moved by bones with computed weights; bones_heat.glb: the same, for a viewer
+  hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: its bones and control points; hand_bend.png,
+                             hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured values
   eversion.png               a sphere turned inside out, eversion_twisted.png: in a lattice; homotopy.png, zoom_koch.png,
-                             zoom_peano.png, zoom_sierpinski.png: other films of mathematics; films.txt: measured
-  hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
-  convex.png                 three coordinate types that take convex cages, by a function of the distance
-  classes.png                the papers' grid: which cells a cage passes
-  biped_signs.png            what negative weights mean; paths.png: where they come from; field_*.png: more heat maps;
-                             surface_cat_8.png: one as a surface
+                             zoom_peano.png, zoom_sierpinski.png: other films of mathematics; films.txt: measured values
+  hand.glb                   the hand opens, closes, points and grasps (for a viewer of glTF)
+  convex.png                 three coordinate types for convex cages, each by a function of the distance
+  classes.png                the grid of the papers: the cells that a cage passes through
+  biped_signs.png            the effect of negative weights; paths.png: their origin; field_*.png: more heat maps;
+                             surface_cat_8.png: a heat map as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
   clone_image.png            a region of one picture in another, without a seam; clone_way.png: at four places
   relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
-  adaptive_grid.png          cells of the grid by accuracy: of the cat, at a corner, through a hand
-  convergence.png            errors of the solver, convergence.txt: as a table; fit_curve.png: a key-frame curve and its pieces
+  adaptive_grid.png          cells of the adaptive grid: for the cat, at a corner, in sections through a hand
+  convergence.png            errors of the solver; convergence.txt: the same as a table; fit_curve.png: a key-frame curve and its pieces
   waves_shadow.png           the shadow of a square in electrons; waves_slit.png, waves_two-slits.png, waves_spin.png; waves.txt: angles
-  figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
+  figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: all other output
 
-sh examples/page/run.sh makes out/cageform.html, in which a browser plays with all this.
+sh examples/page/run.sh makes out/cageform.html, a page to try all this in a browser.
 END

@@ -1,16 +1,16 @@
 #!/bin/sh
 # Usage: sh tests/layout.sh AWK
-# Checks what no compiler does: lines over 110 columns, documents that have grown too long,
-# how many headers and names a user meets, and that these headers hold no machinery.
+# Checks what no compiler checks: lines over 110 columns, the length of documents, and the number of public
+# headers and names. Also checks that public headers contain no implementation.
 set -u
 cd "$(dirname "$0")/.."
 awk=$1
 failed=0
-count() { # WHAT FOUND MOST: fails where there is more than MOST
+count() { # WHAT FOUND MOST: fails if FOUND exceeds MOST
   printf '%s: %d of at most %d\n' "$1" "$2" "$3"
   [ "$2" -le "$3" ] || failed=1
 }
-# A coordinate type needs no higher limit: its header does not count, and tables of types have a row for it.
+# A new coordinate type needs no higher limit: its header does not count, and each table of types may have a row for it.
 types=$(sed -n 's|^#include <\(cageform/coordinates/.*\)>|include/\1|p' include/cageform/coordinates/types.hpp)
 included=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp' | grep -vxF "$types") # by users
 # Columns are characters in any locale: continuation bytes do not count.

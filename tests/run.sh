@@ -7,9 +7,9 @@
 #   native   kernel tests with clang and the registers of this processor
 #   release  as dev, with benchmarks, and with the flags of published results
 #   nightly  as dev, with a check of each header alone; used by tests/nightly.sh
-# ROOM is a folder of both tests/ and include/cageform/, such as clone: builds and runs only the tests of
-# these rooms. One test: ctest --test-dir build -R 'clone_tests:.*rest'. Other presets build in build/PRESET.
-# -N lists tests.
+# ROOM is a folder of both tests/ and include/cageform/, such as clone. With rooms, the script builds and runs
+# only their tests. To run one test: ctest --test-dir build -R 'clone_tests:.*rest'; with -N, ctest lists the
+# tests. Presets other than dev build in build/PRESET.
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}

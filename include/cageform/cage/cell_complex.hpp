@@ -11,24 +11,24 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// A boundary with interior cells for local control (Joshi et al. 2007, sec. 4.1): a vertex in the head, a
 /// line of bones, a wall between two legs. The coordinate functions are linear on the cells and continuous,
-/// but not smooth, across them. The handles are the vertices of the boundary, then those of the cells in
-/// the order of their addition.
+/// but not smooth, across them. The first handles are the vertices of the boundary. The vertices of the cells
+/// follow in the order in which they were added.
 ///
 ///     CellComplex<double, 2> cage(Polygon<double>(outline));
 ///     const std::size_t head = cage.add_point(eye, 12.0);
 ///     cage.add_chain(spine);
 ///
 /// Near bones, linear functions are reproduced with an error of at most the radius. By default `bind`
-/// corrects this for poses that rotate the whole cage. Weights may then leave [0, 1] by about the radius
-/// over the cage's size (LinearPrecision::leave disables the correction).
+/// corrects this error for poses that rotate the whole cage. Corrected weights may leave [0, 1] by about the
+/// radius divided by the cage's size (LinearPrecision::leave disables the correction).
 ///
-/// A point equal to an existing vertex reuses that vertex. Cells are joined this way, and a chain from
-/// boundary to boundary divides the cage. Construction never fails; `check` reports whether the complex is
-/// a valid cage. Adding a point takes O(#handles).
+/// A point equal to an existing vertex reuses that vertex. Cells that share a vertex are joined there. A
+/// chain from boundary to boundary divides the cage. Construction never fails; `check` reports whether the
+/// complex is a valid cage. Adding a point takes O(#handles).
 ///
-/// Near the free rim of faces in 3D, and near the end of a chain with less than a grid cell of room around
-/// it, the functions grow like the square root of the distance. There the error of a grid is some tenths
-/// within one cell.
+/// In 3D, near the free rim of faces, the functions grow like the square root of the distance from the rim.
+/// The same holds near the end of a chain if the free space around this end is less than a grid cell. At such
+/// places the error of a grid is some tenths within one cell.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex {
@@ -107,8 +107,8 @@ public:
         return handles;
     }
 
-    /// Returns out_of_memory if an addition did not fit in memory; do not use the complex then.
-    /// `check` reports it. (Copying throws, as copying a std::vector does.)
+    /// Returns out_of_memory if an addition did not fit in memory. Do not use the complex in that case;
+    /// `check` reports this status. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); } ///< number of handles
     std::span<const Vec<T, D>> vertices() const noexcept { return vertices_; }
@@ -147,7 +147,7 @@ CellComplex(Polygon<T>) -> CellComplex<T, 2>;
 template <Scalar T>
 CellComplex(TriangleMesh<T>) -> CellComplex<T, 3>;
 
-/// Return the boundary of any cage, and its interior cells.
+/// boundary_of and interior_cells return the boundary and the interior cells of any cage.
 template <class Cage>
 const Cage& boundary_of(const Cage& cage) noexcept {
     return cage; // NOLINT(bugprone-return-const-ref-from-parameter): no temporaries, see below
@@ -199,7 +199,7 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     return value;
 }
 
-/// Classifies a point like the boundary does; points on a facet or within the radius of a bone are
+/// Classifies a point by the boundary. Points on a facet of a cell, or within the radius of a bone, are
 /// on_boundary too.
 template <Scalar T, std::size_t D>
 PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance) noexcept {
@@ -218,10 +218,11 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Checks whether a complex is a valid cage. The boundary must be valid. Cells must not be degenerate, must
-/// lie inside, and may meet the boundary and each other only in common vertices, edges and faces. Bones
-/// must have a positive radius, keep that distance from the boundary and from facets, share vertices only
-/// with other bones, and not reach the far ends of these. O(cells · (cells + facets of the boundary)).
+/// Checks whether a complex is a valid cage. The boundary must be valid. Cells must not be degenerate and
+/// must lie inside. They may meet the boundary and each other only in common vertices, edges and faces. Bones
+/// must have a positive radius, and their distance from the boundary and from facets must be larger than this
+/// radius. They may share vertices only with other bones. A bone must not contain the far end of a bone that
+/// it shares a vertex with. O(cells · (cells + facets of the boundary)).
 template <class T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage);
 

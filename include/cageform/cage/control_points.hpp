@@ -1,4 +1,5 @@
-// Makes sets of control points from a figure: points of the figure as handles, and fixed points around it.
+// Makes sets of control points from a figure: points of the figure as handles, and fixed points around the
+// figure.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -17,13 +18,14 @@ struct ConstraintPoints {
     std::vector<std::uint32_t> handles; ///< #indices: the site at each figure point
 };
 
-/// Adds points of a figure to a set of control points, so that they can be moved directly: a figure point
-/// at a site follows the site exactly.
+/// Adds points of a figure to a set of control points. These figure points can then be moved directly,
+/// because a figure point at a site follows the site exactly.
 ///
 ///   sites    any PointRange
 ///   figure   any PointRange of the same dimension, converted to the scalar of the sites
-///   indices  figure points. A point closer to an earlier site than coincidence_tolerance (of sites and
-///            chosen points) adds no site and uses that site as its handle
+///   indices  indices of the figure points to add. If a point is closer to an earlier site than the
+///            coincidence_tolerance of all sites and chosen points, it adds no site. The earlier site is then
+///            its handle
 ///   cost     O(#indices · #sites)
 ///   fails    index_out_of_range, vertex_not_finite, out_of_memory
 template <PointRange S, PointRangeIn<range_dimension<S>> F>
@@ -61,22 +63,23 @@ sites_with_figure_points(const S& sites, const F& figure, std::span<const std::s
     return result;
 }
 
-/// Selects the points of the box of `surround`.
+/// Selects the points that `surround` makes on the box.
 enum class SurroundSites : std::uint8_t {
     corners, ///< the 2^D corners
     lattice, ///< 3^D − 1 points: corners, and the midpoints of edges and, in space, of faces
 };
 
 struct SurroundOptions {
-    double margin = 0.25; ///< distance from the points to the box sides, in diagonals of the points; > 0
+    /// Distance from the points to the sides of the box, in diagonals of the points' bounds; > 0.
+    double margin = 0.25;
     SurroundSites sites = SurroundSites::corners;
 };
 
-/// Makes sites on a box around points, as fixed control points. With them a deformation fades to zero
-/// towards the box, and all points lie inside.
+/// Makes sites on a box around points, as fixed control points. With these sites a deformation fades to zero
+/// towards the box, and all points lie inside the box.
 ///
-///   points  any PointRange: figure and sites. Points in one plane or on one line get the margin in all
-///           directions
+///   points  any PointRange: the figure and the sites together. Points in one plane or on one line get the
+///           margin in all directions
 ///   fails   too_few_vertices without points, vertex_not_finite, cage_has_no_area or
 ///           cage_has_no_volume if all points coincide, radius_not_positive for the margin,
 ///           value_not_finite if a corner exceeds the scalar's range, out_of_memory

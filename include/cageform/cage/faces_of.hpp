@@ -45,7 +45,7 @@ private:
 /// faces_of(indices))`.
 ///
 ///   indices  contiguous integers of at most 32 bits, three per face; they must outlive the view. If the
-///            count is not a multiple of three, the last face lacks a vertex, which `check` reports like an
+///            count is not a multiple of three, the last face lacks a vertex. `check` reports this like an
 ///            index out of range
 template <class R>
     requires std::integral<std::remove_cvref_t<decltype(*std::data(std::declval<const R&>()))>>

@@ -29,7 +29,8 @@ public:
         if (status_ != Status::ok) sites_.clear();
     }
 
-    /// Returns ok, or out_of_memory for an empty set, which `check` reports. Copying may throw.
+    /// Returns ok, or out_of_memory if the sites did not fit in memory. The set is then empty, and `check`
+    /// reports this status. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return sites_.size(); }
     std::span<const Vec<T, D>> sites() const noexcept { return sites_; }
@@ -43,9 +44,10 @@ private:
 template <PointRange R>
 PointSet(const R&) -> PointSet<range_scalar_t<R>, range_dimension<R>>;
 
-/// Checks whether sites are valid control points. There must be at least D + 1, all finite, no two closer
-/// than the coincidence_tolerance of their bounds, and not all within that tolerance of one plane (in 2D,
-/// of one line). Each duplicate is reported once, with the first coincident site. O(n log n).
+/// Checks whether sites are valid control points. There must be at least D + 1 sites, all finite. No two
+/// sites may be closer than the coincidence_tolerance of their bounds. The sites must not all lie within that
+/// tolerance of one plane (in 2D, of one line). Each duplicate is reported once, with the first coincident
+/// site. O(n log n).
 template <Scalar T, std::size_t D>
 CageReport check(const PointSet<T, D>& set) {
     return detail::report_on(set.status(), [&](CageReport& report) { detail::check_point_set(set, report); });

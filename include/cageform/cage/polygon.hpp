@@ -50,7 +50,8 @@ public:
         if (status_ != Status::ok) *this = Polygon(status_);
     }
 
-    /// Returns ok, or out_of_memory for an empty polygon, which `check` reports. Copying may throw.
+    /// Returns ok, or out_of_memory if the vertices did not fit in memory. The polygon is then empty, and
+    /// `check` reports this status. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 2>> vertices() const noexcept { return vertices_; }
@@ -152,7 +153,8 @@ BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>&
     BoundaryPoint<T> best;
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
         const auto candidate = nearest_on_edge(polygon, i, j, p);
-        const bool first = best.i == best.j; // always accepted: far away all distances may be infinite
+        // The first edge is always accepted, because far away all distances may be infinite.
+        const bool first = best.i == best.j;
         if (first || candidate.distance < best.distance) best = candidate;
     });
     return best;
@@ -192,8 +194,8 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Checks whether a polygon is a valid cage: every loop has at least three vertices and an area,
-/// consecutive vertices are farther apart than the cage's coincidence_tolerance, and no two edges touch
+/// Checks whether a polygon is a valid cage. Every loop must have at least three vertices and an area.
+/// Consecutive vertices must be farther apart than the cage's coincidence_tolerance. No two edges may touch,
 /// except neighbours at their common vertex. Usually O(#V log #V), O(#V²) at worst.
 template <class T>
 CageReport check(const Polygon<T>& polygon);

@@ -19,12 +19,12 @@ concept LoopRange = requires(const F& faces, std::size_t i) {
 
 /// How a PolyhedralMesh binds faces of more than three corners.
 ///
-/// A *fan* consists of the triangles between a face's edges and the mean m of its n corners. The function
-/// of a corner is 1 there, 1/n at m, and linear on each triangle. So the weight of m is distributed to the
-/// corners: w_c = ω_c + Σ ω_m/n over the faces at c, where ω are the weights on the triangle mesh. This
+/// A *fan* consists of the triangles between a face's edges and the mean m of its n corners. The function of
+/// a corner is 1 at the corner, 1/n at m, and linear on each triangle. So the weight of m is distributed to
+/// the corners: w_c = ω_c + Σ ω_m/n over the faces at c, where ω are the weights on the triangle mesh. This
 /// preserves sums, linear precision, signs and the maximum principle, and does not depend on a choice of
-/// diagonal or first corner. The distance from the bilinear patch of the corners is at most
-/// |c₀ − c₁ + c₂ − c₃|/16 for a fan, and |c₀ − c₁ + c₂ − c₃|/4 for two triangles.
+/// diagonal or first corner. The distance of a fan from the bilinear patch of the corners is at most |c₀ − c₁
+/// + c₂ − c₃|/16. For two triangles it is at most |c₀ − c₁ + c₂ − c₃|/4.
 struct PolyhedralOptions {
     enum class NonPlanar : std::uint8_t {
         refuse, ///< face_not_planar
@@ -34,25 +34,25 @@ struct PolyhedralOptions {
         planar, ///< planar faces have coordinates in their plane
         fan,    ///< all faces are fans
     };
-    /// Maximum distance of a corner from its face's plane, in units of the cage; 64 roundings are always
-    /// allowed. Weights on such a face reproduce the point's projection onto the plane, so their error is
-    /// at most this distance.
+    /// Maximum distance of a corner from its face's plane, in units of the cage. The minimum is 8 times the
+    /// coincidence_tolerance. Weights on such a face reproduce the point's projection onto the plane, so
+    /// their error is at most this distance.
     double off_plane = 0;
     NonPlanar non_planar = NonPlanar::refuse;
     Faces faces = Faces::planar;
-    /// k, 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan.
-    /// The functions on the face are then nearly bilinear: their error is k² times smaller, and mean value
-    /// weights converge to their integral over the patch at the same rate. Such a face has 4 k² triangles,
-    /// so a bind takes 2 k² times as long. With k > 1 all faces of more than three corners are fans, and
-    /// gaps next to divided faces may be refused as open edges.
+    /// k, 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan. The
+    /// functions on the face are then nearly bilinear: their error is k² times smaller, and mean value
+    /// weights converge to their integral over the patch at the same rate. Such a face has 4 k² triangles, so
+    /// a bind takes 2 k² times as long. With k > 1 all faces of more than three corners are fans. Gaps next
+    /// to divided faces may be refused as open edges.
     std::uint32_t divisions = 1;
 };
 
-/// A 3D cage with faces of any number of corners. A face is one loop, counter-clockwise seen from outside;
-/// a planar face may be non-convex. The surface equals that of `triangles()`, but a planar face has
-/// coordinates in its plane as boundary data, so the weights do not depend on its triangulation (Joshi et
-/// al. 2007, sec. 4: every face solves the equation in its own dimension). Non-planar faces are refused or
-/// bound as fans (PolyhedralOptions).
+/// A 3D cage with faces of any number of corners. A face is one loop, counter-clockwise seen from outside; a
+/// planar face may be non-convex. The surface equals that of `triangles()`. But a planar face has coordinates
+/// in its plane as boundary data, so the weights do not depend on its triangulation (Joshi et al. 2007, sec.
+/// 4: every face solves the equation in its own dimension). Non-planar faces are refused or bound as fans
+/// (PolyhedralOptions).
 ///
 /// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh is a valid
 /// cage. Gaps are closed by triangles, as in a TriangleMesh. O(#corners log #corners), and O(m²) for a face
@@ -80,7 +80,8 @@ public:
     PolyhedralMesh(const R& vertices, const F& faces, T off_plane)
         : PolyhedralMesh(vertices, faces, PolyhedralOptions{.off_plane = double(off_plane)}) {}
 
-    /// Returns ok, or out_of_memory for an empty mesh, which `check` reports. Copying may throw.
+    /// Returns ok, or out_of_memory if the faces did not fit in memory. The mesh is then empty, and `check`
+    /// reports this status. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return size_; }
     std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices().first(size_); }
@@ -93,11 +94,11 @@ public:
         return {corners_.data() + begin, ends_[f] - begin};
     }
     /// Returns the surface as triangles: those of face 0, of face 1, …, then those that close gaps. The
-    /// vertices are those of the mesh, then the points of fans, in the order of the faces if no face is
-    /// divided.
+    /// vertices are those of the mesh, then the points of fans. If no face is divided, these points are in
+    /// the order of the faces.
     const TriangleMesh<T>& triangles() const noexcept { return triangles_; }
-    /// Returns the range [first, second) of a face's triangles: m − 2 for a planar face of m corners. The
-    /// triangles of a fan begin at the face's first corner.
+    /// Returns the range [first, second) of a face's triangles: m − 2 triangles for a planar face of m
+    /// corners. The triangles of a fan begin at the face's first corner.
     std::pair<std::size_t, std::size_t> triangles_of(std::size_t f) const noexcept {
         return {f == 0 ? 0 : triangle_ends_[f - 1], triangle_ends_[f]};
     }
@@ -209,18 +210,19 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
     return nearest_boundary_value(mesh.triangles(), p, position);
 }
 
-/// Checks whether a mesh is a valid cage. Every face must have at least three corners that exist, are
-/// finite, lie in one plane (see off_plane) and form a simple polygon. A fan need not be planar; the
-/// triangles around its mean must not fold. The other conditions are those of a TriangleMesh. Faults give
-/// face indices. Each non-planar fan is a warning, with its distance from the bilinear patch, or for more
-/// than four corners with the largest distance of a corner from the plane. Costs as much as for a
+/// Checks whether a mesh is a valid cage. Every face must have at least three corners that exist, are finite,
+/// lie in one plane (see off_plane) and form a simple polygon. A fan need not be planar; the triangles around
+/// its mean must not fold. The other conditions are those of a TriangleMesh. Faults give face indices. Each
+/// non-planar fan gives a warning and a distance. For four corners it is the distance from the bilinear
+/// patch. For more corners it is the largest distance of a corner from the plane. Costs as much as for a
 /// TriangleMesh, plus O(m log m) for a face of m corners, O(m²) at worst.
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
 
-/// Returns the first fault of one face, if any, whatever the other faces are: too_few_vertices,
-/// face_without_vertex and, for more than three corners, those of a fan, or face_without_area,
-/// face_not_planar or face_crosses_itself. Vertices must be finite. O(m log m) for m corners, O(m²) at worst.
+/// Returns the first fault of one face, if any. The result does not depend on the other faces. Any face can
+/// have too_few_vertices or face_without_vertex. A fan can also have the faults of a fan. Another face of
+/// more than three corners can also have face_without_area, face_not_planar or face_crosses_itself. Vertices
+/// must be finite. O(m log m) for m corners, O(m²) at worst.
 template <class T>
 std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t face);
 

@@ -18,15 +18,16 @@ concept FaceRange = requires(const F& faces, std::size_t i) {
     requires std::integral<std::remove_cvref_t<decltype(faces[i][i])>>;
 };
 
-/// A 3D cage: triangles over shared vertices, counter-clockwise seen from outside. Any genus and any number
-/// of components and cavities; shells that are oriented inwards as a whole are supported.
+/// A 3D cage: triangles over shared vertices, counter-clockwise seen from outside. The mesh may have any
+/// genus and any number of components and cavities. Shells that are oriented inwards as a whole are
+/// supported.
 ///
 /// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh is a valid
 /// cage, and every coordinate type calls it.
 ///
-/// Small gaps, at most a quarter of the area in total, are closed by triangles over the vertices around
-/// them. `check` reports the edges of these gaps in warnings. Takes O(#F log #F) and, for a gap of n edges,
-/// O(n min(n, 256)).
+/// Small gaps, at most a quarter of the area in total, are closed by triangles over the vertices around them.
+/// `check` reports the edges of these gaps in warnings. Construction takes O(#F log #F) and, for a gap of n
+/// edges, O(n min(n, 256)).
 template <Scalar T>
 class TriangleMesh {
 public:
@@ -45,7 +46,8 @@ public:
         if (status_ != Status::ok) *this = TriangleMesh(status_);
     }
 
-    /// Returns ok, or out_of_memory for an empty mesh, which `check` reports. Copying may throw.
+    /// Returns ok, or out_of_memory if the faces did not fit in memory. The mesh is then empty, and `check`
+    /// reports this status. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
@@ -115,7 +117,8 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     const auto q = vec_cast<double>(p);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     double least = infinity;
-    std::uint32_t nearest = no_vertex; // far away all distances may be infinite
+    // The initial index is above all faces, because far away all distances may be infinite, like `least`.
+    std::uint32_t nearest = no_vertex;
     BoundaryValue<3> value;
     mesh.boxes().for_each_near(q, infinity, [&](std::uint32_t f) {
         const Facet<3> facet(mesh.faces()[f], mesh.vertices());
@@ -133,9 +136,9 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     return value;
 }
 
-/// Classifies a point. It is on the boundary within `tolerance` of a face. Otherwise it is inside if a ray
-/// from it crosses an odd number of faces, so a cavity is outside, with either orientation. The mesh must
-/// be valid. Usually O(log #F).
+/// Classifies a point. It is on the boundary within `tolerance` of a face. Otherwise the point is inside if a
+/// ray from it crosses an odd number of faces. So a cavity is outside, whatever its orientation is. The mesh
+/// must be valid. Usually O(log #F).
 template <Scalar T>
 PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;

@@ -44,8 +44,9 @@ concept GroupSolver = requires(const S& solver, typename S::Block& block, std::s
 /// Solves all groups and passes each to take(group, block) on the thread that solved it.
 ///
 ///   report   out: adds the work of each group
-///   running  calls its progress on the calling thread, which must take part in the work. parallel_for
-///            distributes the groups; idle threads help within groups. Results do not depend on the threads
+///   running  its progress function is called on the calling thread, which must take part in the work. Its
+///            parallel_for distributes the groups; idle threads help within groups. Results do not depend on
+///            the number of threads
 ///   fails    cancelled, or the status of the first group that fails, which ends the solve
 template <GroupSolver S, class Take>
 Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {

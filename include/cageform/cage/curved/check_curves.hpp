@@ -26,7 +26,7 @@ inline bool crosses_ray(const Vec<double, 2>& q, const PlaneCurve& curve, double
 /// The edges of a curved cage; each ends exactly where the next begins.
 struct CurveLoops {
     struct Loop {
-        std::size_t begin, end; ///< in `edges`
+        std::size_t begin, end; ///< a range of `edges`
 
         std::size_t next(std::size_t edge) const noexcept { return edge + 1 < end ? edge + 1 : begin; }
     };
@@ -143,7 +143,7 @@ private:
         const auto origin = edges[loops[k].begin].begin();
         for (std::size_t e = loops[k].begin; e < loops[k].end; ++e) {
             const PlaneCurve slope = edges[e].slope();
-            twice += Gauss<3>::rule()(0, 1, [&](double t) { // of degree 5
+            twice += Gauss<3>::rule()(0, 1, [&](double t) { // the integrand has degree 5
                 return cross(edges[e].at(t) - origin, slope.at(t));
             });
         }

@@ -19,8 +19,8 @@ public:
     static constexpr std::size_t dimension = 2;
     /// The control points of an edge, ends included: 2 for a line, 3 for a quadratic, 4 for a cubic.
     using Edge = std::vector<Vec<T, 2>>;
-    /// Consecutive edges. Each begins where the one before it ends, within the tolerance of `check`; the
-    /// start of an edge replaces the end before it.
+    /// Consecutive edges. Each edge begins where the previous edge ends, within the tolerance of `check`. The
+    /// start of an edge replaces the end of the previous edge.
     using Loop = std::vector<Edge>;
 
     CurvedPolygon() = default;
@@ -54,14 +54,14 @@ private:
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// Checks whether curves are a valid cage: every loop is closed and has an area, no edge is a point, and no
-/// edges cross or touch each other or themselves, except neighbours at their common end. Ends meet if their
-/// distance is at most the coincidence_tolerance of all control points; curves touch within that distance.
-/// Crossings closer to a common end than 2^-20 of an edge's extent (2^-8 for float) are not detected.
-/// Curves that 2^17 pieces do not separate count as touching.
+/// Checks whether curves are a valid cage. Every loop must be closed and have an area, and no edge may be a
+/// point. No edge may cross or touch another edge or itself, except for neighbours at their common end. Ends
+/// meet if their distance is at most the coincidence_tolerance of all control points; curves touch within
+/// that distance. Crossings closer to a common end than 2^-20 of an edge's extent (2^-8 for float) are not
+/// detected. Curves that 2^17 pieces do not separate count as touching.
 ///
-/// A cusp inside an edge is a warning: weights near it lose digits, and weights outside may be very large.
-/// Usually O(#E log #E), O(#E²) at worst.
+/// A cusp inside an edge is a warning: weights at points near the cusp lose digits, and weights at points
+/// outside the cage may be very large. Usually O(#E log #E), O(#E²) at worst.
 template <Scalar T>
 CageReport check(const CurvedPolygon<T>& polygon) {
     return detail::report_on(polygon.status(), [&](CageReport& report) {

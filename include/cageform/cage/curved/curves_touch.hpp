@@ -144,8 +144,8 @@ inline bool touches_itself(const PlaneCurve& curve, bool joined, double toleranc
     });
 }
 
-/// Returns the parameter of a cusp strictly inside a curve, or NaN: a root of e' whose point on the curve
-/// is within the tolerance of that at the root's real part.
+/// Returns the parameter of a cusp strictly inside a curve, or NaN. A cusp is a root of e'. The point of the
+/// curve at this root must be within the tolerance of the point at the root's real part.
 inline double cusp_inside(const PlaneCurve& curve, double tolerance) noexcept {
     const double none = std::numeric_limits<double>::quiet_NaN();
     if (curve.degree < 3) return none;

@@ -26,7 +26,7 @@ struct PlaneCurve {
         }
         return c[0];
     }
-    /// Returns e', of one degree less; a point for a line.
+    /// Returns e', a curve of one degree less; for a line it is a point.
     PlaneCurve slope() const noexcept {
         PlaneCurve d{degree - 1, {}};
         for (std::size_t i = 0; i < degree; ++i)

@@ -53,7 +53,7 @@ PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexc
 
 template <std::size_t D>
 struct DeepBone {
-    double depth = 0; ///< of the point below the surface
+    double depth = 0; ///< depth of the point below the surface
     PlacedBone<D> bone{};
 };
 
@@ -82,9 +82,10 @@ std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& 
     return mean;
 }
 
-/// Returns the boundary value of bone(0) … bone(count − 1) at a point whose distance from the surface of
-/// one of them is at most `reach`. Where bones overlap, as at joints, the result is the mean of their
-/// values weighted by the point's depth in each, which is continuous. Only the three deepest bones count.
+/// Returns the boundary value of bone(0) … bone(count − 1) at a point, and the distance of the point from the
+/// nearest surface, negative inside. Returns nullopt if this distance exceeds `reach`. Where bones overlap,
+/// as at joints, the value is a mean of their values. The weights are the point's depths in the bones, so the
+/// value is continuous. Only the three deepest bones count.
 template <std::size_t D, class Bones>
 std::optional<BoneHit<D>> nearest_bone(std::size_t count, const Bones& bone, const Vec<double, D>& p,
                                        double reach) noexcept {

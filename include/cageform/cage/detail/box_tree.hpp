@@ -85,9 +85,9 @@ public:
         return any(may_meet, f);
     }
 
-    /// Calls visit(item) for all items whose boxes are at most as far from q as the nearest item so far,
-    /// near ones first. `distance2` is the initial squared distance; visit returns that of the nearest item
-    /// so far.
+    /// Calls visit(item) for all items whose boxes are at most as far from q as the nearest item so far. Near
+    /// items come first. `distance2` is the initial squared distance; visit returns the squared distance of
+    /// the nearest item so far.
     template <class Visit>
     void for_each_near(const Vec<double, D>& q, double distance2, const Visit& visit) const {
         if (!nodes_.empty()) find_near(0, q, distance2, visit);
@@ -97,7 +97,7 @@ private:
     using Box = Bounds<double, D>;
     struct Node {
         Box box;
-        std::uint32_t begin, end; ///< of items in `order_`
+        std::uint32_t begin, end; ///< range of items in `order_`
         std::uint32_t second;     ///< the second child; the first is the next node. 0 for a leaf
     };
     static constexpr std::uint32_t leaf = 4; ///< maximum number of items in a leaf

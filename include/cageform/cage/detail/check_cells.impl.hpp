@@ -49,8 +49,8 @@ public:
         });
     }
 
-    /// Checks that vertices of cells are apart from all others and inside, unless they belong to the
-    /// boundary. Unused vertices get a warning.
+    /// Checks that vertices of cells are apart from all other vertices and lie inside, unless they belong to
+    /// the boundary. Unused vertices get a warning.
     void check_vertices() {
         std::vector<bool> used(cage_.size());
         for (const auto& facet : cells()) {
@@ -104,7 +104,8 @@ public:
         }
     }
 
-    /// Checks that bones keep their radius from all facets, and from bones without a common joint.
+    /// Checks that bones do not touch facets, or bones without a common joint. A bone includes all points
+    /// within its radius.
     void check_bones() {
         for (std::size_t n = 0; n < bones_.size(); ++n) {
             const auto& bone = bones_[n];

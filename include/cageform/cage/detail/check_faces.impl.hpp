@@ -1,5 +1,5 @@
-// Checks that the faces of a polyhedral mesh are planar polygons or fans, and its triangles a closed
-// surface.
+// Checks that the faces of a polyhedral mesh are planar polygons or fans, and that its triangles form a
+// closed surface.
 #pragma once
 
 #include <cageform/cage/detail/flat_face.hpp>
@@ -29,7 +29,7 @@ template <Scalar T>
 void name_without_points(const PolyhedralMesh<T>& mesh, CageFault& fault) {
     using Kind = CageFaultKind;
     const auto is_point = [&](std::size_t i) { return i >= mesh.size() && i < mesh.triangles().size(); };
-    if (fault.kind == Kind::vertex_not_finite) { // finite corners with a mean that is not
+    if (fault.kind == Kind::vertex_not_finite) { // finite corners whose mean is not finite
         if (!is_point(fault.a)) return;
         const auto corners = mesh.fan_points().corners(fault.a - mesh.size());
         const auto size = [&](std::uint32_t i) {
@@ -73,8 +73,8 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
 }
 
 /// Returns the first fault of a fan, if any: face_crosses_itself, face_without_area or face_fan_folds. The
-/// triangles around the mean must turn once around the face's normal ½ Σ c_i × c_{i+1}, all in its
-/// direction. O(m log m) for m corners.
+/// triangles around the mean must turn once around the face's normal ½ Σ c_i × c_{i+1}. The normal of every
+/// triangle must have a positive component along the face's normal. O(m log m) for m corners.
 template <Scalar T>
 std::optional<CageFault> fan_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
     using Kind = CageFaultKind;
@@ -117,7 +117,8 @@ std::optional<CageFault> fan_fault(const PolyhedralMesh<T>& mesh, std::size_t f)
     return std::nullopt;
 }
 
-/// Adds a warning for each non-planar fan. With k divisions the distance is that of the cells.
+/// Adds a warning for each non-planar fan. With k divisions, the reported distance is that of the k × k
+/// cells.
 template <Scalar T>
 void add_fans(const PolyhedralMesh<T>& mesh, CageReport& report) {
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {

@@ -88,7 +88,7 @@ public:
         FacetPairs<3>(facets_, apex, tolerance_)
             .for_each([&](std::size_t f, std::size_t g) { return cross_each_other(f, g); },
                       [&](std::size_t f, std::size_t g) { add_crossing(f, g); });
-        std::vector<std::size_t> fans; // faces with an apex, by apex
+        std::vector<std::size_t> fans; // faces that have an apex, sorted by apex
         for (std::size_t f = 0; f < apex.size(); ++f) {
             if (apex[f] != no_apex) fans.push_back(f);
         }
@@ -123,8 +123,8 @@ private:
         return passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]);
     }
     void add_crossing(std::size_t f, std::size_t g) { add_at_face(CageFaultKind::faces_cross, g, f, g); }
-    /// Returns for every face its vertex with the most faces if there are more than few_faces, else
-    /// no_apex.
+    /// Returns the apex of every face. The apex is the vertex of the face that has the most faces. If that
+    /// vertex has at most few_faces faces, the result is no_apex.
     std::vector<std::uint32_t> apexes() const {
         std::vector<std::uint32_t> faces_at(mesh_.size());
         for (const auto& facet : facets_) {

@@ -7,11 +7,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A function that is smooth inside and proportional to the distance close to the boundary: the reciprocal
-/// of the integral of 1/ρ over all directions, where ρ is the distance of the boundary in a direction
-/// (further crossings count with alternating signs). Mean value weights are normalised by this integral
-/// (Dyken & Floater, Transfinite mean value interpolation, CAGD 26 (2009), sec. 3). The cage must be valid,
-/// and points must lie inside. O(edges or faces).
+/// A function that is smooth inside and, close to the boundary, proportional to the distance from it. The
+/// function is the reciprocal of the integral of 1/ρ over all directions, where ρ is the distance of the
+/// boundary in a direction. Further crossings in a direction count with alternating signs. Mean value weights
+/// are normalised by this integral (Dyken & Floater, Transfinite mean value interpolation, CAGD 26 (2009),
+/// sec. 3). The cage must be valid, and points must lie inside. O(edges or faces).
 template <class Cage>
 class Depth;
 
@@ -65,8 +65,8 @@ public:
                 largest = (std::max)(largest, length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
-            // The vector area of the spherical triangle along the normal: half the sum over its sides of
-            // angle times unit normal.
+            // The vector area of the spherical triangle along the normal: half the sum, over the sides, of
+            // the angle times the unit normal.
             double area = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto over = cross(c[k], c[(k + 1) % 3]);

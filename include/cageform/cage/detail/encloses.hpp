@@ -7,9 +7,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the side of the line from a to b in the projection along the third axis on which p lies, after
-/// an infinitesimal shift of p along the first axis and a far smaller one along the second. Returns 0 if a
-/// and b coincide in the projection.
+/// Projects a, b and p along the third axis, and returns on which side of the line from a to b p lies. Before
+/// this test p is shifted by an infinitesimal distance along the first axis, and by a far smaller one along
+/// the second. Returns 0 if a and b coincide in the projection.
 inline int side_seen_from_above(const Vec<double, 3>& a, const Vec<double, 3>& b,
                                 const Vec<double, 3>& p) noexcept {
     const int side = orientation({a[0], a[1]}, {b[0], b[1]}, {p[0], p[1]});
@@ -18,9 +18,9 @@ inline int side_seen_from_above(const Vec<double, 3>& a, const Vec<double, 3>& b
     return b[0] > a[0] ? 1 : b[0] < a[0] ? -1 : 0;
 }
 
-/// Whether a closed mesh encloses a point that is not on a face, by the even-odd rule for a ray along the
-/// third axis. Degenerate intersections are resolved by an infinitesimal shift of the ray. Exact. Usually
-/// O(log #F).
+/// Whether a closed mesh encloses a point, by the even-odd rule for a ray along the third axis. The point
+/// must not be on a face. Degenerate intersections are resolved by an infinitesimal shift of the ray. Exact.
+/// Usually O(log #F).
 ///   boxes  the hierarchy of the faces
 template <Scalar T>
 bool encloses(const BoxTree<3>& boxes, std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,

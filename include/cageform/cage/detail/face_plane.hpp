@@ -1,4 +1,4 @@
-// The plane of a face with any number of corners, and the triangulation of the face in it.
+// The plane of a face with any number of corners, and the triangulation of the face in this plane.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>

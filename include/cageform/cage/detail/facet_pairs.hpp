@@ -41,14 +41,14 @@ std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
 
 /// Finds the pairs of intersecting facets.
 ///
-/// Halves a box around all facets, along the axis with the fewest remaining pairs, until a cell has few
-/// pairs or halving no longer reduces them. Facets are clipped to their cells, which separates slivers with
-/// overlapping bounds. Usually O(n log n), O(n²) at worst.
+/// Halves a box around all facets, along the axis with the fewest remaining pairs. Stops when a cell has few
+/// pairs, or when halving no longer reduces the number of pairs. Facets are clipped to their cells, which
+/// separates slivers with overlapping bounds. Usually O(n log n), O(n²) at worst.
 template <std::size_t D>
 class FacetPairs {
 public:
-    /// `groups` are the groups of the facets: facets of the same group, other than no_group, are not
-    /// paired. Facets up to `margin` apart may count as meeting.
+    /// `groups` has the group of each facet. Facets of the same group are not paired, unless the group is
+    /// no_group. Facets up to `margin` apart may count as meeting.
     FacetPairs(std::span<const Facet<D>> facets, std::span<const std::uint32_t> groups, double margin)
         : facets_(facets)
         , groups_(groups)
@@ -132,8 +132,8 @@ private:
         return best;
     }
 
-    /// Returns the items that intersect a box, clipped to it. If `only` is a group, clips only its items
-    /// and keeps the others.
+    /// Returns the items that intersect a box, clipped to it. If `only` is a group, clips only the items of
+    /// this group and keeps all others.
     Items clipped(const Items& items, const Bounds<double, D>& box, std::uint32_t only) const {
         Items inside;
         for (const Item& item : items) {
@@ -166,8 +166,9 @@ private:
         return box;
     }
 
-    /// If one group has more than half of the items, clips it to the bounds of the others, since it is
-    /// paired only with those. Halving alone does not separate slivers at an apex from other faces.
+    /// If one group has more than half of the items, clips this group to the bounds of the other items. Its
+    /// items can form pairs only with those. Halving alone does not separate slivers at an apex from other
+    /// faces.
     Items cropped(Items items) const {
         std::size_t begin = 0, end = end_of_group(items, 0);
         while (2 * (end - begin) <= items.size() && end < items.size()) {

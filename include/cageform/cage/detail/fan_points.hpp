@@ -1,4 +1,4 @@
-// The points that a polyhedral mesh adds to bind non-planar faces, and the triangles over them.
+// The points that a polyhedral mesh adds to bind non-planar faces, and the triangles over these points.
 #pragma once
 
 #include <cageform/core/detail/face_handles.hpp>
@@ -14,9 +14,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The points that a PolyhedralMesh adds after its vertices. Each point is a weighted mean of corners of
-/// one face, with positive weights that sum to 1. The weight of a point is distributed to these corners,
-/// which preserves the sum of all weights and Σ w C.
+/// The points that a PolyhedralMesh adds after its vertices. Each point is a weighted mean of corners of one
+/// face, with positive weights that sum to 1. The weight of a point is distributed to these corners. This
+/// preserves the sum of all weights w, and the sum Σ w C over the positions C.
 class FanPoints {
 public:
     std::size_t size() const noexcept { return ends_.size(); }
@@ -39,7 +39,7 @@ private:
 
     std::vector<std::uint32_t> corners_; ///< of all points, one after the other
     std::vector<double> weights_;
-    std::vector<std::size_t> ends_; ///< end of each point in both
+    std::vector<std::size_t> ends_; ///< end of each point in corners_ and in weights_
 };
 
 /// Replaces the faces of a mesh by fans of triangles around the means of their corners. With k divisions, a

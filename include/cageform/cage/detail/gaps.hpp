@@ -41,7 +41,8 @@ inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint3
     return all;
 }
 
-/// Calls f(half-edges) for every edge. In a closed manifold an edge has two, of opposite directions.
+/// Calls f(half-edges) for every edge. In a closed manifold an edge has two half-edges, of opposite
+/// directions.
 template <class F>
 void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
     for (std::size_t begin = 0, end = 0; begin < half_edges.size(); begin = end) {
@@ -52,7 +53,8 @@ void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
 
 using MeshLoop = std::vector<std::uint32_t>; ///< consecutive vertices; the first follows the last
 
-/// Splits directed edges into loops that use each edge once. Returns nullopt if they are not closed.
+/// Splits directed edges into loops that use each edge once. Returns nullopt if the edges do not form closed
+/// loops.
 inline std::optional<std::vector<MeshLoop>>
 loops_of(std::vector<std::pair<std::uint32_t, std::uint32_t>> edges) {
     std::sort(edges.begin(), edges.end());
@@ -117,8 +119,8 @@ private:
                                          [](const HalfEdge& a, const auto& b) { return a.edge() < b; });
         return at != half_edges_.end() && at->edge() == edge;
     }
-    /// Whether a gap of three edges is the boundary of a single isolated face; a second face would not make
-    /// it a cage.
+    /// Whether a gap of three edges is the boundary of a single isolated face. A second face over this gap
+    /// would not make a cage.
     bool is_stray(const MeshLoop& gap) const noexcept {
         return gap.size() == 3 && std::any_of(faces_.begin(), faces_.end(), [&](const MeshFace& face) {
                    return std::is_permutation(face.begin(), face.end(), gap.begin());

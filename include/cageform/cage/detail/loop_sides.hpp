@@ -10,8 +10,8 @@ class Polygon; // in cage/polygon.hpp
 
 namespace detail {
 
-/// Counts the other loops that enclose loop `k`: even for an outer loop, odd for a hole. Loops must not
-/// touch.
+/// Counts the other loops that enclose loop `k`. The number is even for an outer loop and odd for a hole.
+/// Loops must not touch.
 template <Scalar T>
 std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     const auto q = vec_cast<double>(polygon[polygon.loops()[k].begin]);
@@ -28,8 +28,8 @@ std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     return depth;
 }
 
-/// Whether the inside of the polygon is to the left of the edges of loop `k`, as for a counter-clockwise
-/// outer loop and a clockwise hole. Loops must not touch. O(#V).
+/// Whether the inside of the polygon is to the left of the edges of loop `k`. This holds for a
+/// counter-clockwise outer loop and for a clockwise hole. Loops must not touch. O(#V).
 template <Scalar T>
 bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
     return (signed_area(polygon, polygon.loops()[k]) > 0) == (loop_depth(polygon, k) % 2 == 0);

@@ -62,7 +62,7 @@ double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept 
 /// finite points whose non-zero coordinates differ by less than a factor of 1e120.
 inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c) noexcept {
     const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
-    // The error bound of Shewchuk, sec. 4.3. Products below 1e-290 lose more.
+    // The error bound of Shewchuk, sec. 4.3. Products below 1e-290 may have larger errors.
     const double bound = 4 * epsilon<double> * (std::fabs(left) + std::fabs(right));
     if (bound > 1e-290 && std::fabs(left - right) > bound && is_finite(bound)) return left > right ? 1 : -1;
     const double scale = unit_scale<2>({&a, &b, &c});
@@ -77,9 +77,9 @@ inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const V
     return sum.sign();
 }
 
-/// Returns 1 if `d` is on the side of the plane through `a`, `b` and `c` from which these are
-/// counter-clockwise, −1 on the other side, 0 in the plane. Exact for finite points whose non-zero
-/// coordinates differ by less than a factor of 1e90.
+/// Returns on which side of the plane through `a`, `b` and `c` the point `d` lies. The result is 1 on the
+/// side from which `a`, `b` and `c` are counter-clockwise, −1 on the other side, and 0 in the plane. Exact
+/// for finite points whose non-zero coordinates differ by less than a factor of 1e90.
 inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& c,
                        const Vec<double, 3>& d) noexcept {
     const auto u = b - a, v = c - a, w = d - a;
@@ -94,7 +94,7 @@ inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const V
     if (bound > 1e-290 && std::fabs(volume) > bound && is_finite(bound)) return volume > 0 ? 1 : -1;
     const double scale = unit_scale<3>({&a, &b, &c, &d});
     const std::array<Vec<double, 3>, 4> p{scale * a, scale * b, scale * c, scale * d};
-    ExactSum<96> sum; // over the determinants of three points each
+    ExactSum<96> sum; // of four determinants of three points each
     for (std::size_t n = 0; n < 4; ++n) {
         const auto &x = p[n == 0 ? 1 : 0], &y = p[n <= 1 ? 2 : 1], &z = p[n <= 2 ? 3 : 2];
         for (std::size_t k = 0; k < 3; ++k) {

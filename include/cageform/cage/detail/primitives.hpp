@@ -32,7 +32,7 @@ inline bool crosses_ray(const Vec<double, 2>& q, const Vec<double, 2>& a, const 
     return (a[1] > q[1]) != (b[1] > q[1]) && (cross(b - a, q - a) > 0) == (b[1] > a[1]);
 }
 
-/// The rule in 3D: a point is inside if the winding number rounds to an odd integer.
+/// The even-odd rule in 3D: a point is inside if the winding number rounds to an odd integer.
 inline bool is_enclosed(double winding_number) noexcept {
     return std::fmod(std::fabs(std::round(winding_number)), 2.0) == 1;
 }
@@ -173,8 +173,8 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     const auto shared =
         std::count_if(a.vertex.begin(), a.vertex.end(), [&](std::uint32_t i) { return b.has(i); });
     if (shared == 3) return true;
-    // An edge without a shared end may intersect or come near the other triangle. An edge with one cannot,
-    // unless it lies in the triangle's plane.
+    // An edge without a shared end may intersect or come near the other triangle. An edge with a shared end
+    // cannot, unless it lies in the plane of the other triangle.
     const auto comes_near = [&](const Facet<3>& f, const Facet<3>& g) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t l = (k + 1) % 3;

@@ -14,7 +14,7 @@ namespace detail {
 
 struct Shells {
     std::vector<std::uint32_t> of_face;    ///< the shell of every face
-    std::vector<std::uint32_t> first_face; ///< of every shell
+    std::vector<std::uint32_t> first_face; ///< the first face of every shell
     std::vector<double> volume; ///< six times each shell's volume; positive if counter-clockwise from outside
     std::vector<bool> reversed; ///< whether faces must be flipped to be counter-clockwise from outside
 };

@@ -20,9 +20,9 @@ class PointSet; // in cage/point_set.hpp
 
 namespace detail {
 
-/// Finds sites closer to each other than `tolerance`. Sorts the sites along one axis after the other and
-/// splits them at gaps wider than the tolerance, until no axis splits a range any more. O(n log n) unless
-/// very many sites almost coincide.
+/// Finds sites closer to each other than `tolerance`. Sorts the sites along one axis after the other, and
+/// splits the sorted sites at gaps wider than the tolerance. Stops when no axis splits a range any more. O(n
+/// log n) unless very many sites almost coincide.
 template <std::size_t D>
 class CloseSites {
 public:

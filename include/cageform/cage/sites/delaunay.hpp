@@ -25,8 +25,8 @@ public:
     static constexpr std::uint32_t infinite = none;
 
     /// Vertices are ascending, except that the first two may be swapped for positive orientation
-    /// (`detail::orientation`). The orientation of a ghost is that with its last vertex at a point beyond
-    /// its facet. Neighbour k is across the facet opposite to vertex k.
+    /// (`detail::orientation`). A ghost has the orientation of a simplex whose last vertex is a point beyond
+    /// the ghost's facet. Neighbour k is across the facet opposite to vertex k.
     struct Simplex {
         std::array<std::uint32_t, D + 1> vertex;
         std::array<std::uint32_t, D + 1> neighbour;
@@ -103,8 +103,8 @@ public:
         return walk(p, search, [](std::uint32_t) { return false; });
     }
 
-    /// Finds the cavity of `p`: empty if p is a site; incomplete, with a ghost, if p is outside the hull.
-    /// Returns a simplex of the cavity, or one with corner p.
+    /// Finds the cavity of `p`. It is empty if p is a site. If p is outside the hull, it is incomplete and
+    /// contains a ghost. Returns a simplex of the cavity or, if p is a site, a simplex with corner p.
     std::uint32_t find_cavity(const detail::LatticePoint<D>& p, Search& search) const {
         const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
         const std::uint32_t from = walk(p, search, holds);
@@ -181,7 +181,8 @@ private:
         return found;
     }
 
-    /// Walks towards `p` across facets, to the simplex that contains it or to the first `found` one.
+    /// Walks towards `p` across facets. Stops at the simplex that contains p, or at the first simplex s for
+    /// which found(s) is true.
     template <class Found>
     std::uint32_t walk(const LatticePoint& p, Search& search, const Found& found) const noexcept {
         std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
@@ -234,8 +235,8 @@ private:
         return none;
     }
 
-    /// Whether the ball of a simplex that is not a ghost strictly contains `p`, by its circumcentre in
-    /// double: 1 or −1; 0 if uncertain.
+    /// Tests in double, with the circumcentre, whether the ball of a simplex strictly contains `p`. The
+    /// simplex must not be a ghost. Returns 1 if it does, −1 if it does not, 0 if uncertain.
     int certainly_inside(std::uint32_t s, const LatticePoint& p) const noexcept {
         return detail::certain_in_sphere<D>(point_[simplices_[s].vertex[0]], centres_[s], p);
     }
@@ -257,7 +258,8 @@ private:
 
     // ---- insertion ------------------------------------------------------------------------------
 
-    /// A facet of a new simplex that contains the new site, to be paired with that of another new simplex.
+    /// A facet of a new simplex that contains the new site. It is paired with the same facet of another new
+    /// simplex.
     struct OpenFacet {
         std::array<std::uint32_t, D - 1> ridge; ///< the other vertices, ascending
         std::uint32_t simplex;

@@ -23,11 +23,11 @@ struct HullPiece {
     std::uint32_t facet;
 };
 
-/// Merges the facets of a hull. Rounding makes the exact hull of a rotated lattice uneven: it has slivers
-/// of arbitrary direction, and some sites lie just below the surface. Facets are therefore processed in
-/// descending order of size. Each facet collects the sites within the tolerance of its plane that are
-/// connected to it through facets of simplices in that plane. The remaining facets are flatter than the
-/// tolerance and join a neighbouring facet.
+/// Merges the facets of a hull. Rounding makes the exact hull of a rotated lattice uneven: it has slivers of
+/// arbitrary direction, and some sites lie just below the surface. Facets are therefore processed in
+/// descending order of size. Each facet collects sites within the tolerance of its plane. Such a site must be
+/// connected to the facet through facets of simplices in that plane. The remaining facets are flatter than
+/// the tolerance and join a neighbouring facet.
 template <std::size_t D>
 class HullFacets {
 public:

@@ -73,7 +73,7 @@ public:
     }
 
 private:
-    /// Returns the lowest 64 bits of x 2^exponent, rounded. Differences within the bounds fit into them.
+    /// Returns the lowest 64 bits of x 2^exponent, rounded. Differences within the bounds fit into 64 bits.
     std::uint64_t fixed(double x) const noexcept {
         const auto bits = std::bit_cast<std::uint64_t>(x);
         const auto raw = int((bits >> 52) & 0x7ff);
@@ -239,8 +239,8 @@ CentreQuotient<X, D> centre_quotient(const Square<X, D>& edges) noexcept {
     return q;
 }
 
-/// A CentreQuotient in double, computed with the edges' cofactors, with the sums of the absolute
-/// values of all terms.
+/// A CentreQuotient in double, computed with the edges' cofactors. Also has the sums of the absolute values
+/// of all terms.
 template <std::size_t D>
 struct SizedCentreQuotient : CentreQuotient<double, D> {
     std::array<double, D> numerator_size{};

@@ -1,5 +1,5 @@
-// Exact wide integers, and floating-point numbers of 120 bits, independent of floating-point compiler
-// flags.
+// Exact wide integers, and floating-point numbers with 120 accurate bits, independent of floating-point
+// compiler flags.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -31,7 +31,7 @@ public:
     static constexpr std::size_t limbs = 10;
 
     WideInt() noexcept = default;
-    WideInt(std::int64_t x) noexcept { // NOLINT(google-explicit-constructor): a number is a number
+    WideInt(std::int64_t x) noexcept { // NOLINT(google-explicit-constructor): implicit, as between numbers
         const auto bits = std::uint64_t(x);
         limb_[0] = std::uint32_t(bits);
         limb_[1] = std::uint32_t(bits >> 32);
@@ -96,7 +96,7 @@ private:
 class WideFloat {
 public:
     WideFloat() noexcept = default;
-    WideFloat(std::int64_t x) noexcept // NOLINT(google-explicit-constructor): a number is a number
+    WideFloat(std::int64_t x) noexcept // NOLINT(google-explicit-constructor): implicit, as between numbers
         : negative_(x < 0)
         , exponent_(-64)
         , high_(x < 0 ? ~std::uint64_t(x) + 1 : std::uint64_t(x)) {

@@ -9,7 +9,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// functions, which sum to 1.
 template <std::size_t D>
 struct BoundaryValue {
-    static constexpr std::size_t most = D; ///< a vertex, an edge or a triangle
+    static constexpr std::size_t most = D; ///< maximum number of handles: those of a facet
     std::array<std::uint32_t, most> handle{};
     std::array<double, most> weight{};
 };
@@ -22,7 +22,7 @@ BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
 
 namespace detail {
 
-/// Boundary data that is linear on facets: a point's BoundaryValue is complete.
+/// Boundary data that is linear on facets. It needs no data besides the BoundaryValue of a point.
 template <std::size_t D>
 class LinearBoundaryData {
 public:

@@ -14,7 +14,7 @@ enum class CageFaultKind : std::uint8_t {
     loops_do_not_match,  ///< the loop sizes add up to `a`, but there are `b` vertices
     vertex_not_finite,   ///< vertex `a` is NaN or infinite; in a cage of curves, point `b` of edge `a`
     duplicate_vertices,  ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
-    edges_cross,         ///< the edges that start at vertices `a` and `b` cross or touch; may be one curve
+    edges_cross,         ///< the edges from vertices `a` and `b` cross or touch; `a` = `b`: one curve
     no_area,             ///< all vertices of loop `a` lie on one line
     degenerate_simplex,  ///< the simplex has no volume relative to its size
     no_volume,           ///< a mesh has no faces, or the shell of face `a` is flat
@@ -35,8 +35,8 @@ enum class CageFaultKind : std::uint8_t {
     sites_in_a_plane,      ///< all sites lie in one plane; in 2D, on one line
     bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in 2D, on one line
     lattice_degree,        ///< a lattice has degree `b` along axis `a`, which is zero or too high
-    lattice_knots,         ///< knot `b` of a lattice along axis `a` is invalid, or the number `b` of knots
-    frame_not_finite,      ///< column `a` of a box is NaN or infinite; D: its origin
+    lattice_knots,         ///< along axis `a` of a lattice, knot `b` or the number `b` of knots is invalid
+    frame_not_finite,      ///< column `a` of a box is NaN or infinite; `a` = D: the origin is
     frame_flat,            ///< axis `a` of a box depends on the others
     falloff_negative,      ///< the falloff of a lattice is negative or NaN
     face_divisions,        ///< `a` divisions of faces: not 1 to 64, or not 1 where only 1 is supported
@@ -50,7 +50,7 @@ enum class CageFaultKind : std::uint8_t {
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
     vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
     shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is corrected
-    loop_orientation_reversed,  ///< warning: loop `a`, an outer loop, is clockwise, or a hole that is not
+    loop_orientation_reversed,  ///< warning: outer loop `a` is clockwise, or hole `a` is not
 };
 
 /// One fault. The kind defines the meaning of `a` and `b`.
@@ -77,7 +77,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::no_area, Status::cage_has_no_area, "loop without area"},
     {CageFaultKind::degenerate_simplex, Status::degenerate_simplex, "simplex without volume"},
     {CageFaultKind::no_volume, Status::cage_has_no_volume, "no volume"},
-    {CageFaultKind::face_without_vertex, Status::face_without_vertex, "face names a missing vertex"},
+    {CageFaultKind::face_without_vertex, Status::face_without_vertex, "vertex index of a face out of range"},
     {CageFaultKind::face_without_area, Status::face_without_area, "face without area"},
     {CageFaultKind::face_not_planar, Status::face_not_planar, "face not planar"},
     {CageFaultKind::face_crosses_itself, Status::face_crosses_itself, "face crosses or touches itself"},
@@ -91,16 +91,16 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::interior_cell_outside, Status::interior_cell_outside, "interior cell outside"},
     {CageFaultKind::interior_cells_touch, Status::interior_cells_touch, "interior cells touch"},
     {CageFaultKind::vertex_not_convex, Status::cage_not_convex, "vertex not convex"},
-    {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites in a plane"},
-    {CageFaultKind::bone_axes_dependent, Status::bone_axes_dependent, "axes of a bone in a plane"},
-    {CageFaultKind::lattice_degree, Status::lattice_degree_not_supported, "degree of a lattice"},
-    {CageFaultKind::lattice_knots, Status::lattice_knots_not_supported, "knot of a lattice"},
+    {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites lie in a plane"},
+    {CageFaultKind::bone_axes_dependent, Status::bone_axes_dependent, "axes of a bone lie in a plane"},
+    {CageFaultKind::lattice_degree, Status::lattice_degree_not_supported, "unsupported degree of a lattice"},
+    {CageFaultKind::lattice_knots, Status::lattice_knots_not_supported, "invalid knot of a lattice"},
     {CageFaultKind::frame_not_finite, Status::vertex_not_finite, "box not finite"},
     {CageFaultKind::frame_flat, Status::frame_flat, "axis of a box depends on the others"},
     {CageFaultKind::falloff_negative, Status::falloff_negative, "falloff negative"},
     {CageFaultKind::face_divisions, Status::divisions_not_supported, "divisions not supported"},
     {CageFaultKind::loop_not_closed, Status::loop_not_closed, "loop of curves not closed"},
-    {CageFaultKind::curve_degree, Status::curve_degree_not_supported, "degree of a curve"},
+    {CageFaultKind::curve_degree, Status::curve_degree_not_supported, "unsupported degree of a curve"},
     {CageFaultKind::disk_too_small, Status::disk_too_small, "control point outside the disk"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
@@ -131,7 +131,7 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
 
 /// The faults of a cage. `status` is that of the first fault that is not a warning, or out_of_memory.
 struct CageReport {
-    /// Limits the list, because a tangled cage can have as many crossings as pairs of edges.
+    /// Limits the list, because a cage can have as many crossings as pairs of edges.
     static constexpr std::size_t most_listed = 1000;
 
     Status status = Status::ok;

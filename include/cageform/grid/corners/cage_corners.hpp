@@ -25,8 +25,8 @@ inline void add_neighbour(std::span<const Vec<double, 2>> vertices, std::vector<
         j);
 }
 
-/// Returns the neighbours of every vertex of a Polygon or a CellComplex, counter-clockwise. Consecutive
-/// neighbours are the edges of a corner of the inside. A vertex without edges has no neighbours.
+/// Returns the neighbours of every vertex of a Polygon or a CellComplex, counter-clockwise. Two consecutive
+/// neighbours define the two edges of a corner of the inside. A vertex without edges has no neighbours.
 ///
 ///   vertices  positions of all vertices
 template <class Cage>

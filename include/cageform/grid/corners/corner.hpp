@@ -4,9 +4,9 @@
 //
 //     g + α x + c w + Σ a_k s_k,   s_k = (r/R)^(kπ/ω) sin(kπθ/ω)
 //
-// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4). Here x is the
-// coordinate along one edge, and w is harmonic with w = 0 on that edge and w = r on the other. The data
-// gives g, α and c; only the coefficients a_k are unknown.
+// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4). Here x is the coordinate
+// along one edge. The function w is harmonic, with w = 0 on that edge and w = r on the other. The data gives
+// g, α and c; only the coefficients a_k are unknown.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -44,8 +44,8 @@ public:
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
-        // Limited by what the nodes of the disc can separate. Finite differences are accurate for r⁴ and
-        // higher powers.
+        // The count is limited, because the nodes of the disc separate only a few functions. Finite
+        // differences are accurate for r⁴ and higher powers.
         count_ = (std::min)(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
     }
 

@@ -1,11 +1,11 @@
 // Estimates the error of a solution near corners and edges that the grid does not resolve.
 //
 // Near a corner a solution is the linear extension of the boundary data plus singular functions
-// (grid/corners/corner.hpp). Within one or two cells, finite differences and interpolation miss a fraction
-// of these functions. Their size is measured as the deviation of the solution from the extended data at the
-// nodes around the corner. The constants are fitted to true errors, computed on finer grids, of about 340
-// binds of random cages. The largest estimate was 1.2 to 65 times the largest error, in 19 of 20 binds at
-// most 18 times. Bones have no estimate.
+// (grid/corners/corner.hpp). Within one or two cells, finite differences and interpolation miss a fraction of
+// these functions. The size of these functions is measured as the deviation of the solution from the extended
+// data at the nodes around the corner. The constants are fitted to true errors, computed on finer grids, of
+// about 340 binds of random cages. The largest estimate was 1.2 to 65 times the largest error, in 19 of 20
+// binds at most 18 times. Bones have no estimate.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -40,12 +40,12 @@ public:
         double constant;
         double factor;
         double order;    ///< the error decreases like the spacing to this power
-        double room = 1; ///< distance to the rest of the boundary; the order holds from one cell on
+        double room = 1; ///< distance to the rest of the boundary; `order` holds if it is one cell or more
     };
 
     /// Returns the factor of an untreated corner or edge: the fraction of its first singular function, r^λ
     /// sin λθ with λ = π/ω = `exponent`, that finite differences miss. It is zero for λ = 1, where the
-    /// function is linear. The fraction missed of w, whose slope is 1 per cell, is added separately.
+    /// function is linear. The missed fraction of w, whose slope is 1 per cell, is added separately.
     static double missed_share(double exponent) noexcept { return std::clamp(6 * (1 - exponent), 0.06, 0.6); }
     static constexpr double missed_of_w = 0.2, treated_order = 2.25;
 
@@ -101,8 +101,8 @@ public:
     }
 
 private:
-    /// Returns a resolution at which the error is below CornerError::notable; 0 if it is now, or if no grid
-    /// is fine enough.
+    /// Returns a resolution at which the error is below CornerError::notable; 0 if it is already below, or if
+    /// no grid is fine enough.
     static std::size_t sufficient(const Estimate& estimate, double error,
                                   const std::array<std::size_t, 2>& resolution) noexcept {
         if (error <= CornerError::notable) return 0;

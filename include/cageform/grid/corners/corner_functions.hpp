@@ -1,11 +1,11 @@
 // Adds the singular functions of a polygon's corners to a solution on a grid that does not resolve them.
 //
 // Near a corner the solution contains singular functions s_k and w (grid/corners/corner.hpp). Finite
-// differences approximate s_k badly if its exponent is small, and w if ω is close to π (r log r). The
-// functions and their *defects* (the difference equations applied to them) are therefore tabulated in a
-// disc around each corner. Between cycles the coefficients a_k are fitted to the solution by least squares,
-// and coefficient · defect is added to the right-hand side, which cancels the error. Sampling adds the
-// interpolation error of each function.
+// differences approximate s_k badly if its exponent is small. They approximate w badly if ω is close to π (r
+// log r). The functions and their *defects* (the difference equations applied to them) are therefore
+// tabulated in a disc around each corner. Between cycles the coefficients a_k are fitted to the solution by
+// least squares. Then coefficient · defect is added to the right-hand side, which cancels the error. Sampling
+// adds the interpolation error of each function.
 #pragma once
 
 #include <cageform/cage/detail/indices.hpp>
@@ -30,7 +30,7 @@ public:
     CornerFunctions() = default;
 
     /// Prepares the corners of a Polygon or a CellComplex. Corners whose free radius is too small for a fit
-    /// are not treated; no corner is if `treat` is false.
+    /// are not treated. If `treat` is false, no corner is treated.
     template <class Cage>
     CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem,
                     bool treat)
@@ -71,8 +71,8 @@ public:
         }
     }
 
-    /// Returns the coefficients of functions first … first + 15 that the data determines, those of w; the
-    /// others are zero. Adds their defects to `source`.
+    /// Returns the coefficients of functions first … first + 15 as far as the data determines them. These are
+    /// the coefficients of w; the others are zero. Adds their defects to `source`.
     Coefficients start(std::size_t first, std::span<Row> source) const {
         Coefficients all(coefficients_, Row{});
         for (const Treated& t : corners_) {
@@ -208,7 +208,7 @@ private:
         Corner corner;
         std::array<std::size_t, 3> handles; ///< the vertices at the corner, before it and after it
         std::uint32_t first = 0;            ///< index of its first coefficient
-        std::size_t columns = 0;            ///< of both tables; functions may be dropped later
+        std::size_t columns = 0;            ///< columns of each table; functions may be dropped later
         NodeRows functions{};               ///< the functions at the nodes of the disc
         NodeRows defects{};                 ///< their defects; `nodes` become indices in Block::source
         Buffer<Around> around{};            ///< the nodes of the fit

@@ -19,7 +19,7 @@ struct EdgeSector {
     struct AdjacentFace {
         Point across;    ///< unit vector in the face, perpendicular to the edge
         double distance; ///< from the edge's line to the face's third vertex
-        double along;    ///< from the edge's first vertex to the foot of that perpendicular
+        double along;    ///< from the edge's first vertex to the foot of the perpendicular from the third
 
         AdjacentFace(const Point& origin, const Point& direction, const Point& third) noexcept
             : along(dot(third - origin, direction)) {

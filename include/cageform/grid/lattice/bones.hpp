@@ -80,7 +80,8 @@ public:
             reach);
     }
 
-    /// Returns the point where a ray meets bone `n`; its start if that lies within the bone.
+    /// Returns the point where a ray meets bone `n`, or the start of the ray if the start lies within the
+    /// bone.
     std::optional<Hit<D>> hit(std::size_t n, const AxisRay<D>& ray) const noexcept {
         const double from = ray.from[ray.axis];
         const Interval chord = chord_of(bones_[n], ray.from, ray.axis);
@@ -148,9 +149,9 @@ private:
         }
     }
 
-    /// Returns the part of the line through `p` along an axis that lies in a bone: the hull of the
-    /// intersections with the balls around the ends and with the cylinder between them, because a capsule
-    /// is convex.
+    /// Returns the part of the line through `p` along an axis that lies in a bone. Because a capsule is
+    /// convex, this part is the hull of three intersections: with the two balls around the ends, and with the
+    /// cylinder between them.
     static Interval chord_of(const detail::PlacedBone<D>& bone, const Vec<double, D>& p,
                              std::size_t axis) noexcept {
         Interval chord;
@@ -167,7 +168,7 @@ private:
                                       std::size_t axis) noexcept {
         const auto e = bone.b - bone.a;
         const double e2 = dot(e, e), across2 = e2 - e[axis] * e[axis];
-        // Parallel to the line: the balls contain the intersection, up to rounding.
+        // The bone is parallel to the line: the balls contain the intersection, up to rounding.
         if (!(across2 > 1e-12 * e2)) return {};
         auto m = p - bone.a;
         m[axis] = 0; // positions along the line are relative to a

@@ -25,7 +25,7 @@ struct EmbeddedProblem {
 
 namespace detail {
 
-/// Calls f(before, after) for consecutive crossings of a line with inside between them.
+/// Calls f(before, after) for consecutive crossings of a line if the part between them is inside.
 template <std::size_t D, class F>
 void for_each_inner_interval(const Buffer<grid::Crossing<D>>& crossings, F&& f) {
     bool inside = false;

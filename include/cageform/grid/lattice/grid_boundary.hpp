@@ -73,6 +73,7 @@ struct Located {
 ///                                       are cut
 ///   locate(p, tolerance, nodes)         the location of a point of the lattice: on the boundary within the
 ///                                       tolerance; nullopt if the boundary in its cell does not decide
+///                                       whether it is inside
 ///   sample(p, nodes)                    the stencil of a point strictly inside, exact for linear functions
 ///   free_distance(p, axis, up, limit)   the distance from `p` along an axis to the boundary, at most
 ///                                       `limit`

@@ -1,7 +1,7 @@
 // Facets of a boundary (edges in 2D, triangles in 3D) on a lattice: their crossings with lattice lines,
 // rays and cells.
 //
-// Every lattice line must cross a closed boundary an even number of times. The crossing rules guarantee it:
+// Every lattice line must cross a closed boundary an even number of times. The crossing rules guarantee this:
 // half-open edges in 2D, integer arithmetic in 3D.
 #pragma once
 
@@ -145,8 +145,9 @@ inline std::array<double, 3> weights_in_plane(const PlacedFacet<3>& face, const 
     return {u, v, 1 - u - v};
 }
 
-/// Whether the segment between two points crosses a facet; nullopt if rounding might decide, which is near
-/// the facet's boundary and if an end is near its line or plane.
+/// Whether the segment between two points crosses a facet. Returns nullopt if rounding might decide the
+/// result. This is so near the facet's boundary, or if an end of the segment is near the facet's line or
+/// plane.
 template <std::size_t D>
 std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& from,
                             const Vec<double, D>& to) noexcept {
@@ -176,9 +177,9 @@ void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weig
     out.push_back(crossing);
 }
 
-/// Adds the crossings of the lattice lines along an axis with an edge. An edge includes its lower end but
-/// not its upper one, so a line through a common end of two edges has an odd number of crossings only if it
-/// changes sides.
+/// Adds the crossings of the lattice lines along an axis with an edge. An edge includes its lower end but not
+/// its upper one. So a line through a common end of two edges has an odd number of crossings only if it
+/// changes sides there.
 inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
                           Buffer<grid::Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
@@ -208,8 +209,8 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     }
 }
 
-/// A face projected along an axis, with its corners rounded to 2⁻²⁰ of a cell, so that integers decide
-/// which lattice lines cross it. A line through an edge or a vertex is treated like a line shifted by an
+/// A face projected along an axis. Its corners are rounded to 2⁻²⁰ of a cell, so that integers decide which
+/// lattice lines cross the face. A line through an edge or a vertex is treated like a line shifted by an
 /// infinitesimal offset, equal for all faces.
 class FaceAcross {
 public:
@@ -252,15 +253,15 @@ private:
     static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
         return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     }
-    /// Whether the edge from corner k to corner l has a line on its left. Both faces of the edge compute it
-    /// in the same direction.
+    /// Whether the edge from corner k to corner l has a line on its left. Both faces of the edge compute this
+    /// for the same direction of the edge.
     bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
         const bool reversed = face_.vertex[k] > face_.vertex[l];
         const auto &a = corners_[reversed ? l : k], &b = corners_[reversed ? k : l];
         std::int64_t s = side(a, b, p);
         // A wall includes its boundary on all sides.
         if (s == 0 && !face_.separates) return area_ > 0;
-        // On the edge: the line is shifted along u far more than along v.
+        // The line is on the edge. It is treated as shifted, along u far more than along v.
         if (s == 0) s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0];
         return (s > 0) != reversed;
     }
@@ -316,7 +317,8 @@ void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
     }
 }
 
-/// Calls f(lower corner) for the cells within `slack` of a face, and some others in its bounds.
+/// Calls f(lower corner) for the cells within `slack` of a face, and for some other cells in the bounds of
+/// the face.
 template <class F>
 void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
     const auto& [a, b, c] = face.corner;

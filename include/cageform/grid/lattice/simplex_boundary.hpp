@@ -50,8 +50,8 @@ private:
 } // namespace detail
 namespace grid {
 
-/// The edges of a polygon or the triangles of a mesh, and the interior cells, on a lattice of at most 1024
-/// cells per axis (16384 in 2D). Its *elements* are the facets, then the bones.
+/// The edges of a polygon or the triangles of a mesh, and the interior cells, on a lattice. The lattice has
+/// at most 1024 cells per axis (16384 in 2D). Its *elements* are the facets, then the bones.
 template <std::size_t D>
 class SimplexBoundary {
 public:
@@ -165,8 +165,8 @@ public:
     }
 
     /// Returns a stencil: multilinear, or in cells cut by the boundary the mean over D orders of the axes.
-    /// The value is a mean, so it never exceeds the values of the stencil. Beyond the last nodes, without a
-    /// boundary, it mirrors.
+    /// The value is a mean, so it never exceeds the values of the stencil. Beyond the last nodes, if there is
+    /// no boundary, the values are mirrored.
     CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};

@@ -2,9 +2,9 @@
 // (1982)).
 //
 // Every second node is a coarse node. The interpolation P is derived from the equations: a node between
-// coarse nodes takes the value given by its own equation, collapsed onto the line, face or cell of coarse
-// nodes that contains it. The coarse operator is the Galerkin product Pᵀ A P. Parts of the domain that are
-// one node wide are preserved on every level.
+// coarse nodes takes the value given by its own equation. This equation is first collapsed onto the line,
+// face or cell of coarse nodes that contains the node. The coarse operator is the Galerkin product Pᵀ A P.
+// Parts of the domain that are one node wide are preserved on every level.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>
@@ -47,7 +47,8 @@ struct Coarsening {
     }
 
 private:
-    /// Indexed by the set of axes along which a node lies between coarse nodes.
+    /// The multilinear interpolation, indexed by the set of axes along which a node lies between coarse
+    /// nodes.
     static constexpr auto multilinear = [] {
         std::array<CornerWeights<D>, power(2, D)> all{};
         for (std::size_t odd = 0; odd < all.size(); ++odd) {
@@ -173,8 +174,8 @@ private:
         });
         return is_near;
     }
-    /// Returns Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along
-    /// which the node lies between coarse nodes, and solved for the node.
+    /// Returns Dendy's interpolation: the node's own equation with b = 0, solved for the node. The equation
+    /// is first collapsed onto the axes along which the node lies between coarse nodes.
     CornerWeights<D> interpolate(std::uint32_t node, const Index& index,
                                  Neighbours<D>& around) const noexcept {
         const auto collapsed = collapsed_equation(node, index);
@@ -310,8 +311,8 @@ private:
                 stencil[positions[n] - P::corner_step(corner)] += weights[corner] * row[positions[n]];
         }
     }
-    /// Distributes the row sum, the weight of the data in a node's equation, in equal parts to the axes on
-    /// which the node lacks a neighbour on one side.
+    /// Distributes the row sum in equal parts to the axes on which the node lacks a neighbour on one side.
+    /// The row sum is the weight of the data in a node's equation.
     static void distribute_row_sum(typename Equations<D>::Irregular& equation) noexcept {
         const auto& a = equation.a;
         double row_sum = 0;

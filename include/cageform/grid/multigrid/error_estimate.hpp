@@ -28,8 +28,8 @@ struct Residual {
 
 /// The error of a solution: an estimate and a bound for each function.
 struct SolveError {
-    /// The residual times the largest ratio of correction to residual so far, with a safety factor of 2 to
-    /// 4. It is almost always above the error, but not a bound.
+    /// The residual times the largest ratio of correction to residual so far, with a safety factor of 2 to 4.
+    /// This estimate is almost always above the error, but it is not a bound.
     NodeValues estimate;
     /// An upper bound from the residual alone, by the maximum principle, up to rounding.
     NodeValues bound;

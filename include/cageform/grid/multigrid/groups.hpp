@@ -17,8 +17,8 @@ struct CycleGoal {
 /// Solves a block whose source is set.
 ///
 ///   goal     applies to the first goal.functions functions of the block; others are ignored
-///   between  between() is called before every cycle and after the last. It may change the source, and
-///            returns by how much that changes the solution, which must be within the tolerance too
+///   between  between() is called before every cycle and after the last cycle. It may change the source. It
+///            returns by how much this changes the solution; this change must be within the tolerance too
 ///   fails    not_converged, cancelled
 template <std::size_t D>
 Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,

@@ -2,7 +2,8 @@
 //
 // The number of threads of a caller's parallel_for is unknown, and so is whether they run at the same time.
 // Work must therefore never wait for a thread that has not started. The owner of a group offers pieces of a
-// pass to threads that are idle at that moment, and processes the pieces that no thread has begun itself.
+// pass to threads that are idle at that moment. The owner itself processes the pieces that no other thread
+// has begun.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -78,7 +79,7 @@ class HelpingThreads {
     };
 
 public:
-    /// Distributes the work of a group to threads. A default-constructed Share does not.
+    /// Distributes the work of a group to threads. A default-constructed Share uses only the calling thread.
     class Share {
     public:
         Share() noexcept = default;

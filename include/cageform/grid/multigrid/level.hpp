@@ -42,7 +42,7 @@ struct Level {
     };
     struct Irregular {
         std::uint32_t node;
-        std::uint32_t entries_end; ///< end in `entries`; the begin is the end of the node before
+        std::uint32_t entries_end; ///< end in `entries`; the previous node's end is the beginning
         std::uint32_t coarse_end;  ///< likewise in `from_coarse`
         double diagonal;
         float inverse; ///< 1/diagonal
@@ -163,7 +163,7 @@ private:
             if ((corner & ~odd) != 0) continue;
             const Index at = coarsening_->corner_index(index, corner);
             const auto n = coarsening_->coarse.nodes.find(at);
-            CAGEFORM_ASSERT(n != none, "regular interpolation uses all coarse nodes around");
+            CAGEFORM_ASSERT(n != none, "regular interpolation uses all surrounding coarse nodes");
             run.coarse[run.coarse_rows++] = n - std::uint32_t(at[0]);
         }
     }

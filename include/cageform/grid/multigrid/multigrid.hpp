@@ -4,24 +4,24 @@
 // this comment first, then relax.hpp, transfer.hpp and coarsen.hpp.
 //
 // A few sweeps of relaxation remove the high frequencies of the error. The remaining error e is smooth and
-// satisfies A e = r, where r = b − A u is the residual. So r is restricted to a lattice of every second
-// node, e is computed there by the same method, and prolonged back as a correction of u. On the coarsest
-// level the equations are solved directly.
+// satisfies A e = r, where r = b − A u is the residual. So r is restricted to a lattice of every second node.
+// There e is computed by the same method. It is prolonged back as a correction of u. On the coarsest level
+// the equations are solved directly.
 //
 // At the start of a cycle (`cycle`) the residual of level 0, the finest, is already restricted to level 1.
 //
 //   1. `w_cycle` computes the correction on level 1, from zero: relax, restrict the residual,
 //      w_cycle of the next level, prolong, relax, and the same again.
-//   2. `finish` prolongs the correction to level 0, relaxes five (2D) or seven (3D) sweeps,
-//      restricts the new residual, and estimates the error from it.
+//   2. `finish` prolongs the correction to level 0 and relaxes five (2D) or seven (3D) sweeps.
+//      Then it restricts the new residual, and estimates the error from this residual.
 //
 // `start` is an F-cycle of W-cycles: on the way down each level from 1 on relaxes once and restricts its
-// residual; on the way up each adds the correction and runs the second half of a W-cycle. groups.hpp
-// repeats cycles until they have refined (below), which takes two, and the error estimate is within the
-// tolerance. The error bound is only reported.
+// residual; on the way up each adds the correction and runs the second half of a W-cycle. groups.hpp repeats
+// cycles until the error estimate is within the tolerance. It runs at least two cycles, because the solution
+// is refined in the second one (see below). The error bound is only reported.
 //
 // Irregular nodes, such as those at cut links, have their own stencil or interpolation. A run consists of
-// consecutive regular nodes of a row; a slab of all nodes of one index along the last axis. Data are
+// consecutive regular nodes of a row; a slab consists of all nodes of one index along the last axis. Data are
 // boundary values; they are part of the source, the right-hand side set by the caller. The reach is the
 // largest error of an interior node for a residual of 1.
 //
@@ -37,8 +37,8 @@
 //
 // Cycles use float; a row of sixteen functions fills a cache line. Every second cycle begins with iterative
 // refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): u is added to a solution
-// stored as a high and a low float, and its residual, computed in double, becomes the new right-hand side.
-// The sum has the accuracy of double. Denormal numbers are flushed to zero.
+// stored as a high and a low float. The residual of this solution, computed in double, becomes the new
+// right-hand side. The solution has the accuracy of double. Denormal numbers are flushed to zero.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -403,11 +403,13 @@ private:
 
     /// A level of at most this many unknowns is solved directly.
     static constexpr std::uint32_t dense_unknowns = 160;
-    /// Sweeps on the finest level. In 2D, five and seven sweeps took the same number of cycles for eight
-    /// figures at 256², 512² and 1024², except for one more in three cases and one less in one.
+    /// Sweeps on the finest level. In 2D, five and seven sweeps were compared for eight figures at 256², 512²
+    /// and 1024². The number of cycles was the same, except for one more in three cases and one less in one
+    /// case.
     static constexpr std::size_t finest_sweeps = D == 2 ? 5 : 7;
     static constexpr std::size_t few_nodes = 2048, few_runs = 64; ///< fewer are not worth another thread
-    static constexpr std::size_t refine_every = 2; ///< cycles 2, 4, … refine; float gains no more in between
+    /// Cycles 2, 4, … refine. Further cycles in float between two refinements gain nothing.
+    static constexpr std::size_t refine_every = 2;
 
     std::uint32_t unknowns_;
     double reach_ = 1;                      ///< the largest error of an interior node for a residual of 1

@@ -289,10 +289,10 @@ struct Tiles {
     std::size_t slab_rows, height = 1, count = 1;
 };
 
-/// Runs all stages in a single pass over memory: each processes the slab that the previous stage has just
-/// left, tile by tile. With several threads, each runs some of the stages and follows the thread before it
-/// through the slabs. Dependent work keeps its order, so the result does not depend on the threads. Returns
-/// the residual if it is restricted.
+/// Runs all stages in a single pass over memory: each stage processes the slab that the previous stage has
+/// just left, tile by tile. With several threads, each thread runs some of the stages and follows the thread
+/// before it through the slabs. Dependent work keeps its order, so the result does not depend on the threads.
+/// Returns the residual if it is restricted.
 template <class AnyLevel>
 Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) noexcept {
     constexpr std::size_t worth_sharing = 4096; // nodes, about tens of microseconds

@@ -6,9 +6,9 @@
 namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The allowed cell size near bones. At the surface of a bone `per_radius` cells fit along its radius. If a
-/// facet is nearer than the radius, they fit along that distance instead, limited to a quarter of the
-/// radius. Farther away the size grows with the distance from the bone's axis, because functions vary less
-/// there.
+/// facet is nearer than the radius, the distance of this facet replaces the radius. The smallest value used
+/// is a quarter of the radius. Farther away the size grows with the distance from the bone's axis, because
+/// functions vary less there.
 template <std::size_t D>
 class BoneSizes {
 public:

@@ -70,8 +70,8 @@ inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t ax
 namespace grid {
 
 /// The boundary of a cage in units of the tree. Its elements are the facets of the boundary and of interior
-/// cells (walls), then the bones, whose inside is not in the domain. The vertices of facets are rounded to
-/// 2⁻³⁰ of the tree's cube, so that integer arithmetic can decide what is inside.
+/// cells (walls), then the bones. The inside of a bone is not in the domain. The vertices of facets are
+/// rounded to 2⁻³⁰ of the tree's cube, so that integer arithmetic can decide what is inside.
 template <std::size_t D>
 class TreeBoundary {
 public:
@@ -206,15 +206,15 @@ public:
         double fraction; ///< the fraction of the segment before it, in [0, 1]
         BoundaryValue<D> value;
     };
-    /// Returns the first point of the segment from `from`, which is inside, to `from + along` on a wall or
-    /// where it leaves the domain, among some rounded facets.
+    /// Follows the segment from `from`, which is inside, to `from + along`. Returns the first point where the
+    /// segment meets a wall or leaves the domain. Considers only the given facets, rounded.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along,
                                      std::span<const std::uint32_t> facets) const noexcept {
         Met met;
         for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
         return meeting_of(met, from, along);
     }
-    /// Returns the same among all exact facets.
+    /// Returns the same, but considers all facets, exact.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
         for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
@@ -292,8 +292,8 @@ private:
         }
     }
     /// Returns the area of a facet, negated if its normal points inside. Counts the crossings above the
-    /// facet's centroid along the main axis of its normal: after an even number of crossings the upper side
-    /// is outside. Returns 0 if other facets are at the same position.
+    /// facet's centroid, along the main axis of its normal. If their number is even, the upper side is
+    /// outside. Returns 0 if other facets are at the same position.
     double vote(const Facet& facet, const Vec<double, D>& normal) const {
         std::size_t axis = 0;
         for (std::size_t k = 1; k < D; ++k) {

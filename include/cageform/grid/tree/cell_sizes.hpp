@@ -1,7 +1,8 @@
 // The largest allowed cell size at each point.
 //
-// It depends on the thickness of the domain, the altitudes of its facets, and the vertices and edges where
-// functions are singular (grid/tree/features.hpp). grid/tree/refinement.hpp splits cells accordingly.
+// The size depends on the thickness of the domain and on the altitudes of its facets. It also depends on the
+// vertices and edges where functions are singular (grid/tree/features.hpp). grid/tree/refinement.hpp splits
+// cells accordingly.
 #pragma once
 
 #include <cageform/grid/tree/bone_sizes.hpp>
@@ -16,8 +17,8 @@ namespace grid {
 struct RefinementOptions {
     double across = 6; ///< cells across the thickness of the domain
     /// 3D: acceptable error of the functions, or 0. Between two facets, far from their edges, functions are
-    /// nearly linear. If this is not 0, `across` applies only near edges where the kinks of functions would
-    /// cause larger errors.
+    /// nearly linear. If `small_error` is not 0, `across` applies only near edges where the kinks of
+    /// functions would cause larger errors.
     double small_error = 0;
     double per_facet = 1; ///< cells along the smallest altitude of a facet; in 2D along an edge
     /// 3D: largest cell at a facet, in square roots of its area.
@@ -98,7 +99,7 @@ public:
     double largest() const noexcept { return largest_; }
 
     /// Returns the size that RefinementOptions::largest refers to. In 3D it is the distance between two
-    /// vertices far from each other, which is nearly the largest distance and does not depend on rotation.
+    /// vertices far from each other. This distance is nearly the largest, and does not depend on rotation.
     static double size_of_cage(const Boundary& boundary) noexcept {
         if constexpr (D == 2) return std::ldexp(1.0, int(boundary.depth()));
         auto from = boundary[0].corner[0], to = from;
@@ -141,8 +142,8 @@ public:
     }
 
     /// Returns the size that a facet allows near a point on its boundary. In 3D the size is at most the
-    /// thickness of the outside behind the facet, because axis lines of larger cells can miss a narrow
-    /// dent. This rule divides the size by at most eight.
+    /// thickness of the outside behind the facet. The reason is that axis lines of larger cells can miss a
+    /// narrow dent. This rule divides the size by at most eight.
     double size_near(std::uint32_t n, const Point& position) {
         const auto within = 0.95 * position + (0.05 / D) * sum(boundary_[n].corner);
         const double size = size_of(n, true, within);
@@ -214,8 +215,8 @@ private:
     struct Kink {
         double size, reach; ///< the cell size, and the distance from the edge within which it applies
     };
-    /// Between two parallel planes a harmonic function deviates from a linear one by A exp(−π d /
-    /// thickness) at the distance d from the edge.
+    /// Between two parallel planes a harmonic function deviates from a linear one by A exp(−π d / thickness).
+    /// Here d is the distance from the edge, and A is the deviation at the edge.
     ///
     ///   slope  the largest slope of hat functions at the edge, on the facets
     static Kink kink_at(double thickness, double slope, const grid::RefinementOptions& options) noexcept {
@@ -225,8 +226,8 @@ private:
         return {(std::max)(thickness / options.across, options.small_error / (error_of_cell * slope)),
                 amplitude > 1 ? thickness / std::numbers::pi * std::log(amplitude) : 0};
     }
-    /// The largest cell in a thin part of the domain / its thickness. Larger cells lose precision in the
-    /// positions on the boundary.
+    /// The largest ratio of cell size to thickness in a thin part of the domain. Larger cells lose precision
+    /// in the positions on the boundary.
     static constexpr double most_of_thickness = 64;
     /// Returns the cell size that facet `n` allows at a position where the domain is thin.
     double size_between([[maybe_unused]] std::uint32_t n, [[maybe_unused]] const Point& position,
@@ -274,10 +275,11 @@ private:
     Point inwards(std::uint32_t n, bool front) const noexcept {
         return (front ? -1.0 : 1.0) * boundary_.normal(n);
     }
-    /// Returns the distance across the domain from a point on a facet to the opposite facet (Shapira,
-    /// Shamir, Cohen-Or, Visual Computer 24 (2008)); across the outside if `front` is false and the facet
-    /// is not a wall. Returns infinity if the first facet on the ray does not face this one, has a common
-    /// vertex with it (a wedge has no thickness), or is at a distance of `most` or more.
+    /// Returns the distance across the domain from a point on a facet to the opposite facet (Shapira, Shamir,
+    /// Cohen-Or, Visual Computer 24 (2008)). If `front` is false and the facet is not a wall, the distance is
+    /// across the outside. Returns infinity if the first facet on the ray does not face this one. Returns
+    /// infinity too if that facet has a common vertex with this one, because a wedge has no thickness. A
+    /// distance of `most` or more also counts as infinity.
     double thickness(std::uint32_t from_facet, bool front, const Point& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();

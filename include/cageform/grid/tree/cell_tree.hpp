@@ -13,7 +13,7 @@
 //   wall      a facet of an interior cell of the cage: it has boundary values on both sides, but does not
 //             separate inside from outside; the rim of a wall is its boundary
 //   bone      a point or an edge with a radius inside the cage, whose interior is not in the domain
-//   node      an unknown: a corner of a leaf inside the domain, unless the leaf is cut and the corner
+//   node      an unknown: a corner of a leaf inside the domain, unless the leaf is cut and the corner is
 //             within 1e-6 units of the boundary (nodes.hpp)
 //   counts    a leaf counts if it is not outside the domain
 //
@@ -21,8 +21,8 @@
 // Local harmonic models give the values between nodes (coordinates/harmonic/leaf_models.hpp). In cages with
 // bones, and in 3D cages with walls or with faces of more than three corners,
 // coordinates/harmonic/tree_cage.hpp interpolates instead. Within 0.01 (2D) or 0.3 (3D) leaf sizes from the
-// boundary, this interpolation is linear between the nearest point of the unrounded boundary and a point
-// farther inside.
+// boundary, this interpolation is linear. Its ends are the nearest point of the unrounded boundary and a
+// point farther inside.
 //
 // All headers, in the order of their use:
 //

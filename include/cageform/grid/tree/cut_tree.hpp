@@ -32,7 +32,8 @@ public:
     const TreeBoundary<D>& boundary() const noexcept { return *boundary_; }
     const CellTree<D>& cells() const noexcept { return tree_; }
     CellState state(std::uint32_t cell) const noexcept { return states_[cell]; }
-    /// Returns the leaf at a point; outside the cube, at the nearest point of the cube.
+    /// Returns the leaf at a point. For a point outside the cube, returns the leaf at the nearest point of
+    /// the cube.
     Cell leaf_at(const Vec<double, D>& p) const noexcept {
         Index doubled{};
         const double end = 2.0 * tree_.size();
@@ -95,7 +96,7 @@ public:
             }
         }
     }
-    /// The same for a point in units, which is rounded.
+    /// Whether a point in units is inside; the point is rounded first.
     bool is_inside(const Vec<double, D>& p) const noexcept { return is_inside(line_of(p)); }
     /// Returns for each point whether it is inside. The points are in one leaf, on a line along axis 0, in
     /// ascending order.
@@ -139,8 +140,8 @@ private:
             line[k] = (2 * std::int64_t(leaf.low[k]) + leaf.size) << (boundary_->fraction() - 1);
         return is_inside(line) ? CellState::in : CellState::out;
     }
-    /// Follows one axis line for at most `most` leaves; returns nullopt if none of them decides. Integer
-    /// arithmetic decides the crossings, so every line crosses the boundary an even number of times.
+    /// Follows one axis line for at most `most` leaves. Returns nullopt if all of them are cut or unknown.
+    /// Integer arithmetic decides the crossings, so every line crosses the boundary an even number of times.
     std::optional<bool> walk(const std::array<std::int64_t, D>& line, std::size_t axis,
                              std::size_t most) const noexcept {
         Index doubled{};

@@ -34,7 +34,7 @@ std::vector<FacetCorner> corners_of(const grid::TreeBoundary<D>& boundary) {
     }
     return corners;
 }
-/// Calls f with the parts of facets that have the same `vertex`, ascending by facet, for every vertex.
+/// For every vertex, calls f with the parts of facets that have this `vertex`, in ascending order of facets.
 template <class Part, class F>
 void for_each_vertex(std::vector<Part> parts, const F& f) {
     std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
@@ -230,8 +230,8 @@ private:
         const double least = (std::max)(1.0, size * std::exp2(-(std::min)(levels * inverse, most_levels)));
         features.push_back({position, position, least, spike_gradation, SizeReason::singular_vertex});
         if (angle > narrow) return;
-        // If `levels` is 2, a cell at a distance r from the vertex has the radius of the cone there, but at
-        // least r / 32. Each further level halves the cells.
+        // If `levels` is 2, a cell at a distance r from the vertex is as large as the radius of the cone
+        // there. The smallest size is r / 32. Each further level halves the cells.
         const double slope =
             (std::max)(std::sqrt(angle / std::numbers::pi), 1.0 / 32) * std::exp2(2 - levels);
         for (const auto& at : about) {

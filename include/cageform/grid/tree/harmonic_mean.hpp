@@ -1,10 +1,10 @@
 // Weights for the points of a star such that their weighted mean is exact for harmonic polynomials, in 2D.
 //
-// Standard finite differences are exact for all cubics. A harmonic function needs only the real and
-// imaginary parts of the powers of z to be exact. Equations have non-negative weights, exact up to the
-// third or fourth power, so the value of a node is a mean and never exceeds the values of its star. Samples
-// first try weights of either sign with Σ |weight| ≤ 4, which are exact up to a higher power
-// (harmonic_mean_of in grid/tree/star.hpp). They can exceed the values at the nodes;
+// Standard finite differences are exact for all cubics. For harmonic functions it is enough that weights are
+// exact for the real and imaginary parts of the powers of z. Equations have non-negative weights that are
+// exact up to the third or fourth power. So the value of a node is a mean and never exceeds the values of its
+// star. Samples first try weights of either sign with Σ |weight| ≤ 4, which are exact up to a higher power
+// (harmonic_mean_of in grid/tree/star.hpp). Such samples can exceed the values at the nodes;
 // coordinates/harmonic/cut_samples.hpp clamps the results to [0, 1].
 //
 // On a square of equal cells the result is the nine-point formula (Collatz, The Numerical Treatment of

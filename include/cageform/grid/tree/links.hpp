@@ -2,18 +2,18 @@
 //
 // A node is a corner of a leaf inside the domain (grid/tree/nodes.hpp). Every row has the form diagonal ·
 // u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value) with positive weights; a near field adds
-// data of both signs. The matrix is not symmetric, because stars and ghost values are not mutual.
-// LinkMaker::add_equation selects one of three formulas:
+// data of both signs. The matrix is not symmetric: if the equation of node a contains node b, the equation of
+// b need not contain a. LinkMaker::add_equation selects one of three formulas:
 //
 // 1. Equal leaves without facets around the node: the mean of the 8 surrounding nodes in 2D, of the 26 in
 // 3D (Collatz, The Numerical Treatment of Differential Equations, table VI). The mean is exact for harmonic
 // polynomials up to degree seven, so the order for the Laplace equation is six.
 //
 // 2. Other nodes in 2D, if the weights exist: generalised finite differences. The star of the node consists
-// of the corners of the leaves around it and, in the directions where a facet hides them, of points on the
-// boundary (grid/tree/star.hpp). Non-negative weights make the mean exact for harmonic polynomials up to
-// degree three or four (grid/tree/harmonic_mean.hpp). These equations limit the order of the solution in 2D
-// to four.
+// of the corners of the leaves around it. In directions where a facet hides a corner, a point on the boundary
+// replaces the corner (grid/tree/star.hpp). Non-negative weights make the mean exact for harmonic polynomials
+// up to degree three or four (grid/tree/harmonic_mean.hpp). These equations limit the order of the solution
+// in 2D to four.
 //
 // 3. All other nodes: along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9
 // (1938)), which allows two links of different lengths. A link ends on the boundary or at a node. A node on
@@ -99,7 +99,7 @@ private:
         double length;
         // Whether the end is a ghost value. The node at the start of the link is then a hanging node.
         bool hangs;
-        /// Second moments of the interpolation relative to the end, by axis; only if it hangs.
+        /// Second moments of the interpolation relative to the end, by axis; only set if `hangs`.
         Vec<double, D> moments;
         /// The value at the end as a mean of nodes and boundary values.
         grid::CutStencil<D> end;
@@ -317,10 +317,11 @@ private:
     }
 
     /// Returns the factors of the second differences along the axes. The ghost values of axis a add σ(a, k)
-    /// times the second derivative along axis k ≠ a to its second difference. Here σ(a, k) = Σ c · m / 2
-    /// over the ghost values at the ends of axis a, with c the weight of the end in the second difference
-    /// (`c` below) and m its second moment along k (Side::moments). With the factors share_k = 1 − Σ
-    /// share_a σ(a, k), a ≠ k, every second derivative has the coefficient 1, so all squares are exact.
+    /// times the second derivative along axis k ≠ a to its second difference. Here σ(a, k) = Σ c · m / 2,
+    /// summed over the ghost values at the ends of axis a. The factor c is the weight of the end in the
+    /// second difference (`c` below), and m is its second moment along k (Side::moments). With the factors
+    /// share_k = 1 − Σ share_a σ(a, k), a ≠ k, every second derivative has the coefficient 1, so all squares
+    /// are exact.
     std::array<double, D> shares_of_axes(const std::array<std::array<double, 2>, D>& c) {
         std::array<double, D> shares{};
         shares.fill(1);

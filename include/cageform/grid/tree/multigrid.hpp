@@ -2,11 +2,11 @@
 //
 // `start` is full multigrid: it solves the coarsest level; then, on each finer level, it interpolates the
 // solution and runs one cycle. After that the caller repeats `cycle`. coordinates/harmonic/tree_solver.hpp
-// stops when the change of the last cycle, times its ratio to the change before (within 0.2 … 0.9), is at
-// most accuracy/100 in 2D and accuracy/10 in 3D.
+// stops when change · ratio is at most accuracy/100 in 2D and accuracy/10 in 3D. Here change is the change of
+// the last cycle, and ratio is its ratio to the change before, limited to 0.2 … 0.9.
 //
-// One V-cycle (`v_cycle`) relaxes twice by Gauss-Seidel, restricts the residual to the next coarser level,
-// computes a correction there by the same method, adds the interpolated correction, and relaxes once more.
+// One V-cycle (`v_cycle`) relaxes twice by Gauss-Seidel and restricts the residual to the next coarser level.
+// It computes a correction there by the same method, adds the interpolated correction, and relaxes once more.
 // The rows, the prolongation and its transpose are made by grid/tree/hierarchy.hpp.
 //
 // Most boundary functions are nearly zero in most of the domain. With a cutoff the cycles therefore visit
@@ -58,7 +58,7 @@ public:
         static constexpr std::uint8_t once = 2; ///< a flag that remains set: the node has had some flag
         struct Level : detail::Fields {
             Buffer<std::uint8_t> flags;      ///< per node
-            Buffer<std::uint32_t> touched{}; ///< nodes that have or had a flag; other values are zero
+            Buffer<std::uint32_t> touched{}; ///< nodes that have or had a flag; values of others are zero
             std::size_t with_data = 0;       ///< number of nodes with boundary data, first in `touched`
             Buffer<std::uint32_t> list{};    ///< the active nodes, ascending
             Buffer<std::uint32_t> rim{};     ///< active nodes that may have inactive neighbours
@@ -152,7 +152,8 @@ public:
         return change;
     }
 
-    /// Adds the functions to those in double. The residual becomes the right-hand side of the next cycles.
+    /// Adds the functions to the solution in double. The residual becomes the right-hand side of the next
+    /// cycles.
     void refine(Block& block, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
         block.keep_going_ = &keep_going;
@@ -195,7 +196,8 @@ private:
     static constexpr std::uint8_t active = 1; ///< a flag: the node is solved for
     static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
-    /// Calls f(n) for n < count in order, and regularly KeepGoing. Returns false if that stopped it.
+    /// Calls f(n) for n < count in order, and regularly calls KeepGoing. Returns false if KeepGoing returned
+    /// false.
     template <class F>
     static bool for_each(const Block& block, std::size_t count, const F& f) {
         constexpr std::size_t together = std::size_t{1} << 18; // some hundredths of a second

@@ -7,7 +7,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Sorts keys: runs of `least` or more in parallel, then pairwise merges. Reports progress after each.
+/// Sorts keys: first sorts runs of `least` or more in parallel, then merges pairs of runs. Reports progress
+/// after each merge.
 template <class Key>
 void sort_in_runs(Buffer<Key>& keys, const Running& running, std::size_t least = std::size_t{1} << 20) {
     const std::size_t count = keys.size();

@@ -1,8 +1,8 @@
 // Refines a tree until every cell has the allowed size.
 //
-// The Refiner visits cells from the root down and splits those larger than allowed. The allowed size
-// depends on the facets that intersect the cell, on bones, and on the features near it (reflex edges and
-// vertices, see Features). RefinementPlanner predicts the number of leaves.
+// The Refiner visits cells from the root down and splits those larger than allowed. The allowed size depends
+// on the facets that intersect the cell, on bones, and on the features near the cell (see Features: reflex
+// edges and vertices). RefinementPlanner predicts the number of leaves.
 #pragma once
 
 #include <cageform/grid/tree/features.hpp>
@@ -21,7 +21,7 @@ struct RefinementPlan {
 template <std::size_t D>
 struct FinestCells {
     double size = std::numeric_limits<double>::infinity(); ///< in units
-    Vec<double, D> position{};                             ///< a point in one of them
+    Vec<double, D> position{};                             ///< a point in one of the finest cells
     SizeReason reason = SizeReason::largest;
 };
 
@@ -183,7 +183,8 @@ public:
     }
 
     RefinementPlan plan(const RefinementOptions& options) const noexcept {
-        // Measured: leaves per leaf that the area of a face, or the length of an edge, requires.
+        // A measured ratio: all leaves / leaves required by the area of a face (in 2D by the length of an
+        // edge).
         constexpr double of_surface = D == 2 ? 2.5 : 6.5;
         // In 2D the largest size is chosen for the scale 1.
         constexpr int steps = D == 2 ? 1 : 16;

@@ -36,9 +36,9 @@ public:
         begin(node_position<2>(index), about.smallest()->size);
         return add_leaves(index, about);
     }
-    /// Collects the star of a point in a leaf: the visible points of the leaf, the boundary along the four
-    /// axis directions, and then the stars of the visible corners of the leaf, the nearest first. Returns
-    /// false if a bone intersects the leaf.
+    /// Collects the star of a point in a leaf. First come the visible points of the leaf, then the boundary
+    /// along the four axis directions. The stars of the visible corners of the leaf follow, those of the
+    /// nearest corner first. Returns false if a bone intersects the leaf.
     bool collect(const Vec<double, 2>& p, const Cell& leaf) {
         begin(p, leaf.size);
         const auto facets = tree_.facets(leaf.number);
@@ -97,8 +97,8 @@ private:
         centre_ = centre;
         size_ = size;
     }
-    /// Returns a target: 0 to 3 is a corner of the leaf, 4 to 7 the middle of a side, rounded to a unit,
-    /// which only gives a direction.
+    /// Returns the position of a target. Targets 0 to 3 are the corners of the leaf, and 4 to 7 are the
+    /// middles of its sides. A middle is rounded to a unit, because it only gives a direction.
     static Index on_rim(const Cell& leaf, std::size_t target) noexcept {
         Index at = leaf.low;
         if (target < 4) {
@@ -110,7 +110,7 @@ private:
         }
         return at;
     }
-    /// Adds the visible points of each leaf around a node that is not outside.
+    /// Adds the visible points of each leaf around a node, unless the leaf is outside.
     bool add_leaves(const Index& index, const LeavesAbout<2>& about) {
         for (std::size_t n = 0; n < about.leaf.size(); ++n) {
             if (about.counts[n] && !add_leaf(node_position<2>(index), about.leaf[n])) return false;
@@ -156,9 +156,10 @@ private:
     std::vector<StarPoint> points_;
 };
 
-/// Returns the value at a point in a leaf as a mean over its star, exact for harmonic polynomials up to
-/// degree `most_degree`, or up to the highest lower degree that works. Weights of either sign are tried
-/// first, because they reach a higher degree. Returns nullopt if the star is too small or next to a bone.
+/// Returns the value at a point in a leaf as a mean over the star of the point. The mean is exact for
+/// harmonic polynomials up to degree `most_degree`, or up to the highest lower degree that works. Weights of
+/// either sign are tried first, because they reach a higher degree. Returns nullopt if the star is too small
+/// or next to a bone.
 inline std::optional<grid::CutStencil<2>>
 harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, const Vec<double, 2>& p,
                  const grid::CellTree<2>::Cell& leaf, unsigned most_degree) {

@@ -1,4 +1,4 @@
-// The report of a solver: how much work it did, how accurate the result is, and why it refused.
+// The report of a solver: how much work it did, how accurate the result is, and why it refused a problem.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The estimated error at a corner in the plane or an edge in space for which a grid may be too
 /// coarse.
 struct CornerError {
-    static constexpr double notable = 0.01; ///< from this error on it is worth a warning
+    static constexpr double notable = 0.01; ///< errors from this value on are worth a warning
 
     std::array<std::size_t, 2> handles{}; ///< the ends of the edge; in the plane both are the corner
     double error = 0;                     ///< the largest error of a weight there, an estimate; in [0, 1]
@@ -42,8 +42,8 @@ constexpr const char* to_string(SizeReason reason) noexcept {
     return "unknown";
 }
 
-/// The report of a solver. The first group is filled by every solver, each other group by one kind of
-/// solver; groups that do not apply keep their initial values, as all do with closed forms.
+/// The report of a solver. Every solver fills the first group of fields; one kind of solver fills each other
+/// group. Groups that do not apply keep their initial values. With closed forms all groups do.
 struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
@@ -65,18 +65,18 @@ struct SolverReport {
         double error_estimate = 0;
         double error_bound = 0; ///< an upper bound of that error, by the maximum principle; far above it
 
-        /// Error estimates at all edges in space, and in the plane at the corners with fewer than ten
-        /// cells of room (at all corners without MultigridOptions::corner_functions). A PolyhedralMesh has
-        /// none. The largest estimate is designed to be above all errors and less than fifteen times the
-        /// largest (grid/corners/corner_errors.hpp).
+        /// In space, error estimates at all edges. In the plane, error estimates at the corners with fewer
+        /// than ten cells of room; without MultigridOptions::corner_functions, at all corners. A
+        /// PolyhedralMesh has none. The largest estimate is designed to be above all errors and less than
+        /// fifteen times the largest error (grid/corners/corner_errors.hpp).
         std::vector<CornerError> corners;
     };
     Multigrid multigrid;
 
     /// The adaptive grid (coordinates/harmonic/tree_solver.hpp).
     struct Tree {
-        /// Estimates of the largest error that the grid causes in any weight, at up to a thousand
-        /// points spread over its cells. They are largest in cells that facets pass.
+        /// Estimates of the largest error that the grid causes in any weight, at up to a thousand points
+        /// spread over its cells. They are largest in cells that facets intersect.
         std::vector<float> grid_errors;
         /// The size of the smallest cells, in units of the cage; 0: no grid was made.
         double finest_size = 0;
@@ -163,8 +163,8 @@ struct SolverReport {
     }
 
 private:
-    /// Merges the estimates of other functions. On the same grid it keeps the larger at each point;
-    /// those of another grid it appends.
+    /// Merges the estimates of other functions. For the same grid it keeps the larger estimate at each point.
+    /// It appends the estimates of another grid.
     void add_grid_errors(const std::vector<float>& more) {
         if (tree.grid_errors.size() != more.size()) {
             tree.grid_errors.insert(tree.grid_errors.end(), more.begin(), more.end());
@@ -173,8 +173,8 @@ private:
         for (std::size_t n = 0; n < more.size(); ++n)
             tree.grid_errors[n] = (std::max)(tree.grid_errors[n], more[n]);
     }
-    /// Merges the corners of other functions. For the same cage it keeps the larger error at each
-    /// corner; those of another cage it appends.
+    /// Merges the corners of other functions. For the same cage it keeps the larger error at each corner. It
+    /// appends the corners of another cage.
     void add_corners(const std::vector<CornerError>& more) {
         const auto same = [](const CornerError& a, const CornerError& b) { return a.handles == b.handles; };
         if (!std::equal(multigrid.corners.begin(), multigrid.corners.end(), more.begin(), more.end(), same)) {
