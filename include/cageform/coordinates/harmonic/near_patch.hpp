@@ -28,12 +28,12 @@ public:
     bool set_viewpoint(const Point& x, double radius) {
         constexpr std::size_t most_candidates = 150, most_faces = 300;
         for (;; radius *= 0.7) {
-            forget();
+            clear();
             origin_ = x;
             unit_ = radius;
             find_candidates();
             if (candidates_.size() > most_candidates) continue;
-            choose_seen();
+            choose_visible();
             if (!find_vertices() || vertices_.size() < 4) return false;
             if (!choose_simplex()) return false;
             add_stars();
@@ -133,7 +133,7 @@ private:
     };
 
     Point in_units(const Point& p) const noexcept { return (1 / unit_) * (p - origin_); }
-    void forget() noexcept {
+    void clear() noexcept {
         for (const std::uint32_t v : all_vertices_) local_vertex_[v] = none;
         for (const std::uint32_t e : all_edges_) local_edge_[e] = none;
         for (const std::uint32_t f : all_faces_) local_face_[f] = none;
@@ -167,16 +167,16 @@ private:
         return point_on_facet(nearest_on_facet(origin_, corner), corner);
     }
     /// Lists the candidates that no other candidate hides.
-    void choose_seen() {
+    void choose_visible() {
         std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
             return a.distance != b.distance ? a.distance < b.distance : a.face < b.face;
         });
-        seen_faces_.clear();
+        visible_faces_.clear();
         for (std::size_t n = 0; n < candidates_.size(); ++n) {
             bool hidden = false;
             for (std::size_t m = 0; m < n && !hidden; ++m)
                 hidden = hides(candidates_[m].face, origin_ + (1 - 1e-6) * (candidates_[n].foot - origin_));
-            if (!hidden) seen_faces_.push_back(candidates_[n].face);
+            if (!hidden) visible_faces_.push_back(candidates_[n].face);
         }
     }
     /// Returns the height of a point above a face's plane, positive outside.
@@ -208,7 +208,7 @@ private:
     /// Returns whether there is such an edge.
     bool find_vertices() {
         bool any = false;
-        for (const std::uint32_t f : seen_faces_) {
+        for (const std::uint32_t f : visible_faces_) {
             const auto& face = field_.face(f);
             for (const std::uint32_t v : face.corner) add_vertex(v);
             for (std::size_t k = 0; k < 3; ++k) {
@@ -405,7 +405,7 @@ private:
     double unit_ = 1;
     Buffer<std::uint32_t> local_vertex_, local_edge_, local_face_;    ///< by number in the cage; or none
     std::vector<std::uint32_t> all_vertices_, all_edges_, all_faces_; ///< numbers in the cage
-    std::vector<std::uint32_t> vertices_, seen_faces_;
+    std::vector<std::uint32_t> vertices_, visible_faces_;
     NearSimplex simplex_;
     std::vector<Candidate> candidates_;
     std::vector<Bend> bends_;

@@ -11,7 +11,7 @@ class AxisVectors {
 public:
     /// Allocates zeros. May throw std::bad_alloc.
     void reset(std::size_t count) {
-        blocks_ = eights(count);
+        blocks_ = block_count<double>(count);
         values_.resize(D * blocks_);
         clear();
     }
