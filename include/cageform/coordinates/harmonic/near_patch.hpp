@@ -4,7 +4,6 @@
 #include <cageform/coordinates/harmonic/near_field.hpp>
 #include <cageform/coordinates/harmonic/near_simplex.hpp>
 
-#include <numeric>
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -107,9 +106,7 @@ public:
         X sum(0.0);
         for (std::size_t b = 0; b < shares.size(); ++b)
             sum = multiply_add(X::load(shares[b]), X::load(values_[b * vertices_.size() + vertex]), sum);
-        Lanes<double> lanes;
-        sum.store(lanes);
-        return std::accumulate(std::begin(lanes.v), std::end(lanes.v), 0.0);
+        return ordered_sum(sum);
     }
 
     /// Turns 2 F(D_v) of all vertices into F(L_v); see NearSimplex.

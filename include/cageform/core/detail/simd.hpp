@@ -284,6 +284,16 @@ void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t f
     }
 }
 
+/// Returns the sum of the lanes, added in order.
+template <Scalar T>
+T ordered_sum(const Simd<T>& x) noexcept {
+    Lanes<T> lanes;
+    x.store(lanes);
+    T sum = 0;
+    for (const T lane : lanes.v) sum += lane;
+    return sum;
+}
+
 /// Evaluates a polynomial in x with the coefficients c[last], c[last − 2], …, k + 1 in number, from
 /// the highest power down.
 template <Scalar T, std::size_t n, std::size_t... k>

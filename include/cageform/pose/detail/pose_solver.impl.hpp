@@ -252,11 +252,7 @@ double PoseSolver<T, D>::strain() const noexcept {
             sum = detail::multiply_add(part, detail::Simd<double>::load(row[b]), sum);
         }
     }
-    Lanes<double> parts;
-    sum.store(parts);
-    double total = 0;
-    for (const double x : parts.v) total += x;
-    return total;
+    return detail::ordered_sum(sum);
 }
 
 template <Scalar T, std::size_t D>
