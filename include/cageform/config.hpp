@@ -22,31 +22,28 @@
 //                                    `pack`, `make_cage`, `fit_skeleton` and solvers are in a library, and
 //                                    a file that calls them does not compile them.
 //
-// All of these change the generated code, and so do -fno-exceptions, -ffast-math and fused
-// multiply-add (-mfma). All are therefore encoded in the inline namespace CAGEFORM_ABI (for
-// CAGEFORM_ASSERT, only whether it is user-defined). Files compiled with different settings use
-// different names for everything, instead of one name for two things. No macro reveals
-// -ffp-contract: it must be the same in all files.
+// All of these change the generated code, and so do -fno-exceptions, -ffast-math and fused multiply-add
+// (-mfma). All are therefore encoded in the inline namespace CAGEFORM_ABI (for CAGEFORM_ASSERT, only whether
+// it is user-defined). Files compiled with different settings use different names for everything, instead of
+// one name for two things. No macro reveals -ffp-contract: it must be the same in all files.
 //
 // With CAGEFORM_COMPILED the namespace does not tell asserts and exceptions: a debug build of a game
 // may link a release build of the library. It still tells registers, fused multiply-add and the mode
 // of arithmetic, so a program that is compiled for another processor than its library does not link.
 //
-// To make one program for processors from SSE2 to AVX-512, put the calls of cageform that run every
-// frame into a separate file. Compile it once per level (without flags, with -mavx2 -mfma, with
-// -mavx512f -mavx512dq -mfma) and choose a level at startup by __builtin_cpu_supports. The
-// interface between these files and the rest must not use types of this namespace or classes with
-// inline functions. Pass pointers and sizes: numbers of poses and points, and the bytes of a packed
-// binding or figure, which are the same on all levels. Other inline functions, of the standard
-// library too, have the same name on all levels, and a linker keeps the first it finds: link the
-// lowest level first, and optimise. Results differ in bits between levels unless
-// CAGEFORM_DETERMINISTIC is defined. tests/levels is such a program.
+// To make one program for processors from SSE2 to AVX-512, put the calls of cageform that run every frame
+// into a separate file. Compile it once per level (without flags, with -mavx2 -mfma, with -mavx512f
+// -mavx512dq -mfma) and choose a level at startup by __builtin_cpu_supports. The interface between these
+// files and the rest must not use types of this namespace or classes with inline functions. Pass pointers and
+// sizes: numbers of poses and points, and the bytes of a packed binding or figure, which are the same on all
+// levels. Other inline functions, of the standard library too, have the same name on all levels, and a linker
+// keeps the first it finds: link the lowest level first, and optimise. Results differ in bits between levels
+// unless CAGEFORM_DETERMINISTIC is defined. tests/levels is such a program.
 //
-// There is no macro for allocation. Functions called every frame (clones, samples of clips,
-// normals) do not allocate. Classes that own memory (Binding, PackedBinding, PiecewiseCubic,
-// CageClip and their cursors) get it from the global operator new, which an engine can replace.
-// Figures can avoid even that: BindingView and PackedBindingView read the caller's memory, and
-// open_blob finds a view in the bytes of a file.
+// There is no macro for allocation. Functions called every frame (clones, samples of clips, normals) do not
+// allocate. Classes that own memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors) get
+// it from the global operator new, which an engine can replace. Figures can avoid even that: BindingView and
+// PackedBindingView read the caller's memory, and open_blob finds a view in the bytes of a file.
 #pragma once
 
 #include <cageform/version.hpp>

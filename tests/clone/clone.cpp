@@ -197,7 +197,7 @@ TEMPLATE_TEST_CASE("clones are linear in the displacement of the pose", "[clone]
     }
 }
 
-TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clone][oracle]",
+TEMPLATE_TEST_CASE("clones of any number of handles and points are the plain sum", "[clone][oracle]",
                    CAGEFORM_SCALARS) {
     // Handles are processed in groups of 256, points in blocks of 8 or 16, blocks in tiles.
     using T = TestType;
@@ -221,8 +221,7 @@ TEMPLATE_TEST_CASE("any number of handles and points gives the plain sum", "[clo
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEMPLATE_TEST_CASE("a pose that does not fit leaves the output untouched", "[clone][status]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("an invalid pose leaves the output unchanged", "[clone][status]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 2>(20, 5, 1);
     const auto pose = random_points<T, 2>(5, 10, 2);
@@ -261,7 +260,7 @@ TEMPLATE_TEST_CASE("a pose that does not fit leaves the output untouched", "[clo
     CHECK(out != untouched);
 }
 
-TEST_CASE("a pose too large for the binding's scalar is not finite there", "[clone][status]") {
+TEST_CASE("a pose too large for the binding's scalar is not finite", "[clone][status]") {
     const auto binding = random_binding<float, 2>(3, 4, 1);
     auto pose = random_points<double, 2>(4, 10, 2);
     std::vector<Vec<float, 2>> out(3);
@@ -270,7 +269,7 @@ TEST_CASE("a pose too large for the binding's scalar is not finite there", "[clo
     CHECK(cageform::clone(binding, pose, out) == Status::pose_not_finite);
 }
 
-TEST_CASE("a larger output is left alone beyond the points", "[clone]") {
+TEST_CASE("a larger output is unchanged beyond the points", "[clone]") {
     const std::size_t points = GENERATE(0u, 1u, 15u, 16u, 17u);
     const auto binding = random_binding<float, 3>(points, 6, 4);
     const auto pose = random_points<float, 3>(6, 10, 5);
@@ -312,7 +311,7 @@ TEST_CASE("a clone allocates nothing and never throws", "[clone][frame]") {
     CHECK(allocations > after);
 }
 
-TEST_CASE("a view into memory of one's own clones like the binding", "[clone]") {
+TEST_CASE("a view of the caller's memory clones like the binding", "[clone]") {
     const auto binding = random_binding<double, 2>(30, 4, 9);
     const auto pose = random_points<double, 2>(4, 10, 10);
     const auto theirs = binding.view();
@@ -326,7 +325,7 @@ TEST_CASE("a view into memory of one's own clones like the binding", "[clone]") 
     CHECK(out == cloned(binding, pose));
 }
 
-TEMPLATE_TEST_CASE("poses and outputs lie in memory in any way", "[clone][ranges]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("poses and outputs may have any memory layout", "[clone][ranges]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr std::size_t points = 21, handles = 5;
     const auto binding = random_binding<T, 3>(points, handles, 11);
@@ -366,7 +365,7 @@ TEMPLATE_TEST_CASE("poses and outputs lie in memory in any way", "[clone][ranges
     CHECK(is_expected(fixed));
 }
 
-TEST_CASE("poses and outputs are points and matrices of other libraries", "[clone][ranges]") {
+TEST_CASE("poses and outputs may be points and matrices of other libraries", "[clone][ranges]") {
     constexpr std::size_t points = 21, handles = 5;
     const auto binding = random_binding<float, 3>(points, handles, 11);
     const auto pose = random_points<float, 3>(handles, 10, 12);
@@ -411,8 +410,7 @@ TEST_CASE("the output may have another scalar than the binding", "[clone][ranges
     for (std::size_t i = 0; i < 19; ++i) CHECK(out[i] == cageform::vec_cast<float>(expected[i]));
 }
 
-TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits", "[clone][threads]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("threads, and any ranges, give the same bits", "[clone][threads]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(12345, 300, 15);
     const auto pose = random_points<T, 3>(300, 10, 16);
@@ -440,7 +438,7 @@ concept CanClone = requires(const Binding<double, 2>& binding, const Pose& pose,
 
 } // namespace
 
-TEST_CASE("clone refuses what it cannot read or write when compiling", "[clone][concept]") {
+TEST_CASE("clone refuses unsupported ranges at compile time", "[clone][concept]") {
     using Points = std::vector<Vec<double, 2>>;
     STATIC_REQUIRE(CanClone<Points, Points&>);
     STATIC_REQUIRE(CanClone<std::vector<std::array<float, 2>>, Points&>);

@@ -38,7 +38,7 @@ TEST_CASE("a view in order clones points in the order of the binding", "[clone][
     for (std::size_t n = 0; n < as_bound.size(); ++n) CHECK(in_order[n] == as_bound[view.order[n]]);
 }
 
-TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whatever its format and size",
+TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, for every format and size",
                    "[clone][packed][oracle]", CAGEFORM_SCALARS) {
     // A table holds up to 512 handles; dense rows come in groups of 256; blocks have 8 or 16 points.
     using T = TestType;
@@ -81,8 +81,7 @@ TEMPLATE_TEST_CASE("a clone by a packed binding is the sum of its weights, whate
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEMPLATE_TEST_CASE("a binding taken as a packed one clones the same bits", "[clone][packed]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a binding viewed as packed clones the same bits", "[clone][packed]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(1000, 300, 21);
     const auto pose = random_points<T, 3>(300, 10, 22);
@@ -94,7 +93,7 @@ TEMPLATE_TEST_CASE("a binding taken as a packed one clones the same bits", "[clo
     CHECK(of_owner == cageform_tests::cloned(binding, pose));
 }
 
-TEST_CASE("clone takes owners and views of bindings, and nothing else", "[clone][packed][concept]") {
+TEST_CASE("clone accepts owners and views of bindings only", "[clone][packed][concept]") {
     STATIC_REQUIRE(cageform::AnyBinding<cageform::Binding<float, 2>>);
     STATIC_REQUIRE(cageform::AnyBinding<cageform::BindingView<double, 3>>);
     STATIC_REQUIRE(cageform::AnyBinding<cageform::PackedBinding<double, 1>>);
@@ -193,7 +192,7 @@ TEMPLATE_TEST_CASE("several bindings fill one buffer, in either layout", "[clone
     check({numbers.data() + 78 * 3, 79, -3 * std::ptrdiff_t(sizeof(T))}); // backwards
 }
 
-TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits from packed bindings",
+TEMPLATE_TEST_CASE("threads, and any ranges, give the same bits from packed bindings",
                    "[clone][packed][threads]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(5000, 100, 35);

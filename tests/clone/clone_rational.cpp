@@ -166,7 +166,7 @@ TEMPLATE_TEST_CASE("packed bindings clone rationally as their weights in effect 
     }
 }
 
-TEMPLATE_TEST_CASE("rational clones by threads and in pieces are the same bits", "[clone][rational][threads]",
+TEMPLATE_TEST_CASE("rational clones by threads and in ranges are bitwise equal", "[clone][rational][threads]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = convex_binding<T, 2>(3000, 50, 5, 46);
@@ -195,7 +195,7 @@ TEMPLATE_TEST_CASE("rational clones by threads and in pieces are the same bits",
     check(packed);
 }
 
-TEMPLATE_TEST_CASE("points kept in place stay under any weights", "[clone][rational][outside]",
+TEMPLATE_TEST_CASE("points kept in place do not move under any weights", "[clone][rational][outside]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const std::vector<Vec<T, 2>> cage{{0, 0}, {4, 0}, {4, 3}, {0, 3}}, points{{1, 1}, {7, 1}, {2, 2}};
@@ -207,8 +207,7 @@ TEMPLATE_TEST_CASE("points kept in place stay under any weights", "[clone][ratio
     CHECK(distance(out[0], points[0]) > 0.1); // moved towards the heavier corners only
 }
 
-TEST_CASE("a heavier site among five draws a point by as much as exact computation says",
-          "[clone][rational]") {
+TEST_CASE("a heavier site among five attracts a point by the exact amount", "[clone][rational]") {
     const std::vector<Vec<double, 2>> sites{{0, 0}, {4, 0}, {4, 3}, {0, 3}, {2, 1}}, points{{1.5, 1.25}};
     const auto binding = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), points).value;
     const auto out = rational(binding, sites, std::vector<double>{1, 1, 1, 1, 3});
@@ -216,7 +215,7 @@ TEST_CASE("a heavier site among five draws a point by as much as exact computati
     CHECK(out[0][1] == Approx(98967.0 / 89794).epsilon(1e-14));
 }
 
-TEST_CASE("a rational clone refuses what it cannot do, and leaves the output alone",
+TEST_CASE("a rational clone refuses invalid arguments, and leaves the output unchanged",
           "[clone][rational][status]") {
     auto binding = convex_binding<double, 2>(20, 6, 3, 50);
     auto pose = random_points<double, 2>(6, 10, 51);

@@ -112,7 +112,7 @@ void check_adjoint(const PackedBindingView<T, D>& view, bool masked, std::uint64
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a transposed clone is the adjoint of the clone, whatever format, order and mask",
+TEMPLATE_TEST_CASE("a transposed clone is the adjoint of the clone, for every format, order and mask",
                    "[clone][transposed]", CAGEFORM_SCALARS) {
     using T = TestType;
     // 32 kB hold the sums of 170 handles in 3D, 256 in 2D. Blocks are processed in groups of three, four or
@@ -133,7 +133,7 @@ TEMPLATE_TEST_CASE("a transposed clone is the adjoint of the clone, whatever for
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEMPLATE_TEST_CASE("each gradient is the sum of the weights in effect, of many points too",
+TEMPLATE_TEST_CASE("each gradient is the sum of the weights in effect, also for many points",
                    "[clone][transposed][oracle]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr std::size_t D = 3;
@@ -204,8 +204,8 @@ TEST_CASE("gradients agree with central differences of a function of the clone",
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEMPLATE_TEST_CASE("threads, and ranges of handles cut anywhere, give the same bits",
-                   "[clone][transposed][threads]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("threads, and any ranges of handles, give the same bits", "[clone][transposed][threads]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(4000, 200, 71);
     const auto gradients = random_points<T, 3>(4000, 1, 72);
@@ -252,7 +252,7 @@ TEMPLATE_TEST_CASE("gradients replace what the output holds or are added to it, 
     for (std::size_t h = 20; h < 25; ++h) CHECK(target[h] == Vec<S, 3>{7, 7, 7}); // after the last handle
 }
 
-TEMPLATE_TEST_CASE("lanes without a point are not read, and a gradient that is not finite passes through",
+TEMPLATE_TEST_CASE("lanes without a point are not read, and a gradient that is not finite propagates",
                    "[clone][transposed]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr T nan = std::numeric_limits<T>::quiet_NaN();
@@ -428,7 +428,7 @@ TEST_CASE("tangents of very different sizes, and nearly parallel ones, have grad
     }
 }
 
-TEST_CASE("transposed clones refuse what does not fit, leave the output alone and allocate nothing",
+TEST_CASE("transposed clones refuse invalid arguments, leave the output unchanged and allocate nothing",
           "[clone][transposed][status]") {
     using cageform::clone_jacobians_transposed;
     using cageform::clone_normals_transposed;

@@ -141,7 +141,7 @@ double by_bisection(const std::function<double(double)>& ratio, double threshold
 
 } // namespace
 
-TEMPLATE_TEST_CASE_SIG("singular values are those of Eigen, near singular matrices and of them too",
+TEMPLATE_TEST_CASE_SIG("singular values are those of Eigen, also for singular and nearly singular matrices",
                        "[folds]", ((std::size_t D), D), 2, 3) {
     Random random(1);
     for (int n = 0; n < effort(20000, 2000); ++n) {
@@ -206,7 +206,7 @@ TEMPLATE_TEST_CASE_SIG("the first fold along a line is the first root, known fro
     CHECK(cageform::detail::DeterminantAlong<D>(one, change, 1, 1).first_fold() == 0);
 }
 
-TEMPLATE_TEST_CASE_SIG("cells that fold are those whose volume turns over", "[folds][cells]",
+TEMPLATE_TEST_CASE_SIG("cells that fold are those whose volume changes its sign", "[folds][cells]",
                        ((std::size_t D), D), 2, 3) {
     const std::uint64_t seed = GENERATE(range(std::uint64_t{1}, std::uint64_t{7}));
     CAPTURE(seed);
@@ -412,7 +412,7 @@ TEST_CASE("three axes in space: cubics by bound Jacobians", "[folds][step]") {
     }
 }
 
-TEST_CASE("folds refuse what does not fit, skip what is not finite, and allocate nothing",
+TEST_CASE("folds refuse invalid arguments, skip what is not finite, and allocate nothing",
           "[folds][status]") {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double infinite = std::numeric_limits<double>::infinity();

@@ -246,8 +246,7 @@ TEST_CASE("normals in the plane are those of deformed curves", "[clone][normals]
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(distance(found[i], normals[i]) <= 1e-15);
 }
 
-TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][normals][degenerate]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a degenerate normal is that at rest", "[clone][normals][degenerate]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto mesh = random_mesh(6).mesh<T>();
     const Mean3<T> coordinates(mesh);
@@ -284,7 +283,7 @@ TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][no
     }
 }
 
-TEMPLATE_TEST_CASE("Jacobians are what moves vectors", "[clone][jacobians]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("Jacobians move vectors", "[clone][jacobians]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto mesh = random_mesh(2).mesh<T>();
     const Mean3<T> coordinates(mesh);
@@ -334,7 +333,7 @@ TEST_CASE("Jacobians in the plane are those of an affine map", "[clone][jacobian
     CHECK(matrices == untouched);
 }
 
-TEST_CASE("normals and tangents keep what is beside them in a buffer, and their outputs when refused",
+TEST_CASE("normals and tangents leave other data of a buffer, and refused outputs, unchanged",
           "[clone][normals][status]") {
     const auto mesh = random_mesh(2).mesh<float>();
     const auto points = points_in(mesh, 37, 9);
@@ -400,7 +399,7 @@ TEST_CASE("packed vectors move as the vectors do", "[clone][normals][packed]") {
     for (std::size_t i = 0; i < 300; ++i) CHECK(distance(normals[i], expected[i]) <= 1e-5);
 }
 
-TEST_CASE("bindings that do not belong together are refused, and outputs are left alone",
+TEST_CASE("bindings that do not match are refused, and outputs are unchanged",
           "[clone][normals][packed][status]") {
     const auto binding = [](std::size_t points, std::size_t handles, std::size_t largest) {
         return cageform::pack(random_binding<float, 3>(points, handles, points + handles),

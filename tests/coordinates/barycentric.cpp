@@ -69,7 +69,7 @@ TEMPLATE_TEST_CASE("the worked example: a triangle whose first vertex is moved",
     CHECK(std::fabs(moved[0][1] - T(7) / 3) <= 4 * epsilon<T>);
 }
 
-TEMPLATE_TEST_CASE("barycentric coordinates are the shares a point was mixed by",
+TEMPLATE_TEST_CASE("barycentric coordinates of a convex combination are its shares",
                    "[coordinates][barycentric][property]", (In<float, 1>), (In<double, 2>), (In<float, 3>),
                    (In<double, 4>)) {
     using T = typename TestType::scalar;
@@ -140,7 +140,7 @@ TEMPLATE_TEST_CASE("on a face of a simplex the weights are the face's own",
     }
 }
 
-TEMPLATE_TEST_CASE("cages that are no simplex, degenerate or not finite each have their status",
+TEMPLATE_TEST_CASE("cages that are not a simplex, degenerate or not finite have their own status",
                    "[coordinates][barycentric][status]", (In<float, 1>), (In<double, 2>), (In<float, 3>),
                    (In<double, 4>)) {
     using T = typename TestType::scalar;
@@ -299,7 +299,7 @@ TEST_CASE("barycentric coordinates take a two-dimensional cage like the other ty
         !std::is_constructible_v<cageform::BarycentricCoordinates<double, 3>, cageform::Polygon<double>>);
 }
 
-TEST_CASE("barycentric coordinates say when a polygon is not one loop of three",
+TEST_CASE("barycentric coordinates refuse polygons other than one loop of three",
           "[coordinates][barycentric]") {
     const std::vector<Vec<double, 2>> triangle{{0, 0}, {4, 0}, {0, 2}};
     const std::vector<std::size_t> split{1, 2}, too_many{7};
@@ -321,7 +321,7 @@ TEST_CASE("weights that the scalar cannot hold make a point unreached",
     CHECK(out == points);
 }
 
-TEST_CASE("a boundary point is found from where all are equally near", "[coordinates][barycentric]") {
+TEST_CASE("a boundary point is found from a point with equal distances", "[coordinates][barycentric]") {
     const std::vector<Vec<double, 2>> triangle{{10, 10}, {14, 10}, {10, 12}};
     const cageform::BarycentricCoordinates<double, 2> coordinates(triangle);
     std::array<double, 3> row{};

@@ -36,7 +36,7 @@ BlendedCoordinates<C> pair_of_cages() {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("depth is smooth, positive inside, and goes like the distance at the boundary",
+TEMPLATE_TEST_CASE("depth is smooth, positive inside, and proportional to the distance at the boundary",
                    "[cage][depth][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(effort(12, 4)));
@@ -166,7 +166,8 @@ TEST_CASE("a figure in two cages is exact at rest and under common affine moves"
     }
 }
 
-TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status]") {
+TEST_CASE("blended coordinates refuse invalid cages and name the component",
+          "[coordinates][blended][status]") {
     using Mean = MeanValueCoordinates<double, 2>;
     const BlendedCoordinates<Mean> nothing{std::vector<Mean>{}};
     const Points2<double> points{{0.5, 0.5}};
@@ -212,7 +213,7 @@ TEST_CASE("what several cages refuse, and where", "[coordinates][blended][status
     CHECK(cageform::bind(solved, points).report.solver.solves == 8);
 }
 
-TEST_CASE("corners of several cages are told by the handles of all", "[coordinates][blended]") {
+TEST_CASE("reports of several cages number corners by all handles", "[coordinates][blended]") {
     using Harmonic = cageform_tests::UniformHarmonic<double, 2>;
     const cageform::HarmonicOptions coarse{.resolution = 8}; // no corner has ten free cells
     const BlendedCoordinates<Harmonic> coordinates(

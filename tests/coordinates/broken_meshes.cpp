@@ -58,7 +58,7 @@ void check_bind(const C& coordinates, const Points3<double>& points, bool exact)
 
 } // namespace
 
-TEST_CASE("10,000 broken meshes end in a status or in a bind that keeps the laws",
+TEST_CASE("10,000 broken meshes give a status or a binding that keeps the laws",
           "[coordinates][mesh][status][property]") {
     Random random(2026);
     const int count = effort(10000, 1000);

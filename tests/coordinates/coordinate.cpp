@@ -110,7 +110,7 @@ struct NearestOfOtherDimension : Minimal {
 
 } // namespace
 
-TEST_CASE("the coordinate types model the concept, spoilt ones do not", "[coordinates][concept]") {
+TEST_CASE("the coordinate types model the concept, incomplete types do not", "[coordinates][concept]") {
     using cageform::CageCoordinates;
     STATIC_REQUIRE(CageCoordinates<cageform::MeanValueCoordinates<float, 2>>);
     STATIC_REQUIRE(CageCoordinates<cageform::MeanValueCoordinates<double, 2>>);
@@ -194,7 +194,7 @@ TEMPLATE_TEST_CASE("weights on an edge are linear along it and zero elsewhere", 
     }
 }
 
-TEMPLATE_TEST_CASE("weights do not change bit for bit when all is scaled by a power of two",
+TEMPLATE_TEST_CASE("scaling by a power of two does not change a bit of the weights",
                    "[coordinates][invariance]", Bary<double>, Mean<float>, Harmonic<double>) {
     using T = typename TestType::scalar;
     const auto seed = GENERATE(seeds(effort(12, 3)));
@@ -223,7 +223,7 @@ TEMPLATE_TEST_CASE("weights do not change bit for bit when all is scaled by a po
     }
 }
 
-TEMPLATE_TEST_CASE("weights go with a cage that is moved, turned, scaled or mirrored",
+TEMPLATE_TEST_CASE("weights are invariant to moving, turning, scaling and mirroring",
                    "[coordinates][invariance]", Bary<float>, Mean<double>) {
     using T = typename TestType::scalar;
     const auto seed = GENERATE(seeds(effort(50, 12)));
@@ -260,8 +260,8 @@ TEMPLATE_TEST_CASE("weights go with a cage that is moved, turned, scaled or mirr
     }
 }
 
-TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhere",
-                   "[coordinates][invariance]", Bary<double>, Mean<float>, Harmonic<double>) {
+TEMPLATE_TEST_CASE("weights do not depend on the direction and start of a loop", "[coordinates][invariance]",
+                   Bary<double>, Mean<float>, Harmonic<double>) {
     using T = typename TestType::scalar;
     const auto seed = GENERATE(seeds(effort(20, 5)));
     CAPTURE(seed);
@@ -303,7 +303,7 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
     }
 }
 
-TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right angle",
+TEST_CASE("harmonic weights are invariant to mirroring and right-angle turns",
           "[coordinates][harmonic][invariance]") {
     // Right angles preserve the grid; other angles do not. In float, the cage's extreme vertices lie on grid
     // lines and may fall into other cells.
@@ -360,7 +360,7 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
     }
 }
 
-TEMPLATE_TEST_CASE("weights_at gives what evaluate gives, and leaves alone what it cannot give",
+TEMPLATE_TEST_CASE("weights_at returns the result of evaluate, or leaves its output unchanged",
                    "[coordinates][weights_at]", Bary<float>, Mean<double>, Harmonic<float>) {
     using T = typename TestType::scalar;
     const std::vector<Vec<T, 2>> triangle{{0, 0}, {4, 1}, {1, 3}};
@@ -411,7 +411,7 @@ TEMPLATE_TEST_CASE("a faulty cage is refused with its own status", "[coordinates
     CHECK(status_of({{0, 0}, {1, 1}, {3, 3}}) == Status::cage_has_no_area);
 }
 
-TEST_CASE("for_each_block covers every block once and tells its progress", "[coordinates][detail]") {
+TEST_CASE("for_each_block covers every block once and reports progress", "[coordinates][detail]") {
     const std::size_t blocks = GENERATE(0u, 1u, 63u, 64u, 65u, 1023u, 1024u, 1025u, 5000u, 200000u);
     const bool told = GENERATE(false, true);
     CAPTURE(blocks, told);
@@ -439,7 +439,7 @@ TEST_CASE("for_each_block covers every block once and tells its progress", "[coo
     }
 }
 
-TEST_CASE("for_each_block stops when it is told to", "[coordinates][detail]") {
+TEST_CASE("for_each_block stops when cancelled", "[coordinates][detail]") {
     std::size_t asked = 0, visited = 0;
     cageform::Running options;
     options.progress = [&](double) { return ++asked < 3; };

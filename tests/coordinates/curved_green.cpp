@@ -461,7 +461,7 @@ struct PosedCage {
 
 } // namespace
 
-TEST_CASE("Raising the posed degree, splitting edges and reversing loops of curved cages move nothing",
+TEST_CASE("Raising the posed degree, splitting edges and reversing loops of curved cages have no effect",
           "[coordinates][curved_green][property]") {
     Worst raising, splitting, reversing;
     for (std::uint64_t seed = 0; seed < effort(400u, 20u); ++seed) {
@@ -739,7 +739,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("Gradients on vertices of curved cages are those of a place next to them, on a disk's circle too",
+TEST_CASE("Gradients on vertices of curved cages are those of a point nearby, also on a disk's circle",
           "[coordinates][curved_green][disk]") {
     const int seed = GENERATE(seeds(10));
     CAPTURE(seed);
@@ -808,7 +808,7 @@ TEMPLATE_TEST_CASE("Weights of curved cages do not depend on the unit of length"
     }
 }
 
-TEMPLATE_TEST_CASE("A binding to a curved cage rests to the bit, follows similarities, and packs",
+TEMPLATE_TEST_CASE("A binding to a curved cage is bitwise exact at rest, follows similarities, and packs",
                    "[coordinates][curved_green][bind]", float, double) {
     using T = TestType;
     for (std::uint64_t seed = 0; seed < effort(40u, 5u); ++seed) {

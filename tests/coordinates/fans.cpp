@@ -198,7 +198,7 @@ TEST_CASE("fans: reference values", "[coordinates][fans][oracle]") {
     }
 }
 
-TEST_CASE("divided faces come to the mean value integral over bilinear patches",
+TEST_CASE("divided faces converge to the mean value integral over bilinear patches",
           "[coordinates][fans][oracle]") {
     const std::string name = GENERATE("quads_cube_planar", "quads_cube_twisted", "quads_cube_warped");
     CAPTURE(name);
@@ -252,7 +252,7 @@ TEMPLATE_TEST_CASE("weights on fans are those on their triangles, folded, bit fo
     if (divisions == 1) compare(Green<T>(mesh), GreenCoordinates<T, 3>(triangles));
 }
 
-TEMPLATE_TEST_CASE("weights on fans restore points and affine poses, wherever a face's list begins",
+TEMPLATE_TEST_CASE("weights on fans reproduce points and affine poses, wherever a face's list begins",
                    "[coordinates][fans]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(range<std::uint64_t>(0, effort(20u, 3u)));
@@ -350,7 +350,7 @@ TEMPLATE_TEST_CASE("on a fan weights are linear on each triangle", "[coordinates
     }
 }
 
-TEST_CASE("places on divided faces have bilinear weights", "[coordinates][fans]") {
+TEST_CASE("points on divided faces have bilinear weights", "[coordinates][fans]") {
     const auto seed = GENERATE(range<std::uint64_t>(0, effort(10u, 2u)));
     CAPTURE(seed);
     const auto data = random_warped(seed);
@@ -522,7 +522,7 @@ TEST_CASE("gradients on fans are those of the weights", "[coordinates][fans][gra
     compare(Green<double>(PolyhedralMesh<double>(data.vertices, data.faces, fans())));
 }
 
-TEMPLATE_TEST_CASE("cages of triangles and planar faces stay as they are", "[coordinates][fans]",
+TEMPLATE_TEST_CASE("cages of triangles and planar faces have no fans", "[coordinates][fans]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(range<std::uint64_t>(0, effort(6u, 2u)));
@@ -558,7 +558,7 @@ TEMPLATE_TEST_CASE("cages of triangles and planar faces stay as they are", "[coo
     }
 }
 
-TEST_CASE("a cage that was refused passes with fans, and its planar faces keep their coordinates",
+TEST_CASE("fans make a refused cage valid, and its planar faces keep their coordinates",
           "[coordinates][fans]") {
     auto data = prism_over({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, 2);
     data.vertices[4][2] += 0.25; // twisting the ceiling leaves the sides planar

@@ -203,7 +203,7 @@ TEMPLATE_TEST_CASE("Green weights of the plane are those of the definition", "[c
     CHECK(inside >= 20);
 }
 
-TEMPLATE_TEST_CASE("Green weights give every point of the plane back", "[coordinates][green][property]",
+TEMPLATE_TEST_CASE("Green weights in the plane reproduce every point", "[coordinates][green][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(60, 10)));
@@ -305,8 +305,9 @@ TEST_CASE("Green coordinates are continuous across the edge they are continued t
     }
 }
 
-TEST_CASE("Green weights of vertices are positive in convex cages, and all are means of those about",
-          "[coordinates][green][property]") {
+TEST_CASE(
+    "Green weights of vertices are positive in convex cages, and all weights have the mean value property",
+    "[coordinates][green][property]") {
     const auto seed = GENERATE(seeds(effort(30, 6)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 9);
@@ -335,7 +336,7 @@ TEST_CASE("Green weights of vertices are positive in convex cages, and all are m
     }
 }
 
-TEST_CASE("an edge divided by a vertex that stays on it moves nothing", "[coordinates][green][property]") {
+TEST_CASE("an edge split by a vertex on it changes nothing", "[coordinates][green][property]") {
     const auto seed = GENERATE(seeds(effort(20, 5)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 3);
@@ -379,7 +380,7 @@ TEMPLATE_TEST_CASE("Green weights do not depend on the unit of length", "[coordi
     }
 }
 
-TEMPLATE_TEST_CASE("a binding by Green coordinates rests to the bit and follows similarities",
+TEMPLATE_TEST_CASE("a binding by Green coordinates is bitwise exact at rest and follows similarities",
                    "[coordinates][green][bind]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(20, 5)));
@@ -449,7 +450,7 @@ TEMPLATE_TEST_CASE("Green coordinates of thin cages in the plane", "[coordinates
           std::vector<PointState>{PointState::outside, PointState::outside});
 }
 
-TEST_CASE("cages that Green coordinates do not know are refused", "[coordinates][green][status]") {
+TEST_CASE("unsupported cages are refused by Green coordinates", "[coordinates][green][status]") {
     const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     CHECK(Green2<double>(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}}).cage_report().status ==
           Status::cage_self_crossing);

@@ -204,7 +204,7 @@ TEMPLATE_TEST_CASE("Green weights of space are those of the closed form in highe
     CHECK(inside >= 20);
 }
 
-TEMPLATE_TEST_CASE("Green weights give every point of space back", "[coordinates][green][space][property]",
+TEMPLATE_TEST_CASE("Green weights in space reproduce every point", "[coordinates][green][space][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(24, 5)));
@@ -314,8 +314,9 @@ TEST_CASE("Green coordinates in space are continuous across faces, positive in c
     }
 }
 
-TEMPLATE_TEST_CASE("a binding by Green coordinates in space rests to the bit and follows similarities",
-                   "[coordinates][green][space][bind]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE(
+    "a binding by Green coordinates in space is bitwise exact at rest and follows similarities",
+    "[coordinates][green][space][bind]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(12, 3)));
     CAPTURE(seed);
@@ -365,8 +366,7 @@ TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][gr
         for (int i = 0; i < 8; ++i)
             corners.push_back({T(i & 1), T(depth * (i >> 1 & 1)), T(width * (i >> 2 & 1))});
         const Green3<T> green(corners, box);
-        REQUIRE(
-            (green.cage_report().status == Status::ok || depth < 1)); // the rod may have ends without area
+        REQUIRE((green.cage_report().status == Status::ok || depth < 1)); // a rod's ends may have no area
         if (green.cage_report().status != Status::ok) continue;
         check_thin_states(green, random);
         for (int i = 0; i < 20; ++i)
@@ -391,7 +391,7 @@ TEMPLATE_TEST_CASE("Green coordinates of thin cages in space", "[coordinates][gr
         random);
 }
 
-TEST_CASE("meshes that Green coordinates do not know are refused", "[coordinates][green][space][status]") {
+TEST_CASE("unsupported meshes are refused by Green coordinates", "[coordinates][green][space][status]") {
     const auto ball = sphere(1);
     auto open = ball;
     open.faces.resize(20);

@@ -97,7 +97,7 @@ TEST_CASE("a box has the vertices of its divided sides, and data that is bilinea
     }
 }
 
-TEST_CASE("boxes without volume or with corners that are no numbers are named", "[cage][box][status]") {
+TEST_CASE("boxes without volume or with corners that are not finite are named", "[cage][box][status]") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::size_t many = 1'000'000, all = std::numeric_limits<std::size_t>::max();
     for (const Divisions& divisions :

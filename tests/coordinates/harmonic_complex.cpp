@@ -175,7 +175,7 @@ TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
 #endif
 }
 
-TEST_CASE("a wall across a cage parts it", "[coordinates][harmonic][complex]") {
+TEST_CASE("a wall across a cage separates its parts", "[coordinates][harmonic][complex]") {
     CellComplex<double, 3> cage(cube().mesh<double>());
     // A rectangle from edge to edge of the cube, through its centre: x = y.
     const auto wall = cage.add_faces(Points3<double>{{0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {0, 0, 1}},
@@ -290,7 +290,7 @@ TEST_CASE("faults of interior cells are named", "[cage][complex][check]") {
     expect(other, CageFaultKind::interior_cells_touch, 8, 11);
 }
 
-TEST_CASE("types that know no interior cells say so", "[coordinates][complex][status]") {
+TEST_CASE("types without support of interior cells refuse them", "[coordinates][complex][status]") {
     CellComplex<double, 2> flat(Polygon<double>(Points2<double>{{0, 0}, {4, 0}, {0, 4}}));
     const Points2<double> points{{1, 1}};
     CHECK(evaluate_all(cageform::MeanValueCoordinates<double, 2>(flat), points).status() == Status::ok);
@@ -324,7 +324,7 @@ TEST_CASE("handles that no cell uses get a warning and no weight", "[coordinates
           Status::interior_cells_not_supported);
 }
 
-TEST_CASE("ends of chains are treated whichever way they point", "[coordinates][harmonic][complex]") {
+TEST_CASE("ends of chains are treated in every direction", "[coordinates][harmonic][complex]") {
     // Next to the end of a slit, the error of the grid is some hundredths.
     for (int n = 0; n < effort(6, 2); ++n) {
         CAPTURE(n);
@@ -342,7 +342,7 @@ TEST_CASE("ends of chains are treated whichever way they point", "[coordinates][
     }
 }
 
-TEST_CASE("a wall on lattice planes is felt alike on all sides", "[coordinates][harmonic][complex]") {
+TEST_CASE("a wall on lattice planes acts alike on all sides", "[coordinates][harmonic][complex]") {
     CellComplex<double, 3> cage(cube().mesh<double>());
     const auto wall = cage.add_faces(
         Points3<double>{{0.25, 0.25, 0.5}, {0.75, 0.25, 0.5}, {0.75, 0.75, 0.5}, {0.25, 0.75, 0.5}},

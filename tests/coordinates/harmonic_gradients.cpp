@@ -130,7 +130,7 @@ TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     CHECK(error[1] <= error[0] / 8); // order h² would be a sixteenth
 }
 
-TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradients][status]") {
+TEST_CASE("gradients are unreached where they do not exist", "[coordinates][harmonic][gradients][status]") {
     const Polygon<double> cage(random_star<double>(3));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<Vec<double, 2>> points{{1e9, 0}, {nan, 0}};
@@ -141,7 +141,7 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     CHECK(gradients.states[1] == PointState::not_finite);
 }
 
-TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of a part of the points",
+TEMPLATE_TEST_CASE("gradients are bitwise equal on threads, after a solve, and for part of the points",
                    "[coordinates][harmonic][gradients]", CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(2));

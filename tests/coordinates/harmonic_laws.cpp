@@ -121,7 +121,7 @@ struct Prism {
 
 } // namespace
 
-TEST_CASE("harmonic functions have no extremum inside, in all cages", "[coordinates][harmonic][property]") {
+TEST_CASE("harmonic functions have no interior extrema in polygons", "[coordinates][harmonic][property]") {
     for (const char* name : names) {
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
@@ -169,7 +169,7 @@ TEST_CASE("harmonic functions have no extremum inside, in all cages", "[coordina
     }
 }
 
-TEST_CASE("level lines of harmonic functions neither close nor end inside",
+TEST_CASE("level lines of harmonic functions are not closed and do not end inside",
           "[coordinates][harmonic][property]") {
     for (const char* name : {"l_shape", "star", "spiral", "biped", "cat"}) {
         CAPTURE(name);
@@ -219,7 +219,7 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
     }
 }
 
-TEST_CASE("harmonic weights are the mean of those on a circle around, and in a disc",
+TEST_CASE("harmonic weights are their mean over a circle and over a disc",
           "[coordinates][harmonic][property]") {
     // Gauss's mean value theorem. 64 points on a circle miss harmonics from the 64th on, which the factor
     // 0.9^64 makes small. A disc uses rings, by Gauss's rule of two points in the square of the radius.
@@ -263,7 +263,7 @@ TEST_CASE("harmonic weights are the mean of those on a circle around, and in a d
     }
 }
 
-TEST_CASE("in space harmonic functions have no extremum inside", "[coordinates][harmonic][mesh][property]") {
+TEST_CASE("harmonic functions have no interior extrema in 3D", "[coordinates][harmonic][mesh][property]") {
     for (const char* name : {"cube", "l_prism"}) {
         CAPTURE(name);
         const Prism prism(name);
@@ -309,8 +309,7 @@ TEST_CASE("in space harmonic functions have no extremum inside", "[coordinates][
     }
 }
 
-TEST_CASE("in space harmonic weights are the mean of those on a sphere around",
-          "[coordinates][harmonic][mesh][property]") {
+TEST_CASE("harmonic weights in 3D are their mean over a sphere", "[coordinates][harmonic][mesh][property]") {
     // Gauss's rule of eight points along the axis, sixteen points on each parallel: exact to degree 15.
     constexpr std::array<std::array<double, 2>, 4> gauss{{{0.1834346424956498, 0.3626837833783620},
                                                           {0.5255324099163290, 0.3137066458778873},
@@ -356,7 +355,7 @@ TEST_CASE("in space harmonic weights are the mean of those on a sphere around",
     }
 }
 
-TEST_CASE("the letter aleph in its square goes where fractions say", "[coordinates][harmonic][oracle]") {
+TEST_CASE("the letter aleph in its square agrees with exact fractions", "[coordinates][harmonic][oracle]") {
     const Points2<double> cage{{1, 1}, {1, 15}, {15, 15}, {15, 1}}, pose{{1, 1}, {5, 20}, {18, 12}, {15, 3}};
     const auto reference = read_json("fields");
     const auto& rows = reference["aleph"];

@@ -160,8 +160,8 @@ TEST_CASE("vertices and faces make the coordinates that their mesh makes", "[coo
         evaluate_all(HarmonicCoordinates(mesh, {.resolution = 20}, cageform::UniformGrid{}), vertices).rows);
 }
 
-TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
-                   "[coordinates][harmonic][mesh][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("the grid locates points as the cage does", "[coordinates][harmonic][mesh][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const int seed = GENERATE(seeds(effort(6, 3)));
     CAPTURE(seed);
@@ -282,7 +282,7 @@ TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
     CHECK(worst.handles[0] != worst.handles[1]);
 }
 
-TEST_CASE("a grid in space that takes more than the limit is refused before it is tried",
+TEST_CASE("a 3D grid above the memory limit is refused before the solve",
           "[coordinates][harmonic][mesh][memory]") {
     const auto mesh = random_mesh(3).mesh<double>();
     const Points3<double> points{mesh[0]};
@@ -324,7 +324,7 @@ TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[
     }
 }
 
-TEST_CASE("a vertex that no face has gets no weight", "[coordinates][harmonic][mesh]") {
+TEST_CASE("an unused vertex has no weight", "[coordinates][harmonic][mesh]") {
     auto data = sphere(1);
     data.vertices.push_back({0.1, 0.2, 0.3});
     const auto weights = evaluate_all(

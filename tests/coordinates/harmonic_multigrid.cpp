@@ -102,7 +102,7 @@ TEMPLATE_TEST_CASE("multigrid weights sum to 1, reproduce the point and stay in 
     }
 }
 
-TEST_CASE("a bind by the multigrid changes weights no more than the solver's error",
+TEST_CASE("bind by the multigrid changes weights by at most the solver's error",
           "[coordinates][harmonic][binding]") {
     const Polygon<double> cage(random_star<double>(5));
     const auto report =
@@ -138,7 +138,7 @@ TEST_CASE("solving before, in batches or on threads gives the same bits",
     }
 }
 
-TEST_CASE("the multigrid tells its progress and is cancelled", "[coordinates][harmonic][progress]") {
+TEST_CASE("the multigrid reports progress and can be cancelled", "[coordinates][harmonic][progress]") {
     const Polygon<double> cage(random_star<double>(31));
     const auto points = points_in(cage, 10, 2);
     const Harmonic<double> coordinates(cage, {.resolution = 64});
@@ -176,7 +176,7 @@ TEST_CASE("a solve that is cancelled keeps nothing", "[coordinates][harmonic][pr
     CHECK(evaluate_all(coordinates, points).rows == expected.rows);
 }
 
-TEST_CASE("a grid too coarse for a part of the cage says for which, and what would do",
+TEST_CASE("a grid too coarse for a handle names it, and a sufficient resolution",
           "[coordinates][harmonic][status]") {
     const Points2<double> spiked{{0, 0}, {1, 0}, {1, 0.513}, {1.4, 0.518}, {1, 0.523}, {1, 1}, {0, 1}};
     const Points2<double> points{{0.5, 0.5}};
@@ -199,8 +199,7 @@ TEST_CASE("the multigrid's memory is stated beforehand", "[coordinates][harmonic
     CHECK(Harmonic<double>(cage, {.resolution = 4}).solver_memory().block == 0);
 }
 
-TEST_CASE("a grid that takes more than the limit is refused before it is tried",
-          "[coordinates][harmonic][memory]") {
+TEST_CASE("a grid above the memory limit is refused before the solve", "[coordinates][harmonic][memory]") {
     const int seed = GENERATE(seeds(effort(4, 1)));
     const Polygon<double> cage(random_star<double>(std::uint64_t(seed)));
     const Points2<double> points = points_in(cage, 4, 1);
@@ -227,7 +226,7 @@ TEST_CASE("a grid that takes more than the limit is refused before it is tried",
     CHECK(kept.solver.bytes > options.memory_limit);
 }
 
-TEST_CASE("treating the corners is what makes points near them right", "[coordinates][harmonic][corners]") {
+TEST_CASE("corner functions reduce errors near corners", "[coordinates][harmonic][corners]") {
     for (const char* name : {"l_shape", "star", "hole_square_square_hole"}) {
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
@@ -330,8 +329,7 @@ TEST_CASE("no error is above the largest that the report expects at a corner, no
     CHECK(decades / notable <= 1.3); // a factor of twenty, in the geometric mean
 }
 
-TEST_CASE("corners that are not to be treated are expected to have the errors they have",
-          "[coordinates][harmonic][corners]") {
+TEST_CASE("the expected errors of untreated corners are those found", "[coordinates][harmonic][corners]") {
     for (const char* name : {"l_shape", "star", "hole_square_square_hole", "cat"}) {
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);

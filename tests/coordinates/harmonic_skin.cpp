@@ -69,7 +69,7 @@ TriangleMesh<double> u_prism(double gap = 1) {
 
 } // namespace
 
-TEST_CASE("the corrections of a row keep constants and positions, whatever is near",
+TEST_CASE("the corrections of a row keep constants and positions",
           "[coordinates][harmonic][space][property]") {
     const int seed = GENERATE(seeds(effort(24, 6)));
     CAPTURE(seed);
@@ -407,7 +407,7 @@ TEST_CASE("the singular function of a wedge is harmonic, and zero on both planes
           1e-9 * std::pow(r, std::numbers::pi / angle)); // h² times the size of the sixth derivatives
 }
 
-TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordinates][harmonic][space]") {
+TEST_CASE("errors next to a reflex edge are within the accuracy", "[coordinates][harmonic][space]") {
     constexpr double accuracy = 1e-2;
     const auto mesh = u_prism();
     std::vector<Vec<double, 3>> points;
@@ -433,8 +433,7 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
     CHECK(worst <= accuracy); // 2.5e-2 without the singular function
 }
 
-TEST_CASE("next to narrow dents errors are as small as was asked for",
-          "[coordinates][harmonic][space][property]") {
+TEST_CASE("errors next to narrow dents are within the accuracy", "[coordinates][harmonic][space][property]") {
     constexpr double accuracy = 1e-2;
     const int seed = GENERATE(seeds(1));
     const bool is_pointed = GENERATE(true, false); // a pyramid, or a column
@@ -480,7 +479,7 @@ TEST_CASE("next to narrow dents errors are as small as was asked for",
 }
 
 #if !defined(CAGEFORM_SANITIZED) // takes minutes there; the test of fingers without a skin covers the code
-TEST_CASE("next to the skin of thin fingers errors are as small as was asked for",
+TEST_CASE("errors next to the boundary of thin fingers are within the accuracy",
           "[coordinates][harmonic][space][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers", 1, "skin.txt");
     constexpr double accuracy = 5e-3;
@@ -494,7 +493,7 @@ TEST_CASE("next to the skin of thin fingers errors are as small as was asked for
 }
 #endif
 
-TEST_CASE("weights next to the skin depend neither on other points nor on threads",
+TEST_CASE("weights next to the boundary depend neither on other points nor on threads",
           "[coordinates][harmonic][space][property]") {
 #if defined(CAGEFORM_SANITIZED) // seven solves
     const auto mesh = u_prism();
@@ -518,7 +517,7 @@ TEST_CASE("weights next to the skin depend neither on other points nor on thread
         CHECK(kept.rows[n] == evaluate_all(coordinates, std::vector{points[n]}).rows[0]);
 }
 
-TEST_CASE("faces may be oriented inwards, about a cavity too", "[coordinates][harmonic][space]") {
+TEST_CASE("faces may be oriented inwards, also around a cavity", "[coordinates][harmonic][space]") {
     constexpr double accuracy = effort(1e-2, 3e-2);
     auto inner = divided_box({2, 2, 2}, 0.3), data = divided_box({3, 3, 3}, 0.5);
     for (auto& face : inner.faces) {
@@ -557,7 +556,7 @@ TEST_CASE("faces may be oriented inwards, about a cavity too", "[coordinates][ha
     }
 }
 
-TEST_CASE("on one side of a slit nothing comes from the other side", "[coordinates][harmonic][space]") {
+TEST_CASE("the two sides of a slit have no effect on each other", "[coordinates][harmonic][space]") {
     constexpr double accuracy = effort(1e-2, 3e-2);
     const auto mesh = u_prism(0.01); // a hundredth of the width of its arms
     const std::vector<Vec<double, 3>> points{
@@ -573,7 +572,7 @@ TEST_CASE("on one side of a slit nothing comes from the other side", "[coordinat
     }
 }
 
-TEST_CASE("where hundreds of faces meet weights are still a mean", "[coordinates][harmonic][space]") {
+TEST_CASE("weights where hundreds of faces meet are a mean", "[coordinates][harmonic][space]") {
     constexpr int around = 360;
     std::vector<Vec<double, 3>> vertices{{0, 0, 1}, {0, 0, -0.2}};
     std::vector<std::array<int, 3>> faces;

@@ -84,7 +84,7 @@ const Points2<double> l_shape{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
 
 } // namespace
 
-TEST_CASE("functions that are read from a file give the weights of the solve, to the bit",
+TEST_CASE("functions loaded from a file give bitwise the weights of the solve",
           "[coordinates][harmonic][solution]") {
     for (std::uint64_t seed = 1; seed <= effort(2U, 1U); ++seed) {
         CAPTURE(seed);
@@ -106,7 +106,7 @@ TEST_CASE("functions that are read from a file give the weights of the solve, to
     check_round_trip(prism, Points3<float>{{0.5F, 0.5F, 0.5F}, {1.5F, 0.25F, 0.9F}, {0.1F, 1.9F, 0.2F}});
 }
 
-TEST_CASE("coordinates of any type take and give solutions if there are some",
+TEST_CASE("AnyCoordinates save and load solutions if the type has solutions",
           "[coordinates][harmonic][solution][status]") {
     const Points2<double> points{{0.5, 0.5}, {1.5, 0.5}};
     const cageform::AnyCoordinates<double, 2> any = Adaptive<Polygon<double>>(l_shape, coarse);
@@ -139,7 +139,7 @@ TEST_CASE("coordinates of any type take and give solutions if there are some",
           Status::cancelled);
 }
 
-TEST_CASE("a solution of another cage, grid or accuracy is refused by name",
+TEST_CASE("a solution of another cage, grid or accuracy is refused with its own status",
           "[coordinates][harmonic][solution][status]") {
     Adaptive<Polygon<double>> solved(l_shape, coarse);
     Aligned memory(saved(solved));
@@ -175,7 +175,7 @@ TEST_CASE("a solution of another cage, grid or accuracy is refused by name",
     CHECK(of_triangles.load_solution(planar.bytes()).status == Status::blob_of_another_grid);
 }
 
-TEST_CASE("a solution that is cut off, or has a bit flipped, is refused",
+TEST_CASE("a truncated solution, or one with a flipped bit, is refused",
           "[coordinates][harmonic][solution][status]") {
     Adaptive<Polygon<double>> coordinates(Points2<double>{{0, 0}, {1, 0}, {0, 1}}, {.accuracy = 0.1});
     const auto bytes = saved(coordinates);
@@ -212,7 +212,7 @@ TEST_CASE("a solution that is cut off, or has a bit flipped, is refused",
     CHECK(coordinates.load_solution(memory.bytes()).status == Status::ok);
 }
 
-TEST_CASE("every contradiction in a solution is found though its checksum is right",
+TEST_CASE("every inconsistency in a solution is found, with a valid checksum",
           "[coordinates][harmonic][solution][status]") {
     Adaptive<Polygon<double>> coordinates(l_shape, coarse);
     const auto bytes = saved(coordinates);

@@ -44,8 +44,7 @@ double largest_error(const C& cage, const Points& points, const std::vector<std:
     return error;
 }
 
-TEST_CASE("adaptive weights are as accurate as asked, in the plane",
-          "[coordinates][harmonic][tree][oracle]") {
+TEST_CASE("adaptive weights are within the accuracy, in the plane", "[coordinates][harmonic][tree][oracle]") {
     // Some points are within 1e-5 diagonals of a corner or of the end of a chain.
     for (const char* name :
          {"triangle", "unit_square", "rectangle", "square_extra_vertex", "hexagon", "l_shape", "star",
@@ -77,7 +76,7 @@ double error_of_oracle(const std::string& name, double angle, double accuracy) {
     return largest_error(TriangleMesh<double>(turned("vertices"), faces), turned("points"),
                          json["coordinates"].get<std::vector<std::vector<double>>>(), accuracy);
 }
-TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][harmonic][tree][oracle]") {
+TEST_CASE("adaptive weights are within the accuracy, in space", "[coordinates][harmonic][tree][oracle]") {
     CHECK(error_of_oracle("tetrahedron", 0.5, 1e-2) <= 1e-4); // the solver's error
     for (const double angle : {2.0, 1.0, 0.0}) {
         if (angle < effort(0.0, 2.0)) break;
@@ -99,7 +98,7 @@ TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][
 // A large cage with a small part: 762 handles, fingers 1.7 thick on a body of 180. Reference values are from
 // walks on spheres, to 2.5e-4.
 #if !defined(CAGEFORM_SANITIZED) // takes minutes there, with code that other tests cover
-TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]") {
+TEST_CASE("adaptive weights resolve fingers", "[coordinates][harmonic][tree][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers");
     constexpr double accuracy = 5e-3;
     const auto error = largest_error(fingers.cage(), fingers.points, fingers.weights, accuracy);
@@ -125,8 +124,7 @@ void check_estimate(const C& cage, const Points& points, double accuracy) {
     CHECK(report.grid_error(0.9) <= report.grid_error());
     CHECK(report.tree.finest_size > 0);
 }
-TEST_CASE("the errors of an adaptive grid are known by an estimate",
-          "[coordinates][harmonic][tree][property]") {
+TEST_CASE("the error of an adaptive grid is estimated", "[coordinates][harmonic][tree][property]") {
     for (std::uint64_t seed = 0; seed < effort(4u, 1u); ++seed) {
         CAPTURE(seed);
         Random random(seed + 3);
@@ -253,12 +251,11 @@ Approach approach_in_space(std::uint64_t seeds) {
     }
     return approach;
 }
-TEST_CASE("towards the boundary adaptive weights tend to its data",
-          "[coordinates][harmonic][tree][property]") {
+TEST_CASE("adaptive weights tend to the boundary values", "[coordinates][harmonic][tree][property]") {
     approach_in_plane(effort(8u, 2u)).check();
     approach_in_space(effort(2u, 1u)).check();
 }
-TEST_CASE("towards the boundary adaptive weights tend to its data: a table", "[.][table]") {
+TEST_CASE("adaptive weights tend to the boundary values: a table", "[.][table]") {
     const auto plane = approach_in_plane(200), space = approach_in_space(20);
     plane.print("plane, 200 cages");
     space.print("space, 20 cages");
@@ -267,7 +264,7 @@ TEST_CASE("towards the boundary adaptive weights tend to its data: a table", "[.
 }
 // After rounding to text, a point of the cage may lie on either side of the boundary. It gets the boundary
 // values.
-TEST_CASE("a figure on its own cage has the data of the boundary, after text of 7 to 17 digits",
+TEST_CASE("a figure on its own cage has the boundary values, after rounding to 7 to 17 digits",
           "[coordinates][harmonic][tree][property]") {
     const auto check_figure = [](const auto& cage, std::uint64_t seed, double accuracy) {
         using C = std::decay_t<decltype(cage)>;
@@ -306,7 +303,7 @@ TEST_CASE("a figure on its own cage has the data of the boundary, after text of 
     }
 }
 // Leaves that see little of limbs and corners, least of all of their own corners.
-TEST_CASE("adaptive weights of places that see no node of their leaf are as accurate as others",
+TEST_CASE("adaptive weights of points that see no node of their leaf are within the accuracy",
           "[coordinates][harmonic][tree]") {
     const auto check_place = [](std::uint64_t seed, const Vec<double, 2>& p, double accuracy) {
         CAPTURE(seed, p[0], p[1]);
@@ -450,7 +447,7 @@ TEST_CASE("on interior cells adaptive weights are their hat functions",
         CHECK(difference(weights.rows[i], expected[i]) <= 1e-12);
     }
 }
-TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are the known potential",
+TEST_CASE("adaptive weights around a ball in a ball, and a disc in a disc, are the known potential",
           "[coordinates][harmonic][tree][complex]") {
     // The function of a vertex of radius a at the centre of a circle of radius 1 is ln r / ln a; of a sphere,
     // (1/r − 1)/(1/a − 1). Polygons and polyhedra of the same size stand for circle and sphere.
@@ -511,7 +508,7 @@ TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are th
     }
 }
 
-TEST_CASE("adaptive weights far from the origin are as near it, until coordinates are too coarse",
+TEST_CASE("adaptive weights do not depend on the distance from the origin, until coordinates are too coarse",
           "[coordinates][harmonic][tree][float]") {
     // Some thousand diameters from the origin, a cage of floats has digits for some hundred cells.
     constexpr double accuracy = 5e-3;
@@ -550,7 +547,7 @@ TEST_CASE("adaptive weights far from the origin are as near it, until coordinate
               .status() == Status::resolution_not_supported);
 }
 
-TEST_CASE("an adaptive solve tells its progress and is cancelled",
+TEST_CASE("an adaptive solve reports progress and can be cancelled",
           "[coordinates][harmonic][tree][progress]") {
     const auto mesh = divided_box({2, 2, 2}, 1.0).mesh<double>(); // two groups of functions
     const Points3<double> points{{0.1, 0.2, 0.1}, {0.2, -0.1, 0.1}};
@@ -622,7 +619,8 @@ TEMPLATE_TEST_CASE("the cells of an adaptive grid hold every point inside once",
           Status::solver_not_supported);
 }
 
-TEST_CASE("adaptive weights take the data of every kind of face", "[coordinates][harmonic][tree][oracle]") {
+TEST_CASE("adaptive weights have the boundary values of every kind of face",
+          "[coordinates][harmonic][tree][oracle]") {
     constexpr double accuracy = effort(2e-3, 1e-2);
     for (const char* name : {"cube_quads", "box_mixed_diagonals_quads", "l_prism_product"}) {
         CAPTURE(name);
@@ -671,7 +669,7 @@ TEST_CASE("the cells of an adaptive grid can be as small as a quarter of any bon
     }
 }
 
-TEST_CASE("adaptive weights go up to bones, as those of a fine uniform grid",
+TEST_CASE("adaptive weights next to bones are those of a fine uniform grid",
           "[coordinates][harmonic][tree][complex]") {
     constexpr double accuracy = effort(5e-3, 2e-2);
     const auto compare = [](const auto& cage, const auto& points, std::size_t resolution, double most) {
@@ -789,7 +787,8 @@ TEST_CASE("adaptive gradients of the unit square are those of bilinear functions
     }
 }
 
-TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][harmonic][tree][status]") {
+TEST_CASE("unsupported options of an adaptive grid are refused with their own status",
+          "[coordinates][harmonic][tree][status]") {
     const auto mesh = divided_box({1, 1, 1}, 1.0).mesh<double>();
     const std::vector<Vec<double, 3>> points{{0, 0, 0}};
     const auto status = [&](const auto& cage, const HarmonicOptions& options) {

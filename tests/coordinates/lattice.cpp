@@ -164,7 +164,7 @@ TEST_CASE("lattices have the weights, slopes and places of the reference", "[coo
     }
 }
 
-TEMPLATE_TEST_CASE("a lattice of any size has the same weights, to the bit",
+TEMPLATE_TEST_CASE("weights of a lattice do not depend on its size, bitwise",
                    "[coordinates][lattice][property]", float, double) {
     using T = TestType;
     const int seed = GENERATE(seeds(20));
@@ -205,8 +205,7 @@ TEMPLATE_TEST_CASE("a lattice of any size has the same weights, to the bit",
     }
 }
 
-TEMPLATE_TEST_CASE("far from a lattice, where numbers are too far apart, points are unreached",
-                   "[coordinates][lattice]", float, double) {
+TEMPLATE_TEST_CASE("points too far from a lattice are unreached", "[coordinates][lattice]", float, double) {
     using T = TestType;
     const Transform<T, 3> box{{Vec<T, 3>{1, 0, 0}, Vec<T, 3>{0, 1, 0}, Vec<T, 3>{0, 0, 1}}, {0, 0, 0}};
     const LatticeCoordinates<T, 3> lattice({LatticeAxis{}, LatticeAxis{}, LatticeAxis{}}, box);
@@ -287,7 +286,8 @@ TEST_CASE("gradients of a lattice are those of its weights, faded or not",
     check(RandomLattice<double, 3>(seed));
 }
 
-TEST_CASE("displacements go on smoothly at the box, and fade smoothly", "[coordinates][lattice][property]") {
+TEST_CASE("displacements are smooth across faces of the box and in the falloff",
+          "[coordinates][lattice][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
     RandomLattice<double, 3> any(2 * seed);
@@ -324,7 +324,7 @@ TEST_CASE("displacements go on smoothly at the box, and fade smoothly", "[coordi
     for (std::size_t k = 0; k < 3; ++k) CHECK(std::fabs(beyond[k] - (end + 0.1 * across)[k]) <= 1e-12);
 }
 
-TEST_CASE("with frozen layers points outside stay where they are, smoothly", "[coordinates][lattice]") {
+TEST_CASE("frozen layers keep outside points in place, smoothly", "[coordinates][lattice]") {
     const LatticeCoordinates<double, 2> lattice({LatticeAxis{7, 3, {}}, LatticeAxis{7, 3, {}}},
                                                 {{Vec<double, 2>{1, 0}, Vec<double, 2>{0, 1}}, {0, 0}});
     const auto frozen = lattice.frozen_handles(2);
@@ -450,7 +450,7 @@ TEST_CASE("a refined lattice deforms as before", "[coordinates][lattice][propert
     }
 }
 
-TEST_CASE("what no lattice can be is refused by name", "[coordinates][lattice][faults]") {
+TEST_CASE("invalid lattices are refused with their own status", "[coordinates][lattice][faults]") {
     const Transform<double, 2> box{{Vec<double, 2>{1, 0}, Vec<double, 2>{0, 1}}, {0, 0}};
     const auto report = [&](const LatticeAxis& axis, const Transform<double, 2>& in, double falloff = 0) {
         return LatticeCoordinates<double, 2>({LatticeAxis{}, axis}, in, falloff).cage_report();
@@ -517,7 +517,8 @@ TEST_CASE("slopes of a lattice are finite where the square of a falloff is not a
     for (const auto& slope : slopes) CHECK(std::isfinite(slope[0]));
 }
 
-TEST_CASE("a box about a figure has room on all sides, flat figures too", "[coordinates][lattice]") {
+TEST_CASE("a box around a figure has a margin on all sides, also for flat figures",
+          "[coordinates][lattice]") {
     const auto box = cageform::box_around(std::vector<Vec<double, 3>>{{0, 1, 5}, {3, 5, 5}}, 0.1);
     REQUIRE(box);
     CHECK(box.value.translation[2] < 5 - 0.5);

@@ -112,7 +112,7 @@ TEST_CASE("mean value weights are those of the oracle", "[coordinates][mean_valu
     }
 }
 
-TEST_CASE("mean value weights in float are those of the oracle up to the rounding of the places",
+TEST_CASE("mean value weights in float are those of the oracle up to the rounding of points",
           "[coordinates][mean_value][oracle]") {
     for (const char* name : oracles) {
         const auto oracle = read_oracle(std::string("meanvalue2d_") + name);
@@ -230,7 +230,7 @@ TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordina
     }
 }
 
-TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite weights",
+TEMPLATE_TEST_CASE("extremely far points are outside or unreached, with finite weights",
                    "[coordinates][mean_value][far]", CAGEFORM_SCALARS) {
     // The sum of the weights is of the order of 1/distance², which no scalar resolves here.
     using T = TestType;
@@ -252,8 +252,8 @@ TEMPLATE_TEST_CASE("points absurdly far are outside or unreached, with finite we
     }
 }
 
-TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on edges",
-                   "[coordinates][mean_value][limit]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("mean value weights are continuous at edges", "[coordinates][mean_value][limit]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(60, 12)));
     CAPTURE(seed);
@@ -369,7 +369,7 @@ TEMPLATE_TEST_CASE("mean value states are those of locate", "[coordinates][mean_
     }
 }
 
-TEST_CASE("mean value weights are negative in the biped, where one leg drags the other",
+TEST_CASE("mean value weights are negative in the biped, between its legs",
           "[coordinates][mean_value][negative]") {
     const auto oracle = read_oracle("meanvalue2d_biped");
     const auto cage = oracle.cage<double>();
@@ -427,7 +427,7 @@ TEMPLATE_TEST_CASE("mean value weights at the ends of the scalar's range", "[coo
     }
 }
 
-TEMPLATE_TEST_CASE("the boundary point that mean value coordinates call nearest is the nearest",
+TEMPLATE_TEST_CASE("nearest_boundary of mean value coordinates returns the nearest point",
                    "[coordinates][mean_value][nearest]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(20, 4)));
@@ -453,7 +453,7 @@ TEMPLATE_TEST_CASE("the boundary point that mean value coordinates call nearest 
     }
 }
 
-TEST_CASE("mean value coordinates keep what they were made from", "[coordinates][mean_value]") {
+TEST_CASE("mean value coordinates keep their cage", "[coordinates][mean_value]") {
     const std::vector<std::array<float, 2>> square{{0, 0}, {2, 0}, {2, 2}, {0, 2}};
     const cageform::MeanValueCoordinates<double, 2> coordinates(square);
     CHECK(coordinates.cage().size() == 4);

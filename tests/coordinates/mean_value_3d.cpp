@@ -82,7 +82,7 @@ TEMPLATE_TEST_CASE("mean value weights in space sum to 1 and reproduce the point
     }
 }
 
-TEST_CASE("mean value weights are the same all the way to planes, faces, edges and vertices",
+TEST_CASE("mean value weights are continuous up to planes, faces, edges and vertices",
           "[coordinates][meanvalue][space][limits]") {
     const int seed = GENERATE(seeds(effort(10, 2)));
     CAPTURE(seed);
@@ -177,15 +177,14 @@ TEST_CASE("float weights of a thousand vertices in space sum to 1", "[coordinate
         CHECK(std::fabs(double(sum_of(row) - 1)) <= 6 * double(epsilon<float>) * absolute_sum(row));
 }
 
-TEST_CASE("meshes that are no cages are refused by mean value coordinates",
-          "[coordinates][meanvalue][space][status]") {
+TEST_CASE("invalid meshes are refused by mean value coordinates", "[coordinates][meanvalue][space][status]") {
     auto data = sphere(1);
     data.faces.resize(data.faces.size() / 2);
     CHECK(evaluate_all(Mean<double>(data.mesh<double>()), Points3<double>{{0, 0, 0}}).status() ==
           Status::cage_not_closed);
 }
 
-TEST_CASE("mean value weights in space do not depend on which way shells turn",
+TEST_CASE("mean value weights in space do not depend on the orientation of shells",
           "[coordinates][meanvalue][space]") {
     const auto outer = sphere(2), inner = sphere(1);
     const auto hollow = [&](bool outer_turned, bool inner_turned) {

@@ -223,7 +223,7 @@ TEST_CASE("gradients of mean value weights are continuous through planes of face
     CHECK(compared > 10);
 }
 
-TEMPLATE_TEST_CASE("gradients exactly in planes and on lines of edges are those beside",
+TEMPLATE_TEST_CASE("gradients in planes and on lines of edges are continuous",
                    "[coordinates][meanvalue][space][gradients][limits]", CAGEFORM_SCALARS) {
     using T = TestType;
     for (const char* name : {"cube", "l_prism"}) {
@@ -341,7 +341,7 @@ TEMPLATE_TEST_CASE(
     }
 }
 
-TEST_CASE("gradients at a point that sees an edge under an exact right angle are those beside",
+TEST_CASE("gradients at a point that sees an edge under an exact right angle are continuous",
           "[coordinates][mean_value]") {
     const std::vector<Vec<double, 2>> cage{{-1, 0}, {1, 0}, {1.5, 3}, {-2, 2.5}};
     const cageform::MeanValueCoordinates coordinates(cage);
@@ -360,7 +360,7 @@ TEST_CASE("gradients at a point that sees an edge under an exact right angle are
     }
 }
 
-TEST_CASE("far away gradients of mean value weights keep the laws",
+TEST_CASE("gradients of mean value weights keep the laws far away",
           "[coordinates][meanvalue][gradients][far]") {
     const auto mesh = random_mesh(2).mesh<double>();
     const double size = bounds_of(mesh.vertices()).diagonal();
@@ -415,7 +415,7 @@ TEMPLATE_TEST_CASE("gradients of barycentric weights are those of affine functio
     check(std::integral_constant<std::size_t, 3>{});
 }
 
-TEST_CASE("gradients of mean value weights tell where they are not",
+TEST_CASE("gradients of mean value weights are unreached where they do not exist",
           "[coordinates][meanvalue][gradients][status]") {
     const auto data = random_mesh(2);
     const auto mesh = data.mesh<double>();

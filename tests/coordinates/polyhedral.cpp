@@ -216,8 +216,7 @@ TEMPLATE_TEST_CASE("weights sum to 1 and reproduce the place, harmonic ones are 
     check_rows(by_harmonic, 2e-5, true);
 }
 
-TEST_CASE("how a face's loop begins changes nothing, how it is cut into triangles does",
-          "[coordinates][polyhedral]") {
+TEST_CASE("the start of a face's loop has no effect, its triangulation has", "[coordinates][polyhedral]") {
     auto data = l_prism();
     const auto cage = data.cage<double>();
     Random random(5);
@@ -359,7 +358,7 @@ TEST_CASE("mean value coordinates of polygons are continuous across the planes o
     CHECK(beyond > 100);
 }
 
-TEST_CASE("bind takes polyhedral cages, points outside too", "[coordinates][polyhedral][bind]") {
+TEST_CASE("bind accepts polyhedral cages and outside points", "[coordinates][polyhedral][bind]") {
     const auto cage = l_prism().cage<double>();
     Random random(11);
     const auto points = random_points(cage, 300, random, 0.3);

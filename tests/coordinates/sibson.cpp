@@ -389,13 +389,13 @@ TEMPLATE_TEST_CASE("sibson sums to one, reproduces its point and interpolates",
     check_laws<TestType, 3>(std::uint64_t(seed));
 }
 
-TEST_CASE("a sibson weight is positive in the balls at its site alone", "[coordinates][sibson][property]") {
+TEST_CASE("a sibson weight is positive exactly in the balls at its site", "[coordinates][sibson][property]") {
     const auto seed = GENERATE(range(0, 6));
     check_support<2>(std::uint64_t(seed));
     check_support<3>(std::uint64_t(seed));
 }
 
-TEST_CASE("sibson is what clipping gives", "[coordinates][sibson][property]") {
+TEST_CASE("sibson agrees with clipped Voronoi cells", "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 12)));
     CAPTURE(seed);
     const auto sites = random_sites<2>(seed);
@@ -470,7 +470,7 @@ TEST_CASE("sibson is multilinear in boxes", "[coordinates][sibson][property]") {
     }
 }
 
-TEST_CASE("sibson next to a hull facet is near what it is on the facet", "[coordinates][sibson][property]") {
+TEST_CASE("sibson is continuous at a hull facet", "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 6)));
     CAPTURE(seed);
     Random random(seed);
@@ -500,8 +500,7 @@ TEST_CASE("sibson next to a hull facet is near what it is on the facet", "[coord
     CHECK(farthest(row, on.rows[0]) > 1e-4);
 }
 
-TEST_CASE("sibson goes by a face that is flat to rounding as by a flat one",
-          "[coordinates][sibson][property]") {
+TEST_CASE("sibson treats a face flat to rounding as flat", "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 8)));
     CAPTURE(seed);
     Random random(seed);
@@ -521,7 +520,8 @@ TEST_CASE("sibson goes by a face that is flat to rounding as by a flat one",
     }
 }
 
-TEST_CASE("sibson outside the hull: left, or the nearest place of it", "[coordinates][sibson][property]") {
+TEST_CASE("sibson outside the hull: kept in place, or at the nearest point",
+          "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 4)));
     CAPTURE(seed);
     const auto sites = random_sites<3>(seed);
@@ -577,7 +577,7 @@ void check_nearly_flat_hull(std::uint64_t seed) {
     }
 }
 
-TEST_CASE("sibson reproduces places of a hull whose triangles are thin to rounding",
+TEST_CASE("sibson reproduces points of a hull with triangles thin to rounding",
           "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 40)));
     Random random(seed + 900);
@@ -601,8 +601,7 @@ TEST_CASE("sibson reproduces places of a hull whose triangles are thin to roundi
     }
 }
 
-TEST_CASE("sibson on hull facets that are nearly one goes by the nearest",
-          "[coordinates][sibson][property]") {
+TEST_CASE("sibson uses the nearest of nearly coplanar hull facets", "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 30)));
     check_nearly_flat_hull<2>(seed);
     check_nearly_flat_hull<3>(seed);
@@ -655,7 +654,7 @@ struct Disturbed {
     }
 };
 
-TEMPLATE_TEST_CASE("where bind restores linear precision local zeros stay zeros",
+TEMPLATE_TEST_CASE("bind keeps exact zeros when it restores linear precision",
                    "[coordinates][sibson][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(0, 4)));
@@ -681,7 +680,7 @@ TEMPLATE_TEST_CASE("where bind restores linear precision local zeros stay zeros"
     CHECK(lost_everywhere > 0);
 }
 
-TEST_CASE("sibson gives the same bits whatever the threads", "[coordinates][sibson]") {
+TEST_CASE("sibson gives the same bits for any number of threads", "[coordinates][sibson]") {
     const auto sites = random_sites<3>(2);
     const auto points = mixtures(sites, 1, 500);
     for (const int degree : {1, 3}) {
@@ -743,7 +742,7 @@ TEST_CASE("gradients of sibson are derivatives of its weights", "[coordinates][s
     }
 }
 
-TEST_CASE("gradients of sibson are one on both sides of a Delaunay circle", "[coordinates][sibson]") {
+TEST_CASE("gradients of sibson are continuous across a Delaunay circle", "[coordinates][sibson]") {
     // The circle around the square passes through the interior of a larger hull.
     Points<2> sites{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {-3, -2}, {4, -2}, {4, 3}, {-3, 3}};
     const double angle = GENERATE(0.2, 1.3, 4.0);
@@ -758,7 +757,7 @@ TEST_CASE("gradients of sibson are one on both sides of a Delaunay circle", "[co
     }
 }
 
-TEST_CASE("gradients of sibson at sites and on the hull are those somewhat inside", "[coordinates][sibson]") {
+TEST_CASE("gradients of sibson at sites and on the hull are those slightly inside", "[coordinates][sibson]") {
     const auto check = []<std::size_t D>(const Points<D>& sites, const Points<D>& points) {
         const SibsonCoordinates<double, D> sibson(sites);
         const auto found = gradients_of<double, D>(sibson, points);
@@ -941,7 +940,7 @@ TEST_CASE("sibson has linear precision in thin sets, and in ones as small as the
     for (std::size_t i = 0; i < 3; ++i) CHECK(units[i][i] == 1);
 }
 
-TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates][sibson][property]",
+TEMPLATE_TEST_CASE("frames pose the neighbourhood of a site", "[coordinates][sibson][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(0, 4)));
@@ -1011,7 +1010,7 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
 
 // ---- faults -------------------------------------------------------------------------------------
 
-TEST_CASE("sibson names what is wrong with its sites", "[coordinates][sibson]") {
+TEST_CASE("sibson names faults of sites", "[coordinates][sibson]") {
     const auto status = [](const auto& sites, const SibsonOptions& options = {}) {
         return SibsonCoordinates<double, 2>(sites, options).cage_report();
     };

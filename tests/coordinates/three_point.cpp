@@ -249,7 +249,7 @@ TEMPLATE_TEST_CASE("three-point weights sum to one, reproduce the point and are 
     check(ThreePointCoordinates<T, Hyperbola>(cage), Hyperbola{});
 }
 
-TEMPLATE_TEST_CASE("three-point weights are those of other types where they are one",
+TEMPLATE_TEST_CASE("three-point weights agree with other types in special cases",
                    "[coordinates][three_point][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(40, 8)));
@@ -292,7 +292,7 @@ TEMPLATE_TEST_CASE("three-point weights are those of other types where they are 
     compare(Wachspress<T>(ring), Harmonic<T>(ring), in_ring, sizeof(T) == 8 ? 1e-13 : 5e-5);
 }
 
-TEST_CASE("discrete harmonic weights of thousands of vertices are right in float",
+TEST_CASE("discrete harmonic weights of thousands of vertices are accurate in float",
           "[coordinates][three_point]") {
     // Along edges this short, the difference of two squares is mostly rounding, with an error of 4e-5.
     Points2<float> cage(2000), points(100);
@@ -374,7 +374,7 @@ TEST_CASE("Wachspress weights and those of √(1 + r²) are nowhere negative, th
     CHECK(*std::min_element(weights.begin(), weights.end()) < 0);
 }
 
-TEMPLATE_TEST_CASE("three-point weights pass continuously into their limits on edges and vertices",
+TEMPLATE_TEST_CASE("three-point weights are continuous at edges and vertices",
                    "[coordinates][three_point][limit]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(30, 8)));
@@ -462,7 +462,7 @@ TEMPLATE_TEST_CASE("three-point coordinates refuse what is not strictly convex, 
     CHECK(cageform::bind(Wachspress<T>(Corners{}), square).report.status == Status::too_few_vertices);
 }
 
-TEMPLATE_TEST_CASE("three-point coordinates tell where points are, at any size of the cage",
+TEMPLATE_TEST_CASE("three-point coordinates locate points, at any size of the cage",
                    "[coordinates][three_point][state]", CAGEFORM_SCALARS) {
     using T = TestType;
     const T nan = std::numeric_limits<T>::quiet_NaN(), huge = std::numeric_limits<T>::max();

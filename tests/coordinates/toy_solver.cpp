@@ -134,7 +134,7 @@ constexpr bool is_model = cageform::CageSolver<Solver>&& cageform::Differentiabl
 
 } // namespace
 
-TEST_CASE("the library's solvers and one of one's own are models of the seam", "[coordinates][solver]") {
+TEST_CASE("the library's solvers and a custom solver model the concepts", "[coordinates][solver]") {
     STATIC_REQUIRE(is_model<cageform::MultigridSolver<2>>);
     STATIC_REQUIRE(is_model<cageform::MultigridSolver<3>>);
     STATIC_REQUIRE(is_model<cageform::TreeSolver<2>>);
@@ -144,7 +144,7 @@ TEST_CASE("the library's solvers and one of one's own are models of the seam", "
     STATIC_REQUIRE(!cageform::CageSolver<cageform::grid::Multigrid<2>>);
 }
 
-TEST_CASE("weights by a solver of one's own keep the laws", "[coordinates][solver][property]") {
+TEST_CASE("weights by a custom solver keep the laws", "[coordinates][solver][property]") {
     using T = double;
     const int seed = GENERATE(seeds(effort(6, 2)));
     CAPTURE(seed);
@@ -181,8 +181,7 @@ TEST_CASE("weights by a solver of one's own keep the laws", "[coordinates][solve
     }
 }
 
-TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in space",
-          "[coordinates][solver]") {
+TEST_CASE("a custom solver agrees with the multigrid, in the plane and in space", "[coordinates][solver]") {
     const auto check_same = [](const auto& direct, const auto& multigrid, const auto& points) {
         const auto expected = evaluate_all(multigrid, points), weights = evaluate_all(direct, points);
         REQUIRE(weights.status() == Status::ok);
@@ -217,7 +216,7 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
                in_space);
 }
 
-TEST_CASE("a solver of one's own has threads, progress, cancel and refusals of the driver",
+TEST_CASE("a custom solver has the driver's threads, progress, cancellation and refusals",
           "[coordinates][solver][threads]") {
     const Polygon<double> cage(random_star<double>(7));
     Random random(4);

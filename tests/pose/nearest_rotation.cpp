@@ -74,7 +74,7 @@ TEST_CASE("a symmetric matrix without negative eigenvalues gives exactly no rota
     }
 }
 
-TEST_CASE("where a matrix determines no rotation, the last one stays", "[pose]") {
+TEST_CASE("a matrix that determines no rotation keeps the previous one", "[pose]") {
     const LinearMap<double, 2> before = cageform::detail::rotation_of(Vec<double, 1>{0.3});
     for (const LinearMap<double, 2>& j :
          {LinearMap<double, 2>{{{0, 0}, {0, 0}}}, {{{1, 0}, {0, -1}}}, {{{0.6, 0.8}, {0.8, -0.6}}}}) {

@@ -71,7 +71,7 @@ Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectati
 
 } // namespace
 
-TEST_CASE("packed samples are read to the bit, and move a cage to the bit", "[pose][blob]") {
+TEST_CASE("packed samples are read bitwise, and give bitwise equal poses", "[pose][blob]") {
     for_each_kind([](const auto& coordinates, const auto& pins, const auto& targets) {
         using C = std::remove_cvref_t<decltype(coordinates)>;
         using T = typename C::scalar;
@@ -125,7 +125,7 @@ TEST_CASE("samples are a part of a packed figure", "[pose][blob]") {
     CHECK(solver.solve(cat_targets(), pose).status == Status::ok);
 }
 
-TEST_CASE("samples of another kind or cage are refused by name", "[pose][blob][status]") {
+TEST_CASE("samples of another kind or cage are refused with their own status", "[pose][blob][status]") {
     const auto samples = small_samples();
     const auto blob = packed(samples);
     const auto bytes = blob.bytes();
@@ -156,7 +156,7 @@ TEST_CASE("samples of another kind or cage are refused by name", "[pose][blob][s
     CHECK(status_of(packed(samples, {.cage_hash = 11}).bytes(), {.cage_hash = 11}) == Status::ok);
 }
 
-TEST_CASE("samples cut off anywhere, or with a bit flipped, are refused", "[pose][blob][status]") {
+TEST_CASE("truncated samples, or with a flipped bit, are refused", "[pose][blob][status]") {
     const auto blob = packed(small_samples(), {.keep_points = true});
     const auto bytes = blob.bytes();
     for (std::size_t size = 0; size < bytes.size(); size += size < 256 ? 1 : 37) {
@@ -179,8 +179,7 @@ TEST_CASE("samples cut off anywhere, or with a bit flipped, are refused", "[pose
     CHECK(status_of(memory.bytes()) == Status::ok);
 }
 
-TEST_CASE("every contradiction in packed samples is found though their checksum is right",
-          "[pose][blob][status]") {
+TEST_CASE("every inconsistency in packed samples is found, with a valid checksum", "[pose][blob][status]") {
     const auto blob = packed(small_samples(), {.keep_points = true});
     PoseBlobHeader header;
     std::memcpy(&header, blob.bytes().data(), sizeof(header));
@@ -243,7 +242,7 @@ TEST_CASE("every contradiction in packed samples is found though their checksum 
     refused(std::size_t(header.weak_handles), std::uint32_t(7)); // not ascending
 }
 
-TEST_CASE("samples that could not be read are not packed", "[pose][blob][status]") {
+TEST_CASE("invalid samples are not packed", "[pose][blob][status]") {
     const auto refused = [](const auto& change, bool keep_points = false) {
         auto samples = small_samples();
         change(samples);
@@ -264,7 +263,7 @@ TEST_CASE("samples that could not be read are not packed", "[pose][blob][status]
     CHECK(refused([](auto& s) { s.centres.pop_back(); }, true) == Status::input_malformed);
 }
 
-TEST_CASE("failed allocations of packing and reading are told", "[pose][blob]") {
+TEST_CASE("failed allocations of packing and reading are reported", "[pose][blob]") {
     const auto samples = small_samples();
     const auto blob = packed(samples, {.keep_points = true});
     for (const bool reads : {false, true}) {

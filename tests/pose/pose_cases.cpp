@@ -60,7 +60,7 @@ struct WithoutGradients {
 
 } // namespace
 
-TEST_CASE("without pins the last pose stays", "[pose]") {
+TEST_CASE("without pins the last pose is kept", "[pose]") {
     Pinned figure(cat(), cat_pins(), few);
     figure.solve(cat_targets(), 3);
     const auto pose = figure.pose;
@@ -85,7 +85,7 @@ TEST_CASE("two pins drawn apart or pushed together stretch and fold nothing", "[
     }
 }
 
-TEST_CASE("coincident pins go to the mean of their targets", "[pose]") {
+TEST_CASE("coincident pins move to the mean of their targets", "[pose]") {
     Pinned figure(cat(), {{1.37, 0.5}, {5.65, 0.5}, {3.75, 3.2}, {3.75, 3.2}}, few);
     auto targets = figure.pins;
     targets[2] = {3.25, 3.7};
@@ -97,7 +97,7 @@ TEST_CASE("coincident pins go to the mean of their targets", "[pose]") {
     CHECK(std::fabs(out[2][1] - 3.7) <= 1e-3);
 }
 
-TEST_CASE("pins that are nearly at one place and drawn apart give a finite pose", "[pose]") {
+TEST_CASE("nearly coincident pins with distant targets give a finite pose", "[pose]") {
     for (const bool hard : {false, true}) {
         for (const double apart : {1e-5, 1e-3, 1e-2}) {
             CAPTURE(hard, apart);
@@ -129,7 +129,7 @@ TEST_CASE("hard pins miss a thousand times less", "[pose]") {
     CHECK(hard.solve(cat_targets(), 40).miss <= 2e-3 * soft_miss);
 }
 
-TEST_CASE("more pins than handles: a small weight of pins keeps the figure whole", "[pose]") {
+TEST_CASE("with more pins than handles, a small pin weight prevents distortion", "[pose]") {
     const auto pins = inside_cat(38, 7);
     for (const double weight : {1e2, 1e6}) {
         CAPTURE(weight);
@@ -148,7 +148,7 @@ TEST_CASE("more pins than handles: a small weight of pins keeps the figure whole
     }
 }
 
-TEST_CASE("held handles stay where the pose has them, and the others follow", "[pose]") {
+TEST_CASE("held handles keep their positions, and the others follow", "[pose]") {
     Pinned figure(cat(), cat_pins(), few);
     const std::array<std::uint32_t, 3> held{9, 3, 17};
     figure.solve(cat_targets());
@@ -177,7 +177,7 @@ TEST_CASE("held handles stay where the pose has them, and the others follow", "[
     CHECK((figure.pose == figure.rest));
 }
 
-TEST_CASE("whole turns come back to rest", "[pose]") {
+TEST_CASE("full turns return to rest", "[pose]") {
     for (const int steps : {4, 24, 72}) {
         CAPTURE(steps);
         Pinned figure(cat(), cat_pins(), few);
@@ -197,7 +197,7 @@ TEST_CASE("whole turns come back to rest", "[pose]") {
     CHECK(figure.distance_from_rest() <= 1e-9);
 }
 
-TEST_CASE("mirrored and collapsed starts come back to rest", "[pose]") {
+TEST_CASE("mirrored and collapsed poses return to rest", "[pose]") {
     const auto check = [](auto figure) {
         auto mirrored = figure.rest, collapsed = figure.rest;
         for (std::size_t i = 0; i < figure.rest.size(); ++i) {
@@ -235,7 +235,7 @@ TEST_CASE("a thin ribbon bends", "[pose]") {
     CHECK(report.miss <= 1e-3 * figure.size());
 }
 
-TEST_CASE("handles that no sample feels are told, and spokes keep them near the figure", "[pose]") {
+TEST_CASE("weak handles are reported, and spokes keep them near the figure", "[pose]") {
     Places<2> left;
     for (const auto& p : inside_cat(500, 3)) {
         if (p[0] < 4) left.push_back(p);
@@ -284,7 +284,7 @@ TEST_CASE("a pin with an angle turns the figure around it", "[pose]") {
     CHECK(in_space.distance_from(motion) <= 1e-10);
 }
 
-TEST_CASE("what is refused has a name and changes nothing", "[pose]") {
+TEST_CASE("refusals have their own status and change nothing", "[pose]") {
     Pinned figure(cat(), cat_pins(), few);
     figure.solve(cat_targets());
     const auto before = figure.pose;
@@ -350,7 +350,7 @@ TEST_CASE("what is refused has a name and changes nothing", "[pose]") {
     CHECK(some.report.left_out == 1);
 }
 
-TEST_CASE("coordinates of any type give the samples of the type they hold", "[pose]") {
+TEST_CASE("AnyCoordinates give the samples of the type they hold", "[pose]") {
     const auto compare = [](const auto& coordinates) {
         using C = std::decay_t<decltype(coordinates)>;
         const AnyCoordinates<typename C::scalar, C::dimension> any = coordinates;
@@ -376,7 +376,7 @@ TEST_CASE("coordinates of any type give the samples of the type they hold", "[po
     CHECK(pose_samples(AnyCoordinates<double, 2>{}).status() == Status::coordinates_empty);
 }
 
-TEST_CASE("frames allocate nothing, and failed allocations are told", "[pose]") {
+TEST_CASE("frames allocate nothing, and failed allocations are reported", "[pose]") {
     Pinned figure(MeanValueCoordinates(bar().mesh<double>()), bar_pins(), few, {.hard_pins = true});
     auto targets = bar_targets();
     Random random(5);

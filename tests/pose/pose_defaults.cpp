@@ -152,8 +152,7 @@ cageform::Polygon<double> made_cage(const std::vector<DrawnSegment<double>>& dra
 
 } // namespace
 
-TEST_CASE("the defaults of pins serve figures in the plane that they were not chosen on",
-          "[pose][defaults]") {
+TEST_CASE("the defaults of pins suit other figures in the plane", "[pose][defaults]") {
     std::vector<DrawnSegment<double>> man, fork, spiral;
     draw(fork, {{0, 0}, {0, 4}, {-1, 5}, {-1, 7}}, 0.2, false);
     draw(fork, {{0, 4}, {1, 5}, {1, 7}}, 0.2, false);
@@ -173,7 +172,7 @@ TEST_CASE("the defaults of pins serve figures in the plane that they were not ch
 #endif
 }
 
-TEST_CASE("the defaults of pins serve cages in space that they were not chosen on", "[pose][defaults]") {
+TEST_CASE("the defaults of pins suit other cages in space", "[pose][defaults]") {
     const auto bumpy = cageform_bench::bumpy112<double>();
     const auto figure = points_in(bumpy, 300, 5);
     const std::size_t seeds = effort<std::size_t>(5, 1);
@@ -184,7 +183,7 @@ TEST_CASE("the defaults of pins serve cages in space that they were not chosen o
 }
 
 #if !defined(CAGEFORM_SANITIZED)
-TEST_CASE("the defaults of pins serve a production cage of 762 vertices", "[pose][defaults]") {
+TEST_CASE("the defaults of pins suit a production cage of 762 vertices", "[pose][defaults]") {
     // Hands on thin arms drift after a pose counts as settled, by up to 0.03 of the size.
     const Fingers fingers(std::string(CAGEFORM_TEST_DATA) + "/fingers");
     check_defaults("mean value", MeanValueCoordinates(fingers.cage()), fingers.points, {2, 100, 0.04, 0, 0});

@@ -41,7 +41,7 @@ void for_each_figure(const F& f, const PoseSampleOptions& how = few, const PoseO
 
 } // namespace
 
-TEST_CASE("pins at rest leave the pose at rest, to the bit", "[pose]") {
+TEST_CASE("pins at rest give bitwise the pose at rest", "[pose]") {
     for_each_figure([](auto figure, const auto& targets) {
         (void)targets;
         for (auto& h : figure.pose) h = {};
@@ -93,7 +93,7 @@ TEST_CASE("one pin translates the cage", "[pose]") {
     CHECK(in_space.distance_from(Motion<3>{0, {5, -2, 0}}) <= 1e-12);
 }
 
-TEST_CASE("two pins in space turn the cage as little as they must", "[pose]") {
+TEST_CASE("two pins in space turn the cage by the smallest rotation", "[pose]") {
     Pinned figure{MeanValueCoordinates(bar().mesh<double>()), {{0, 0, -1}, {0, 0, 1}}, few};
     figure.solve({{-1, 0, 0}, {1, 0, 0}}); // a quarter turn about y
     const auto turned = [](const Vec<double, 3>& h, bool) { return Vec<double, 3>{h[2], h[1], -h[0]}; };
@@ -150,7 +150,7 @@ TEST_CASE("a settled pose is stationary", "[pose]") {
         how, {.iterations = 16});
 }
 
-TEST_CASE("the order of pins, and pins divided in weight, do not matter", "[pose]") {
+TEST_CASE("the order of pins, and splitting their weights, have no effect", "[pose]") {
     for_each_figure([](auto figure, const auto& targets) {
         const std::size_t count = targets.size();
         figure.solve(targets, 3);
@@ -183,7 +183,7 @@ TEST_CASE("the order of pins, and pins divided in weight, do not matter", "[pose
     });
 }
 
-TEST_CASE("neither the place nor the size of a figure matters", "[pose]") {
+TEST_CASE("position and size of a figure have no effect", "[pose]") {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         Random random(seed);
         const double scale = std::pow(10.0, random.uniform(-3, 3));
@@ -220,7 +220,7 @@ TEST_CASE("samples do not depend on threads", "[pose]") {
                       alone.value.gradients.size() * sizeof(alone.value.gradients[0])) == 0);
 }
 
-TEST_CASE("as many rotations as samples give the plain method", "[pose]") {
+TEST_CASE("one rotation per sample gives the original method", "[pose]") {
     const PoseSampleOptions how{.samples = 60, .rotations = 100000};
     for_each_figure(
         [](auto figure, const auto& targets) {
@@ -256,7 +256,7 @@ TEST_CASE("float and double agree", "[pose]") {
     CHECK((in_float.pose == in_float.rest));
 }
 
-TEST_CASE("packed pins pull as dense ones", "[pose]") {
+TEST_CASE("packed pins act like dense pins", "[pose]") {
     Pinned figure{MeanValueCoordinates(bar().mesh<double>()), bar_pins(), few};
     figure.solve(bar_targets(), 3);
     const auto pose = figure.pose;

@@ -10,10 +10,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Packs a clip for `open_clip` and for `pack` (FigurePackOptions::clips). With a tolerance, it
-/// quantises a curve to 16-bit coefficients if its vertex stays within the tolerance,
-/// measured with the coefficients as stored. Slopes and rises for extrapolation, jumps and the rigid
-/// motion stay exact.
+/// Packs a clip for `open_clip` and for `pack` (FigurePackOptions::clips). With a tolerance, it quantises a
+/// curve to 16-bit coefficients if its vertex stays within the tolerance, measured with the coefficients as
+/// stored. Slopes and rises for extrapolation, jumps and the rigid motion stay exact.
 ///
 ///   returns  the packed clip and its report; fails with value_not_finite, also if a number of the
 ///            clip is not finite or a rotation is not of length 1; out_of_memory

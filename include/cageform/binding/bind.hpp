@@ -87,14 +87,12 @@ struct Bind {
 };
 inline constexpr Bind bind{};
 
-/// Binds vectors attached to points. A pose transforms them as it transforms the neighbourhood of the
-/// points:
+/// Binds vectors attached to points. A pose transforms them as it transforms the neighbourhood of the points:
 ///
 ///     t' = t + Σ (t·∇w_i(p)) (C'_i − C_i) = J t,   J the Jacobian of the deformation at p
 ///
-/// The result is a Binding of vectors instead of points, with directional derivatives instead of
-/// weights. `clone` returns the posed vectors, at rest bit for bit. Affine poses x ↦ A x + b give A t
-/// up to rounding.
+/// The result is a Binding of vectors instead of points, with directional derivatives instead of weights.
+/// `clone` returns the posed vectors, at rest bit for bit. Affine poses x ↦ A x + b give A t up to rounding.
 ///
 ///   points    as for `bind`
 ///   vectors   an array of K families, for instance from `tangents_of`; one vector of any length per
@@ -145,8 +143,7 @@ Result<Binding<typename C::scalar, C::dimension>, BindReport> bind_vectors(const
     return {std::move(result.value[0]), std::move(result.report)};
 }
 
-/// Binds the D axes at every point, for `clone_jacobians`. Contract and cost are those of
-/// `bind_vectors`.
+/// Binds the D axes at every point, for `clone_jacobians`. Contract and cost are those of `bind_vectors`.
 template <GradientCoordinates C, PointRangeIn<C::dimension> R>
 Result<std::array<Binding<typename C::scalar, C::dimension>, C::dimension>, BindReport>
 bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},

@@ -23,16 +23,14 @@ struct BindBonesReport : BindReport {
 /// (`skin_weights` makes a skin for engines and glTF from the same weights.)
 ///
 ///   points   any PointRange of the bones' dimension
-///   bones    frames at rest: columns are axes, of any length, linearly independent. Their pose is a
-///            pose of the handles: the posed frames, or the result of `pose_bones` for the bones'
-///            transforms. For packing, use axes as long as the figure: formats round all weights by
-///            the same scale
+///   bones    frames at rest: columns are axes, of any length, linearly independent. Their pose is a pose of
+///            the handles: the posed frames, or the result of `pose_bones` for the bones' transforms. For
+///            packing, use axes as long as the figure: formats round all weights by the same scale
 ///   weights  #points · #bones: the weights of a point are consecutive
 ///   options  `restore` divides the weights of a point by their sum and corrects rounding errors;
 ///            BindReport::weight_change has the largest change
-///   returns  the binding, its report, and the unused bones. Points whose weights are not finite, or
-///            have a sum of at most 0, are unreached. least_weight and amplification include the
-///            weights of the axes
+///   returns  the binding, its report, and the unused bones. Points whose weights are not finite, or have a
+///            sum of at most 0, are unreached. least_weight and amplification include the weights of the axes
 ///   cost     O(#bones) per point; (#handles + D) scalars of memory per point
 ///   fails    bone_weights_do_not_match, vertex_not_finite (by handle), bone_axes_dependent (by bone),
 ///            cancelled, out_of_memory

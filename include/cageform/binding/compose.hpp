@@ -24,9 +24,8 @@ struct ComposeReport {
 ///   fine     the figure, bound to n sites, which must be points
 ///   coarse   the n sites as points, equal to the handles of `fine` bit for bit
 ///   running  threads, progress, cancellation; the result does not depend on it
-///   returns  the binding. Up to rounding, weights have the sum 1 and reproduce the point if those of
-///            `fine` and `coarse` do. Sites that are kept in place do not move the figure; the report
-///            lists them
+///   returns  the binding. Up to rounding, weights have the sum 1 and reproduce the point if those of `fine`
+///            and `coarse` do. Sites that are kept in place do not move the figure; the report lists them
 ///   cost     one product for each pair of a non-zero fine weight and a non-zero weight of its site;
 ///            (#coarse handles + D) scalars of memory per point. Sums are in double
 ///   fails    handles_not_points, bindings_differ, cancelled, out_of_memory

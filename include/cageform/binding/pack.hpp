@@ -68,11 +68,10 @@ Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const
 /// Packs a figure for `open`: its bindings as above, the tangents in the order of the points, its
 /// labels, clips and levels, and parts of the user.
 ///
-///   returns  the packed figure and its report; fails as `pack`, with the part in
-///            FigurePackReport::culprit; duplicate_tag, duplicate_name, too_many_parts; for a clip or level
-///            as `open_clip` and `open`, and blob_of_another_cage; bindings_differ,
-///            vectors_do_not_match, labels_do_not_match, if parts of the figure were replaced by parts
-///            with other points or handles
+///   returns  the packed figure and its report; fails as `pack`, with the part in FigurePackReport::culprit;
+///            duplicate_tag, duplicate_name, too_many_parts; for a clip or level as `open_clip` and `open`,
+///            and blob_of_another_cage; bindings_differ, vectors_do_not_match, labels_do_not_match, if parts
+///            of the figure were replaced by parts with other points or handles
 ///   cost     that of `pack` for each binding, and a copy of all parts
 template <Scalar T, std::size_t D>
 Result<PackedFigure<T, D>, FigurePackReport>
@@ -83,10 +82,9 @@ pack(const FigureBinding<T, D>& figure, const FigurePackOptions& options = {}, c
     return result;
 }
 
-/// Binds points and packs the result in batches, without holding all weights in memory. The bytes are
-/// those of `pack` after `bind`, and so are the reports, except for times and PackReport::culprit after
-/// an error. A solver solves once and keeps its functions during the call. Points that fit one batch
-/// are bound by `bind`.
+/// Binds points and packs the result in batches, without holding all weights in memory. The bytes are those
+/// of `pack` after `bind`, and so are the reports, except for times and PackReport::culprit after an error. A
+/// solver solves once and keeps its functions during the call. Points that fit one batch are bound by `bind`.
 ///
 ///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
 ///   fails   as `bind` and `pack`; too_many_handles also if all blocks have more than 2³² rows

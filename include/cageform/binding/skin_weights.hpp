@@ -46,9 +46,8 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(const Binding<T, D>& binding
     return skin_weights(binding.view(), options, running);
 }
 
-/// Returns the skin for given weights of bones, as in `bind_bones`: for each point the K largest
-/// weights that are positive and at least the threshold, divided by their sum. Joints are bones, which
-/// may rotate.
+/// Returns the skin for given weights of bones, as in `bind_bones`: for each point the K largest weights that
+/// are positive and at least the threshold, divided by their sum. Joints are bones, which may rotate.
 ///
 ///   shares   #points · #bones: the weights of a point are consecutive
 ///   returns  the skin and its report, with w0 = shares. Points with weights that are not finite, or
@@ -114,10 +113,9 @@ Result<Binding<T, D>> skin_to_binding(const Binding<T, D>& binding, const SkinWe
     return skin_to_binding(binding.view(), skin);
 }
 
-/// Converts a skin's weights to normalised integers, `std::uint8_t` or `std::uint16_t`. The weights of
-/// a point have a sum of exactly 255 or 65535, or 0 if it has none. Each is within 1 of the exact
-/// value, and they still descend. Weights are rounded down; the missing units go to the largest
-/// remainders.
+/// Converts a skin's weights to normalised integers, `std::uint8_t` or `std::uint16_t`. The weights of a
+/// point have a sum of exactly 255 or 65535, or 0 if it has none. Each is within 1 of the exact value, and
+/// they still descend. Weights are rounded down; the missing units go to the largest remainders.
 ///
 ///   returns  #points · K, as in the skin; may throw std::bad_alloc
 /// See glTF 2.0, sec. 3.7.3.3.

@@ -1,5 +1,4 @@
-// The format of a packed clip: one block of memory that is written to a file, mapped, and played in
-// place.
+// The format of a packed clip: one block of memory that is written to a file, mapped, and played in place.
 //
 // Byte order is that of the machine that wrote the clip; a field records it. Every table begins at a
 // multiple of 64 bytes. Offsets are relative, without pointers. T is the clip's scalar, D its

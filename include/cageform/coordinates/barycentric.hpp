@@ -137,14 +137,14 @@ private:
 
     void evaluate_block(std::size_t b, BlockView<const T> points, BlockView<T> weights,
                         std::span<PointState> states) const {
-        weigh(points.block(b), weights.block(b));
+        compute_weights(points.block(b), weights.block(b));
         locate(b, points.points, weights.block(b), states);
     }
 
     void evaluate_gradient_block(std::size_t b, BlockView<const T> points, BlockView<T> gradients,
                                  std::span<PointState> states) const {
         Lanes<T> weights[D + 1];
-        weigh(points.block(b), weights);
+        compute_weights(points.block(b), weights);
         locate(b, points.points, weights, states);
         auto* const row = gradients.block(b);
         for (std::size_t k = 0; k <= D; ++k) {
@@ -153,7 +153,7 @@ private:
         }
     }
 
-    void weigh(const Lanes<T>* position, Lanes<T>* row) const noexcept {
+    void compute_weights(const Lanes<T>* position, Lanes<T>* row) const noexcept {
         // β_k is computed relative to a vertex of the opposite face, for accuracy on that face.
         for (std::size_t k = 0; k <= D; ++k) {
             const Vec<T, D>& from = vertices_[k < D ? D : 0];

@@ -23,9 +23,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   range     [0, 1] in the box. Outside, the functions are extended linearly, with both signs
 ///   smooth    C^(degree − 1) in the box, at most C¹ at its faces
 ///   falloff   outside, displacements fade to zero at this distance from the box, C¹ at both ends; C⁰ beyond
-///             edges of the box if its axes are not orthogonal. D + 1 still handles, o and o + A_k, then
+///             edges of the box if its axes are not orthogonal. D + 1 frame handles, o and o + A_k, then
 ///             follow the control points, and poses must leave them at rest. BindOptions::falloff fades by
-///             the same distance without still handles; with both, points fade twice
+///             the same distance without frame handles; with both, points fade twice
 ///   zeros     all but (degree + 1)^D weights in the box are exactly zero
 ///   cost      O(#handles) a point, to write the weights
 ///   faults    lattice_degree, lattice_knots, frame_not_finite, frame_flat (the axis depends on the others),
@@ -54,7 +54,7 @@ public:
 
     std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
     const CageReport& cage_report() const noexcept { return report_; }
-    /// Returns the number of frame handles: the last handles, which must stay at rest.
+    /// Returns the number of frame handles, the last handles, which must stay at rest.
     std::size_t frame_handles() const noexcept {
         return handles_.size() - (std::min)(points_, handles_.size());
     }
@@ -89,7 +89,7 @@ public:
                                               for (std::size_t b = begin; b < end; ++b) {
                                                   evaluate_axes(b, points, states, false, scratch);
                                                   multiply(functions_of(scratch.value), weights.block(b));
-                                                  fade(scratch, weights.block(b));
+                                                  apply_falloff(scratch, weights.block(b));
                                               }
                                           });
     }
@@ -272,7 +272,7 @@ private:
         if (!(falloff_ > 0)) return;
         Simd(T(1)).store(scratch.kept);
         for (auto& lanes : scratch.kept_gradient) Simd(T(0)).store(lanes);
-        for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) fade_at(lane, scratch);
+        for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) set_falloff(lane, scratch);
     }
     /// Sets the positions u and the states of a block's points. Returns whether all are inside, off the
     /// faces.
@@ -345,7 +345,7 @@ private:
         return result;
     }
     /// Sets the falloff at a point.
-    void fade_at(std::size_t lane, Scratch& scratch) const noexcept {
+    void set_falloff(std::size_t lane, Scratch& scratch) const noexcept {
         Vec<T, D> u{};
         for (std::size_t k = 0; k < D; ++k) u[k] = scratch.place[k][lane];
         const auto from_box = distance_at(u);
@@ -378,8 +378,8 @@ private:
             for (const auto& z : *of[2]) add_rows(Simd::load(z));
         }
     }
-    /// Applies the falloff to weights, and sets those of the still handles.
-    void fade(const Scratch& scratch, Lanes<T>* row) const noexcept {
+    /// Applies the falloff to weights, and sets those of the frame handles.
+    void apply_falloff(const Scratch& scratch, Lanes<T>* row) const noexcept {
         if (!(falloff_ > 0)) return;
         const Simd kept = Simd::load(scratch.kept), lost = Simd(T(1)) - kept;
         for (std::size_t n = 0; n < points_; ++n) (kept * Simd::load(row[n])).store(row[n]);
@@ -428,7 +428,7 @@ private:
     std::array<Vec<T, D>, D> inverse_{}; ///< the rows of A⁻¹
     std::array<T, D> on_face_{};         ///< the tolerance in u
     double scale_ = 1;                   ///< a power of two that makes the box about 1 in size
-    std::size_t points_ = 0;             ///< number of control points; still handles follow
+    std::size_t points_ = 0;             ///< number of control points; frame handles follow
     std::vector<Vec<T, D>> handles_;
     CageReport report_;
 };

@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1). Several loops and points outside: Hormann &
 /// Floater, Mean value coordinates for arbitrary planar polygons (ACM TOG 25, 2006), sec. 3 and 4. Code:
-/// `weigh` in mean_value/plane.hpp.
+/// `compute_weights` in mean_value/plane.hpp.
 ///
 /// In 3D: Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec. 3.
 /// A face gives its corners weights w_k with Σ w_k (C_k − p) = m, where m is the integral of the unit vectors
@@ -32,7 +32,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   S = ½ Σ g_k ρ_k / H,   w_k = (S ρ_k + ½ H Σ_l g_l ν_k·ν_l) / h_k
 ///
 /// Each g is computed once per edge. Only S cancels, next to the plane of a face but not over the face; it is
-/// then computed by `sum_beside_face`. Code: `weigh` and `face_weights` in mean_value/space.hpp.
+/// then computed by `sum_beside_face`. Code: `compute_weights` and `face_weights` in mean_value/space.hpp.
 ///
 ///   boundary   the limits: the unit row on vertices, barycentric weights on edges and triangles
 ///   range      sum to 1; may be negative outside, and where the cage is not convex

@@ -247,7 +247,7 @@ private:
         if (state == PointState::inside && !scratch.at_site) return;
         if (scratch.at_site && options_.degree == 3) return;
         for (const double fraction : {0x1p-20, 0x1.8p-20}) {
-            (void)neighbours_.find(neighbours_.drawn_inside(p, fraction), scratch);
+            (void)neighbours_.find(neighbours_.moved_inside(p, fraction), scratch);
             if (!scratch.at_site) return;
         }
     }

@@ -44,7 +44,7 @@ inline constexpr bool is_homogeneous<F> = true;
 /// Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 gives Wachspress coordinates, f =
 /// r mean value coordinates (see `MeanValueCoordinates`, for any polygon), f = r² discrete harmonic
 /// coordinates. The first and the last agree if all vertices lie on a circle. f = 1 and f = r² need only
-/// products and one division per edge. Code: `weigh_three_points` in three_point/formula.hpp.
+/// products and one division per edge. Code: `three_point_weights` in three_point/formula.hpp.
 ///
 ///   F        f as a function of r², a template of its number X: a scalar, a register of scalars, or either
 ///            with a gradient. For √(1 + r²): `using std::sqrt; return sqrt(X(1) + rr);`. Optional
@@ -142,12 +142,13 @@ private:
     }
 
     template <class N, class S>
-    detail::ThreePointSum<N> weigh(const detail::ThreePointFrame<S>& frame, S near_distance,
-                                   const Vec<detail::ValueOf<N>, 2>& p, std::vector<N>& weights) const {
+    detail::ThreePointSum<N> compute_weights(const detail::ThreePointFrame<S>& frame, S near_distance,
+                                             const Vec<detail::ValueOf<N>, 2>& p,
+                                             std::vector<N>& weights) const {
         constexpr auto rises = std::is_same_v<F, Wachspress>         ? detail::ThreePointRises::none
                                : std::is_same_v<F, DiscreteHarmonic> ? detail::ThreePointRises::of_squares
                                                                      : detail::ThreePointRises::of_any;
-        return detail::weigh_three_points<rises, N>(frame, f_, near_distance, p, weights);
+        return detail::three_point_weights<rises, N>(frame, f_, near_distance, p, weights);
     }
 
     template <class N>
@@ -176,7 +177,7 @@ private:
         for (std::size_t k = 0; k < 2; ++k)
             p[k] = X(S(scale_)) * detail::load_lanes<S>(batch.points.block(b)[k], first);
         const auto& frame = detail::for_number<N>(frame_, gradient_frame_);
-        const auto result = weigh<N>(frame, near_distance<N>(), p, memory);
+        const auto result = compute_weights<N>(frame, near_distance<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
             detail::for_each_component(
@@ -226,7 +227,7 @@ private:
         const auto q = on_boundary ? step_inside(vec_cast<Wide>(p)) : vec_cast<Wide>(p);
         const Wide unit = Wide(1) / Wide(scale_);
         std::vector<N> memory(cage_.size());
-        const auto result = weigh<N>(frame_about<Wide>(q, unit), Wide(0), Vec<Wide, 2>{}, memory);
+        const auto result = compute_weights<N>(frame_about<Wide>(q, unit), Wide(0), Vec<Wide, 2>{}, memory);
         if (detail::value_of(result.sum) == 0) return PointState::unreached;
         if (!detail::store_weights<N>(memory, Wide(1) / result.sum, Wide(scale_), rows, lane))
             return PointState::unreached;

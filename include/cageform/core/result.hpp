@@ -12,8 +12,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///     const auto [binding, report] = bind(coordinates, points);
 ///     if (const auto packed = pack(binding)) write(packed.value.bytes());
 ///
-/// A report is a Status, or has one as its member `status`. The value is empty unless that status
-/// is ok.
+/// A report is a Status, or has one as its member `status`. The value is empty unless that status is ok.
 template <class Value, class Report = Status>
 struct [[nodiscard]] Result {
     Value value{};

@@ -1,5 +1,4 @@
-// The vector type of all computations. User point types are converted at the interface
-// (core/point.hpp).
+// The vector type of all computations. User point types are converted at the interface (core/point.hpp).
 #pragma once
 
 #include <cageform/config.hpp>
@@ -65,8 +64,7 @@ constexpr Vec<To, D> vec_cast(const Vec<T, D>& a) noexcept {
     return r;
 }
 
-/// Whether `x` is neither NaN nor infinite. Tests the exponent bits, so it also works under
-/// -ffast-math.
+/// Whether `x` is neither NaN nor infinite. Tests the exponent bits, so it also works under -ffast-math.
 template <Scalar T>
 constexpr bool is_finite(T x) noexcept {
     using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;

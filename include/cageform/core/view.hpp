@@ -50,8 +50,7 @@ public:
         return axis_stride_ == sizeof(T) && point_stride_ == D * sizeof(T) ? data_ : nullptr;
     }
 
-    /// Returns a view of `count` points from point `first` on, for instance of one figure in a shared
-    /// buffer.
+    /// Returns a view of `count` points from point `first` on, for instance of one figure in a shared buffer.
     StridedPoints subview(std::size_t first, std::size_t count) const noexcept {
         return {at(first, 0), count, point_stride_, axis_stride_};
     }
@@ -80,8 +79,7 @@ template <class R>
 concept PointRange = requires(const std::remove_reference_t<R>& r, std::size_t i) {
     { std::size(r) } -> std::convertible_to<std::size_t>;
     r[i];
-    // Compilers print this line for an unknown point type, so it names the headers that explain the
-    // fix.
+    // Compilers print this line for an unknown point type, so it names the headers that explain the fix.
     requires Point<std::remove_cvref_t<decltype(r[i])>>; // PointTraits: core/point.hpp, adapt/*.hpp
 };
 

@@ -24,9 +24,8 @@ enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 ///               each key, with tangents per second. Normalise a rotation after evaluation. For LINEAR
 ///               rotations the result is not the slerp of the glTF standard
 ///   components  3 for translation and scale, 4 for rotation; for weights, the number of morph targets
-///   fails       input_malformed if the sizes do not match, or for no keys or components;
-///               value_not_finite, also for the unused first in- and last out-tangent; keys_not_ascending;
-///               out_of_memory
+///   fails       input_malformed if the sizes do not match, or for no keys or components; value_not_finite,
+///               also for the unused first in- and last out-tangent; keys_not_ascending; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
 inline Result<std::vector<std::vector<Key>>, ExchangeReport>
 keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,

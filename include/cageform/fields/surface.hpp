@@ -18,8 +18,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   cost     as solve_graph: one factorisation for all fields
 ///   fails    input_malformed (not one mark per vertex, or incomplete fields; also if `cotangent_weights`
 ///            failed); value_not_finite (SolverReport::culprit is the index in `values`); cells_unreached
-///            (the first vertex of a component without a given one); not_converged; cancelled;
-///            out_of_memory
+///            (the first vertex of a component without a given one); not_converged; cancelled; out_of_memory
 template <MutableScalarRange V>
 Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::uint8_t> given, V&& values,
                          const Running& running = {}) {

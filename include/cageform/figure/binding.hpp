@@ -1,5 +1,4 @@
-// A binding: the weights of a figure's points for the handles of a cage. Made at bind time, used at run
-// time.
+// A binding: the weights of a figure's points for the handles of a cage. Made at bind time, used at run time.
 #pragma once
 
 #include <cageform/core/types/blocks.hpp>

@@ -75,9 +75,8 @@ struct PackedBindingView {
         , handle_faces(dense.handle_faces)
         , handle_loops(dense.handle_loops) {}
 
-    /// Returns a view for a figure whose points are stored in the order of the binding: output point n
-    /// is the bound point `order[n]`. This avoids the scattered writes, a third of the time of sparse
-    /// clones.
+    /// Returns a view for a figure whose points are stored in the order of the binding: output point n is the
+    /// bound point `order[n]`. This avoids the scattered writes, a third of the time of sparse clones.
     PackedBindingView in_order() const noexcept {
         auto view = *this;
         view.order = nullptr;

@@ -72,8 +72,7 @@ struct FitProblem {
         const double length = function.length();
         c = {t == 1 ? function.curve().points[3][1] - function.curve().points[0][1] : function.value()(t), 0,
              0};
-        // At an inner vertical tangent the derivative of time is 0 only up to thousands of rounding
-        // errors.
+        // At an inner vertical tangent the derivative of time is 0 only up to thousands of rounding errors.
         constexpr double none = 1e-12;
         const double rise = std::fabs(function.value().slope(t));
         if (vertical && count > 1 && function.time().slope(t) <= none && rise > none * largest_value())

@@ -38,8 +38,7 @@ struct BestKnots {
 
 /// The result of a knot search.
 struct KnotReport {
-    /// As for a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
-    /// cancelled.
+    /// As for a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces; cancelled.
     Status status = Status::ok;
     double objective = std::numeric_limits<double>::infinity(); ///< weighted squared errors
     std::size_t trials = 0;                                     ///< number of fits

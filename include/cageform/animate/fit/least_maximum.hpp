@@ -7,8 +7,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Minimises the maximum error over `count` coefficients of a piece, from index `first` on. Repeats a
-/// least-squares fit whose sample weights are multiplied by the errors (Lawson 1961); keeps the best
-/// piece.
+/// least-squares fit whose sample weights are multiplied by the errors (Lawson 1961); keeps the best piece.
 class LeastMaximum {
 public:
     LeastMaximum(const FitProblem& problem, const FitPiece& piece, std::size_t first, std::size_t count)

@@ -32,9 +32,8 @@ public:
     /// Whether each piece is determined by its own interval.
     bool decoupled() const noexcept { return detail::decoupled(problem_.options.conditions); }
 
-    /// Returns the best piece between two parameters, with the prescribed derivatives of the curve at
-    /// its ends. It is not `solved` if there are more conditions than coefficients, or a slope is
-    /// unbounded.
+    /// Returns the best piece between two parameters, with the prescribed derivatives of the curve at its
+    /// ends. It is not `solved` if there are more conditions than coefficients, or a slope is unbounded.
     Piece fit_piece(double begin, double end) const {
         Piece piece = problem_.interval(begin, end);
         if (!(piece.length() > 0)) return piece;

@@ -13,9 +13,8 @@ struct ClipPackOptions {
     /// The maximum distance of a vertex, in the units of the cage, that quantisation may cause. 0: no
     /// limit in these units.
     double tolerance = 0;
-    /// The maximum distance relative to the cage's size (ClipPackReport::size). The smaller limit
-    /// applies. If both are 0, nothing is quantised, and the packed clip gives the same bits as the
-    /// original.
+    /// The maximum distance relative to the cage's size (ClipPackReport::size). The smaller limit applies. If
+    /// both are 0, nothing is quantised, and the packed clip gives the same bits as the original.
     double share = 0;
 };
 

@@ -1,5 +1,4 @@
-// Type-erased coordinates and points, so that most code of binding is compiled once per scalar and
-// dimension.
+// Type-erased coordinates and points, so that most code of binding is compiled once per scalar and dimension.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>

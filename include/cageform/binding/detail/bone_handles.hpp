@@ -48,8 +48,7 @@ private:
         rest_.push_back(handle);
         kinds_.push_back(kind);
     }
-    /// Computes A⁻¹. Its rows are the gradients of the barycentric coordinates for the axes' end
-    /// points.
+    /// Computes A⁻¹. Its rows are the gradients of the barycentric coordinates for the axes' end points.
     void invert(const Transform<T, D>& bone, std::size_t b, CageReport& report) {
         std::array<Vec<double, D>, D + 1> corners{};
         double size = 0;

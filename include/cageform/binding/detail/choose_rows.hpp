@@ -22,8 +22,7 @@ struct RowsBySize {
     std::size_t added = 0;              ///< rows added because the other handles are nearly coplanar
 };
 
-/// Returns the handles whose weights are kept for any point of a block. Adds handles until they are
-/// spread.
+/// Returns the handles whose weights are kept for any point of a block. Adds handles until they are spread.
 template <Scalar T, std::size_t D>
 RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& moments,
                         const BlockPoints<T>& points, const PackOptions& options) {
@@ -171,9 +170,8 @@ private:
     }
 
     /// Rejects a format that is too coarse: more rows do not reduce its rounding errors. Once rounding
-    /// dominates the distance, the format is tested with all rows, and rejected if these exceed the
-    /// limit. The time of this test does not depend on the limit, so neither does the reported
-    /// reachable distance.
+    /// dominates the distance, the format is tested with all rows, and rejected if these exceed the limit.
+    /// The time of this test does not depend on the limit, so neither does the reported reachable distance.
     void reject_if_too_coarse(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         packer_.restore(points_, kept);

@@ -44,10 +44,9 @@ public:
     }
 
     /// Computes weights for at most `most` handles; `weight(i)` returns them. Returns false if q is not
-    /// reproduced. Handles with the smallest weights are dropped, at most half of the surplus per step,
-    /// while the others can reproduce q. This greedy choice is not optimal. (Exchanging handles to get
-    /// closer weights was tried. It doubled the distances in motion, because handles far away move
-    /// differently.)
+    /// reproduced. Handles with the smallest weights are dropped, at most half of the surplus per step, while
+    /// the others can reproduce q. This greedy choice is not optimal. (Exchanging handles to get closer
+    /// weights was tried. It doubled the distances in motion, because handles far away move differently.)
     bool reduce(std::size_t most, double threshold) {
         bool exact = start();
         std::size_t at_once = support_.size();
@@ -92,8 +91,7 @@ private:
     using Row = Eigen::Matrix<double, N, 1>;
     using Square = Eigen::Matrix<double, N, N>;
 
-    /// Solves with all handles. If they cannot reproduce q, replaces q by the closest point that they
-    /// can.
+    /// Solves with all handles. If they cannot reproduce q, replaces q by the closest point that they can.
     bool start() {
         bool sound = true;
         Row sum = Row::Zero();
@@ -162,8 +160,7 @@ private:
     bool solve(std::span<const std::size_t> over, bool exact) {
         found_.assign(given_.size(), 0.0);
         if (over.empty()) return false;
-        // E is small relative to the equations, but large enough to keep y accurate if they have no
-        // solution.
+        // E is small relative to the equations, but large enough to keep y accurate if they have no solution.
         Row penalty = Row::Constant(exact ? 1e-10 : 1e-6);
         if (!exact) penalty[0] = 1e-9;
         Row y = Row::Zero(), centre = Row::Zero();

@@ -37,8 +37,7 @@ Status read_tangents(const Figure& figure, const Read& read) {
     }
 }
 
-/// Reads a figure and calls bind(input), which returns a Status. The input is valid only during the
-/// call.
+/// Reads a figure and calls bind(input), which returns a Status. The input is valid only during the call.
 template <Scalar T, std::size_t D, class Figure, class BindFigure>
 Status read_figure(const Figure& figure, const BindFigure& bind) {
     FigureInput<T, D> input{read_points<T>(figure.points), {}, {}};

@@ -81,11 +81,10 @@ private:
     double noise_ = 1, affine_ = 1;
 };
 
-/// Ranks the handles of a block: `best` returns the next handle, and `add` appends it. `solution(n)`
-/// returns new weights for the first n handles: those with the least square loss among all weights with
-/// the row sums Σ wκ and Σ wH of the binding (κ, H: core/types/handles.hpp). Orthogonal least squares
-/// (Chen, Billings, Luo, Int. J. Control 50 (1989)), on a Cholesky factorisation of K that grows by one
-/// row per handle.
+/// Ranks the handles of a block: `best` returns the next handle, and `add` appends it. `solution(n)` returns
+/// new weights for the first n handles: those with the least square loss among all weights with the row sums
+/// Σ wκ and Σ wH of the binding (κ, H: core/types/handles.hpp). Orthogonal least squares (Chen, Billings,
+/// Luo, Int. J. Control 50 (1989)), on a Cholesky factorisation of K that grows by one row per handle.
 ///
 ///   L     number of points of the block
 ///   cost  O(#handles · (count + L)) for the next handle, and for a solution O(count² · L)

@@ -24,9 +24,8 @@ constexpr bool is_heavier(const HandleWeight& a, const HandleWeight& b) noexcept
 }
 
 /// Finds the weights of one point that reproduce it with the least relative change of given weights m:
-/// w = m · max(0, 1 + a·y), where a are the affine rows of the handles and y has D + 1 numbers such
-/// that Σ w a = (1, 0). Uses Newton's method as ConvexWeights does. Where m is 0, so is w, and w is
-/// continuous in m.
+/// w = m · max(0, 1 + a·y), where a are the affine rows of the handles and y has D + 1 numbers such that Σ w
+/// a = (1, 0). Uses Newton's method as ConvexWeights does. Where m is 0, so is w, and w is continuous in m.
 template <std::size_t D>
 class NearWeights {
 public:

@@ -88,8 +88,7 @@ protected:
                (options_.outside == OutsidePoints::nearest_boundary ||
                 (options_.outside == OutsidePoints::extend && input_.has_extension));
     }
-    /// Returns the falloff of point i, which lies outside at `p`. A point with a factor of 0 gets no
-    /// weights.
+    /// Returns the falloff of point i, which lies outside at `p`. A point with a factor of 0 gets no weights.
     FalloffValue<D> falloff_of(std::size_t i, const Vec<T, D>& p) {
         if (beyond_.empty()) return {};
         FalloffValue<D> falloff;

@@ -13,8 +13,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Reads the points or vectors of a binding at rest, in their original order. Refers to the binding's
-/// memory.
+/// Reads the points or vectors of a binding at rest, in their original order. Refers to the binding's memory.
 template <Scalar T, std::size_t D>
 PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
     const BlockView<const T> rest{binding.rest, D, binding.points};

@@ -88,8 +88,7 @@ public:
         return running.end(Status::ok);
     }
 
-    /// Returns the weights of a node, possibly 0; `wide_row` returns those of the round with 2K
-    /// handles.
+    /// Returns the weights of a node, possibly 0; `wide_row` returns those of the round with 2K handles.
     std::span<const HandleWeight> row(std::size_t node) const { return narrow_.row(node); }
     std::span<const HandleWeight> wide_row(std::size_t node) const { return wide_.row(node); }
 
@@ -203,8 +202,7 @@ private:
         });
     }
 
-    /// Chooses the handles of a round: those with the largest smoothed weights among the remaining
-    /// ones.
+    /// Chooses the handles of a round: those with the largest smoothed weights among the remaining ones.
     bool choose(std::size_t round, const Running& running) {
         const std::size_t before = kept_;
         kept_ = handle_count_of(rounds[round]);
@@ -269,11 +267,9 @@ private:
         return true;
     }
 
-    /// Sets both fields to the projection of `ahead` to the weights that are non-negative and have the
-    /// sum 1.
+    /// Sets both fields to the projection of `ahead` to the weights that are non-negative and have the sum 1.
     static void project(std::span<Entry> row) {
-        // Michelot, J. Optim. Theory Appl. 50 (1986): subtracts the mean surplus of the entries above
-        // it.
+        // Michelot, J. Optim. Theory Appl. 50 (1986): subtracts the mean surplus of the entries above it.
         double sum = -1, shift = -std::numeric_limits<double>::infinity();
         for (const Entry& entry : row) sum += entry.ahead;
         for (std::size_t count = row.size(), before = 0; count != before;) {

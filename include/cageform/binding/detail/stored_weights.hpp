@@ -11,8 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the nearest binary16 number (ties to even, subnormals flushed to zero); |x| must be below
-/// 65504.
+/// Returns the nearest binary16 number (ties to even, subnormals flushed to zero); |x| must be below 65504.
 inline std::uint16_t to_half(double x) noexcept {
     const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(x));
     const std::uint32_t sign = (bits >> 16) & 0x8000u, magnitude = bits & 0x7FFFFFFFu;
@@ -25,8 +24,7 @@ inline double from_half(std::uint16_t half) noexcept {
     return double(std::bit_cast<float>(bits)) * 0x1p112;
 }
 
-/// Writes the weights of a block to `to` and replaces `weights` by the stored values. Returns the
-/// scale.
+/// Writes the weights of a block to `to` and replaces `weights` by the stored values. Returns the scale.
 template <Scalar T>
 T store_weights(WeightFormat format, std::span<double> weights, std::byte* to) {
     const auto write = [&to](auto x) {

@@ -235,8 +235,7 @@ private:
         this->record(outcome, bound, b, measures);
     }
 
-    /// Sets the weights outside to f (t·∇w_i) + (t·∇f) w_i. Sums are measured before this, sizes after
-    /// it.
+    /// Sets the weights outside to f (t·∇w_i) + (t·∇f) w_i. Sums are measured before this, sizes after it.
     template <class Outcome>
     void apply_falloff(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
                        Outcome& outcome) const noexcept {

@@ -223,8 +223,7 @@ private:
         }
         return Status::ok;
     }
-    /// Returns the position of a handle: for a vector, the centre of its face, or of the cage if it has
-    /// none.
+    /// Returns the position of a handle: for a vector, the centre of its face, or of the cage if it has none.
     Vec<double, D> position_of(const PoseSamples<T, D>& to, std::size_t i, std::size_t vector) const {
         if (handles_.is_point(i)) return vec_cast<double>(handles_.rest[i]);
         if (handles_.faces == nullptr) return to.centre;

@@ -59,8 +59,7 @@ private:
         return dot(a - b, a - b);
     }
 
-    /// The first centre is the first sample; each further one is the sample farthest from all centres
-    /// so far.
+    /// The first centre is the first sample; each further one is the sample farthest from all centres so far.
     void choose_farthest_points(std::size_t count) {
         std::size_t farthest = 0;
         for (std::size_t c = 0; c < count; ++c) {

@@ -37,10 +37,9 @@ struct BindOptions {
     ///     f = (1 − x)² (1 + 2x),   x = d / falloff
     ///
     /// and are exactly 0 for x ≥ 1. Rest stays exact; affine poses are not exact outside. The falloff
-    /// preserves continuity at the boundary up to C¹. The slope of f is up to 1.5 / falloff: the figure
-    /// may fold if points move by more than two thirds of the falloff. With nearest_boundary, the
-    /// motion is discontinuous where two parts of the cage are equally near and nearer than the
-    /// falloff.
+    /// preserves continuity at the boundary up to C¹. The slope of f is up to 1.5 / falloff: the figure may
+    /// fold if points move by more than two thirds of the falloff. With nearest_boundary, the motion is
+    /// discontinuous where two parts of the cage are equally near and nearer than the falloff.
     ///
     /// Fails with falloff_not_supported if it is negative or not finite, or if points outside have no
     /// weights: with keep_in_place, and with extend if the coordinates have no extension.

@@ -31,8 +31,7 @@ FigurePoints(Points&&, Normals&&) -> FigurePoints<Points, Normals>;
 template <class Points, class Normals, class Tangents>
 FigurePoints(Points&&, Normals&&, Tangents&&) -> FigurePoints<Points, Normals, Tangents>;
 
-/// A bound figure, made by `bind`. `clone` deforms it (clone/clone_figure.hpp); `pack` packs it for run
-/// time.
+/// A bound figure, made by `bind`. `clone` deforms it (clone/clone_figure.hpp); `pack` packs it for run time.
 template <Scalar T, std::size_t D>
 class FigureBinding {
 public:

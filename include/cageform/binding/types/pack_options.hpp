@@ -28,8 +28,7 @@ struct PackOptions {
     /// 0: no limit; if all three are 0, nothing is dropped.
     double tolerance = 0;
     /// The poses in which distances are measured, for instance those of a clip: #poses · #handles · D
-    /// numbers, see `append_pose`. Weights are fitted to these poses, with a small share of other
-    /// movements.
+    /// numbers, see `append_pose`. Weights are fitted to these poses, with a small share of other movements.
     std::span<const double> poses{};
     /// Without poses, distances are bounded over all poses in which every handle is within this
     /// distance of an affine image of the handles at rest. 0: a tenth of the cage's size. Face normals
@@ -87,8 +86,7 @@ struct PackReport {
 };
 
 struct FigurePackOptions {
-    /// Options of the weights. The order and the tolerance apply to the points; tangents use the same
-    /// order.
+    /// Options of the weights. The order and the tolerance apply to the points; tangents use the same order.
     PackOptions weights{};
     /// The maximum change of a unit tangent (radians for a rotation), with or without a tolerance of
     /// the points. 0: ten times the tolerance of the points divided by the size of the figure, at most

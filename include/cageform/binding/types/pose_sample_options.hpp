@@ -5,8 +5,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// 0, or a negative number for `spokes`, selects a default that depends on the number of handles and
-/// samples.
+/// 0, or a negative number for `spokes`, selects a default that depends on the number of handles and samples.
 struct PoseSampleOptions {
     std::size_t samples = 0;   ///< approximate number on a lattice; default: 16 per handle, at least 4,000
     std::size_t rotations = 0; ///< clusters; default: 2 per handle, 200 to 400, at most one per sample

@@ -10,8 +10,7 @@
 #include <exception>
 #endif
 
-// mingw-w64 without posix threads and WebAssembly have no threads: cageform_running::threads is
-// ignored.
+// mingw-w64 without posix threads and WebAssembly have no threads: cageform_running::threads is ignored.
 #if !defined(CAGEFORM_C_RUNTIME_ONLY) && !defined(__wasi__) &&                                               \
     (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
 #define CAGEFORM_DETAIL_C_THREADS

@@ -9,9 +9,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// A cage of closed loops of Bézier curves of degree 1 to 3. Outer loops and holes may have any order and
-/// orientation; the even-odd rule decides what is inside. Edges are numbered consecutively through all
-/// loops. Construction never fails; `check` reports whether the curves are a valid cage, and coordinates
-/// call it.
+/// orientation; the even-odd rule decides what is inside. Edges are numbered consecutively through all loops.
+/// Construction never fails; `check` reports whether the curves are a valid cage, and coordinates call it.
 template <Scalar T>
 class CurvedPolygon {
 public:

@@ -88,8 +88,7 @@ public:
         }
     }
 
-    /// Checks that facets lie inside, and meet the boundary and each other only in common vertices and
-    /// edges.
+    /// Checks that facets lie inside, and meet the boundary and each other only in common vertices and edges.
     void check_facets() {
         for (const auto& facet : cells()) {
             std::array<double, D> middle;

@@ -5,9 +5,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// An orthonormal frame of a face's plane. `normal` points outward if the corners are counter-clockwise
-/// seen from outside; `u` is parallel to the longest edge, so the sides of a rectangle are parallel to the
-/// axes.
+/// An orthonormal frame of a face's plane. `normal` points outward if the corners are counter-clockwise seen
+/// from outside; `u` is parallel to the longest edge, so the sides of a rectangle are parallel to the axes.
 struct FacePlane {
     Vec<double, 3> origin{}, u{1, 0, 0}, v{0, 1, 0}, normal{0, 0, 1};
     bool has_area = false; ///< whether the corners define a normal; if not, the frame is the default

@@ -88,8 +88,7 @@ public:
         , faces_(faces)
         , half_edges_(half_edges_of(faces)) {}
 
-    /// Returns no faces if a gap cannot be closed, or if the gaps exceed a quarter of the area of the
-    /// faces.
+    /// Returns no faces if a gap cannot be closed, or if the gaps exceed a quarter of the area of the faces.
     std::vector<MeshFace> closing_faces() const {
         const auto gaps = loops_of(open_edges());
         if (!gaps) return {};

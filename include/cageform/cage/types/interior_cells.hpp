@@ -10,9 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A point (`i` = `j`) or, in 3D, an edge of a chain. It needs a radius, because a harmonic function
-/// ignores the value at a point or on a curve. Points within the radius have the value of the bone's
-/// nearest point.
+/// A point (`i` = `j`) or, in 3D, an edge of a chain. It needs a radius, because a harmonic function ignores
+/// the value at a point or on a curve. Points within the radius have the value of the bone's nearest point.
 struct Bone {
     std::uint32_t i = 0, j = 0; ///< handles
     double radius = 0;          ///< in the units of the cage

@@ -68,12 +68,10 @@ struct CurveBankView {
     using Cursor = CurveCursor<T>;
 
     std::span<const BankCurve<T>> curves;
-    /// The knots of the unquantised curves, one curve after the other, then those of the quantised
-    /// curves.
+    /// The knots of the unquantised curves, one curve after the other, then those of the quantised curves.
     std::span<const T> knots;
     std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from each knot of an unquantised curve on
-    /// Bernstein coefficients from each knot of a quantised curve on; unused at the last knot of a
-    /// curve.
+    /// Bernstein coefficients from each knot of a quantised curve on; unused at the last knot of a curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
     std::span<const BankEntry> entries; ///< one per knot, sorted by time, then by knot
 
@@ -209,9 +207,8 @@ private:
 /// Many curves that are evaluated at once, such as the coordinates of a cage's vertices. Their knots
 /// may differ.
 ///
-/// A cursor holds the current piece of each curve, in rows of one cache line. The knots of all curves
-/// are sorted by time. The knots between two times give the curves that enter another piece, in either
-/// direction.
+/// A cursor holds the current piece of each curve, in rows of one cache line. The knots of all curves are
+/// sorted by time. The knots between two times give the curves that enter another piece, in either direction.
 ///
 ///   cost    playing: a few vector operations and five loads per value, and a few nanoseconds for each
 ///           curve that enters another piece; a jump: a binary search in each curve
@@ -239,8 +236,7 @@ public:
                 add_knot(piece.begin);
                 pieces_.push_back({piece.c0, piece.c1, piece.c2, piece.c3});
             }
-            // At the end time the last piece still applies, for its slope, unless the value jumps
-            // there.
+            // At the end time the last piece still applies, for its slope, unless the value jumps there.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
             add_knot(jumps ? curve.end() : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
             pieces_.push_back({curve.end_value(), T(0), T(0), T(0)});

@@ -87,9 +87,8 @@ private:
     }
 };
 
-/// Rotates and translates a cage as a whole, after its vertices have been sampled. (Interpolating
-/// vertices between two rotated poses would shrink the cage in between.) Tracks without pieces have no
-/// effect.
+/// Rotates and translates a cage as a whole, after its vertices have been sampled. (Interpolating vertices
+/// between two rotated poses would shrink the cage in between.) Tracks without pieces have no effect.
 template <Scalar T, std::size_t D>
 struct RigidMotion {
     Vec<T, D> pivot{};                    ///< the centre of rotation

@@ -25,9 +25,8 @@ inline ComplexNumber integral_of(const CurveRoot<double>& root) noexcept {
     return {0.5 * std::log(norm(beyond) / norm(s)), std::atan2(turned.im, turned.re)};
 }
 
-/// Computes the moments of a degree from that of degree 0, by b_k^d = (1 − t) b_k + t b_{k−1} and
-/// ∫ b^{d−1} = 1/d. For |s| + |s − 1| < 5/3 the error is 1e-15 of the largest moment for degree 3, 6e-15 for
-/// degree 5.
+/// Computes the moments of a degree from that of degree 0, by b_k^d = (1 − t) b_k + t b_{k−1} and ∫ b^{d−1} =
+/// 1/d. For |s| + |s − 1| < 5/3 the error is 1e-15 of the largest moment for degree 3, 6e-15 for degree 5.
 template <class R>
 void raise_moments(const CurveRoot<R>& root, const Complex<R>& integral, std::size_t degree,
                    EdgeMoments<R>& j) noexcept {

@@ -32,8 +32,8 @@ public:
         std::array<Piece, 64> stack;
         std::size_t count = 0;
         stack[count++] = {axis[0] * axis[0] + axis[1] * axis[1], 0, 1};
-        meet(0);
-        meet(1);
+        try_at(0);
+        try_at(1);
         while (count > 0) {
             const Piece piece = stack[--count];
             const double limit = (std::min)(best_.distance, most);
@@ -44,20 +44,20 @@ public:
             const double end = piece.begin + piece.length;
             const bool is_convex = least_of(derivative.derivative()) >= 0;
             if (is_convex && (first >= 0 || last <= 0)) {
-                meet(first >= 0 ? piece.begin : end);
+                try_at(first >= 0 ? piece.begin : end);
             } else if (is_convex || piece.length < 0x1p-40 || count + 2 > stack.size()) {
-                meet(finish(piece.begin, end, piece.begin + 0.5 * piece.length));
+                try_at(newton(piece.begin, end, piece.begin + 0.5 * piece.length));
             } else {
                 const double half = 0.5 * piece.length;
                 const auto [lower, upper] = piece.square.split(0.5);
-                meet(piece.begin + half);
+                try_at(piece.begin + half);
                 stack[count++] = {lower, piece.begin, half};
                 stack[count++] = {upper, piece.begin + half, half};
             }
         }
         // Refines a minimum that bisection only came close to.
         if (best_.t > 0 && best_.t < 1) {
-            const double t = finish(0, 1, best_.t), distance = distance_at(t);
+            const double t = newton(0, 1, best_.t), distance = distance_at(t);
             if (distance <= best_.distance * (1 + 4 * epsilon<double>)) best_ = {t, distance};
         }
         return best_;
@@ -76,12 +76,12 @@ private:
         const auto off = t <= 0.5 ? curve_.at(t) - p_ : reversed_.at(1 - t) - p_;
         return std::hypot(off[0], off[1]);
     }
-    void meet(double t) noexcept {
+    void try_at(double t) noexcept {
         const double distance = distance_at(t);
         if (distance < best_.distance) best_ = {t, distance};
     }
     /// Returns a root of (e − p)·e' in [low, high], by Newton's method from t, safeguarded by bisection.
-    double finish(double low, double high, double t) const noexcept {
+    double newton(double low, double high, double t) const noexcept {
         for (int step = 0; step < 60; ++step) {
             const auto off = curve_.at(t) - p_, along = slope_.at(t);
             const double f = dot(off, along), rate = dot(along, along) + dot(off, bend_.at(t));

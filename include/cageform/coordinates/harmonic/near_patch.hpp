@@ -4,7 +4,6 @@
 #include <cageform/coordinates/harmonic/near_field.hpp>
 #include <cageform/coordinates/harmonic/near_simplex.hpp>
 
-#include <numeric>
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -28,12 +27,12 @@ public:
     bool set_viewpoint(const Point& x, double radius) {
         constexpr std::size_t most_candidates = 150, most_faces = 300;
         for (;; radius *= 0.7) {
-            forget();
+            clear();
             origin_ = x;
             unit_ = radius;
             find_candidates();
             if (candidates_.size() > most_candidates) continue;
-            choose_seen();
+            choose_visible();
             if (!find_vertices() || vertices_.size() < 4) return false;
             if (!choose_simplex()) return false;
             add_stars();
@@ -107,9 +106,7 @@ public:
         X sum(0.0);
         for (std::size_t b = 0; b < shares.size(); ++b)
             sum = multiply_add(X::load(shares[b]), X::load(values_[b * vertices_.size() + vertex]), sum);
-        Lanes<double> lanes;
-        sum.store(lanes);
-        return std::accumulate(std::begin(lanes.v), std::end(lanes.v), 0.0);
+        return ordered_sum(sum);
     }
 
     /// Turns 2 F(D_v) of all vertices into F(L_v); see NearSimplex.
@@ -133,7 +130,7 @@ private:
     };
 
     Point in_units(const Point& p) const noexcept { return (1 / unit_) * (p - origin_); }
-    void forget() noexcept {
+    void clear() noexcept {
         for (const std::uint32_t v : all_vertices_) local_vertex_[v] = none;
         for (const std::uint32_t e : all_edges_) local_edge_[e] = none;
         for (const std::uint32_t f : all_faces_) local_face_[f] = none;
@@ -167,16 +164,16 @@ private:
         return point_on_facet(nearest_on_facet(origin_, corner), corner);
     }
     /// Lists the candidates that no other candidate hides.
-    void choose_seen() {
+    void choose_visible() {
         std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
             return a.distance != b.distance ? a.distance < b.distance : a.face < b.face;
         });
-        seen_faces_.clear();
+        visible_faces_.clear();
         for (std::size_t n = 0; n < candidates_.size(); ++n) {
             bool hidden = false;
             for (std::size_t m = 0; m < n && !hidden; ++m)
                 hidden = hides(candidates_[m].face, origin_ + (1 - 1e-6) * (candidates_[n].foot - origin_));
-            if (!hidden) seen_faces_.push_back(candidates_[n].face);
+            if (!hidden) visible_faces_.push_back(candidates_[n].face);
         }
     }
     /// Returns the height of a point above a face's plane, positive outside.
@@ -208,7 +205,7 @@ private:
     /// Returns whether there is such an edge.
     bool find_vertices() {
         bool any = false;
-        for (const std::uint32_t f : seen_faces_) {
+        for (const std::uint32_t f : visible_faces_) {
             const auto& face = field_.face(f);
             for (const std::uint32_t v : face.corner) add_vertex(v);
             for (std::size_t k = 0; k < 3; ++k) {
@@ -405,7 +402,7 @@ private:
     double unit_ = 1;
     Buffer<std::uint32_t> local_vertex_, local_edge_, local_face_;    ///< by number in the cage; or none
     std::vector<std::uint32_t> all_vertices_, all_edges_, all_faces_; ///< numbers in the cage
-    std::vector<std::uint32_t> vertices_, seen_faces_;
+    std::vector<std::uint32_t> vertices_, visible_faces_;
     NearSimplex simplex_;
     std::vector<Candidate> candidates_;
     std::vector<Bend> bends_;

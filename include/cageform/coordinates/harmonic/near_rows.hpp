@@ -93,7 +93,7 @@ public:
             }
             correct_from(from, radius_of_rows * size + reach, emit, scale);
         }
-        forget();
+        clear();
     }
 
 private:
@@ -120,7 +120,7 @@ private:
         terms_.push_back({point, at_node, -weight});
         terms_[rows_.back().first].weight += weight;
     }
-    void forget() noexcept {
+    void clear() noexcept {
         rows_.clear();
         terms_.clear();
         points_.clear();

@@ -12,11 +12,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Calls `weigh` with everything inlined, which keeps numbers in registers.
+/// Calls `compute_weights` with everything inlined, which keeps numbers in registers.
 template <class N, class Frame, class S, std::size_t D, class Rows>
-CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const MeanValueLimits<S>& limits,
-                                                     const Vec<ValueOf<N>, D>& p, Rows& memory) noexcept {
-    return weigh(frame, limits, p, memory);
+CAGEFORM_DETAIL_FLATTEN WeightSum<N>
+compute_weights_inlined(const Frame& frame, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, D>& p,
+                        Rows& memory) noexcept {
+    return compute_weights(frame, limits, p, memory);
 }
 
 /// The base of MeanValueCoordinates. Points are evaluated a SIMD register at a time, gradients always in
@@ -131,7 +132,7 @@ private:
         for (std::size_t k = 0; k < D; ++k)
             p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
         const WeightSum<N> result =
-            weigh_registers<N>(for_number<N>(frame_, gradient_frame_), limits<N>(), p, memory);
+            compute_weights_inlined<N>(for_number<N>(frame_, gradient_frame_), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < points(); ++i) {
             for_each_component(memory.weights[i] * inverse, i, points(), S(scale_),
@@ -173,8 +174,8 @@ private:
         }
         Rows<N> memory(topology_, points());
         const Wide unit = Wide(on_boundary ? step_inside : distance) / Wide(scale_);
-        const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
-                                  : weigh_about(vec_cast<Wide>(p), unit, memory);
+        const N sum = on_boundary ? compute_weights_inside(vec_cast<double>(p), unit, memory)
+                                  : compute_weights_at(vec_cast<Wide>(p), unit, memory);
         if (value_of(sum) == 0) return PointState::unreached;
         if (!store_weights<N>(memory.weights, Wide(1) / sum, 1 / unit, rows, lane))
             return PointState::unreached;
@@ -187,12 +188,12 @@ private:
 
     /// Computes the unnormalised weights with p as origin, in units of `unit`. Returns their sum.
     template <class N>
-    N weigh_about(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
+    N compute_weights_at(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
         // Only the last limit is reached. In these units, a point near a face's plane but not over the face
         // is at a distance of at least 1 from the face.
         const MeanValueLimits<Wide> limits{0, (std::numeric_limits<float>::max)(), Wide(0.1)};
-        return weigh(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
-                     Vec<Wide, D>{}, memory)
+        return compute_weights(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
+                               Vec<Wide, D>{}, memory)
             .sum;
     }
 
@@ -200,7 +201,7 @@ private:
     /// against the mean normal of the facets at p. If that leads outside, at very sharp corners, it goes
     /// inwards from one of the facets.
     template <class N>
-    N weigh_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
+    N compute_weights_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
         std::vector<Vec<double, D>> directions(1);
         for (const auto& facet : topology_.facets) {
             const auto corner = Facet<D>(facet, surface().vertices()).corner;
@@ -216,7 +217,7 @@ private:
             const Wide size = Wide(length(direction));
             if (!(size > 0)) continue;
             const auto q = vec_cast<Wide>(p) + (step / size) * vec_cast<Wide>(direction);
-            sum = weigh_about(q, step, memory);
+            sum = compute_weights_at(q, step, memory);
             if (value_of(sum) > 0) break;
         }
         return sum;

@@ -89,8 +89,8 @@ struct Spoke {
 /// whichever form does not cancel. A single division, by the tangent's denominator times |v|, yields the
 /// tangent and 1/|v|, unless 1/|v| comes with the root.
 template <class N, class S>
-WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
-                   const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
+WeightSum<N> compute_weights(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
+                             const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance),
         far2(limits.far_distance * limits.far_distance);

@@ -105,7 +105,8 @@ struct PolygonRows : WeightRows<N> {
 
 /// Computes the 2D weights at a point on the polygon's boundary: linear along the nearest edge.
 template <class N, class S>
-N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRows<N>& rows) noexcept {
+N compute_weights_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x,
+                          WeightRows<N>& rows) noexcept {
     S least = (std::numeric_limits<S>::max)(), fraction = 0;
     std::size_t nearest = 0;
     const std::size_t count = plane.corners.size();
@@ -181,9 +182,9 @@ void distribute(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Poly
         (std::max)(limits.near_distance, 16 * std::numeric_limits<S>::epsilon() * size),
         std::sqrt((std::numeric_limits<S>::max)()) * S(0.5), S(0)};
     const Vec<X, 2> at{value_of(x[0]), value_of(x[1])};
-    auto [total, near_edge] = weigh(polygon.plane, in_plane, at, rows.in_plane);
+    auto [total, near_edge] = compute_weights(polygon.plane, in_plane, at, rows.in_plane);
     if constexpr (std::is_floating_point_v<X>) {
-        if (near_edge != 0) total = weigh_on_edge(polygon.plane, at, rows.in_plane);
+        if (near_edge != 0) total = compute_weights_on_edge(polygon.plane, at, rows.in_plane);
     } else {
         rows.special = select(X(S(0)) < near_edge, X(S(1)), rows.special);
     }
@@ -198,8 +199,8 @@ void distribute(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Poly
 
 /// Computes the unnormalised weights of the vertices and of the means of fans.
 template <class N, class S>
-WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
-                   PolygonRows<N>& rows) noexcept {
+WeightSum<N> compute_weights(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits,
+                             const Vec<ValueOf<N>, 3>& p, PolygonRows<N>& rows) noexcept {
     rows.special = start_weights<N, S>(cage, limits, p, rows);
     for (const std::size_t t : cage.triangles)
         add_triangle<N, S>(cage.faces[t], limits, p, rows.special, rows);

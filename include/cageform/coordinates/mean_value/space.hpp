@@ -131,11 +131,11 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
 /// An edge relative to a point p: the vector u from p to its start, its direction t, the positions `begin`
 /// and `end` of its ends along its line, measured from the foot of p, and the distance R of p from its line.
 template <class X, class S>
-struct SeenEdge {
+struct RelativeEdge {
     Vec<X, 3> u, t;
     X length, begin, end, rr, r;
 
-    SeenEdge(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<X, 3>& p) noexcept
+    RelativeEdge(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<X, 3>& p) noexcept
         : u{X(edge.origin[0]) - p[0], X(edge.origin[1]) - p[1], X(edge.origin[2]) - p[2]}
         , t{X(edge.direction[0]), X(edge.direction[1]), X(edge.direction[2])}
         , length(edge.length)
@@ -157,7 +157,7 @@ struct SeenEdge {
 template <class N, class S>
 N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec<ValueOf<N>, 3>& p) noexcept {
     using X = ValueOf<N>;
-    const SeenEdge<X, S> seen(edge, p);
+    const RelativeEdge<X, S> seen(edge, p);
     const X g = angle(seen.sine(), seen.cosine()) / seen.r;
     if constexpr (has_gradient<N>) {
         const auto& [u, t, length, begin, end, rr, r] = seen;
@@ -186,7 +186,7 @@ void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& ed
         for (std::size_t first = 0; first < edges.size(); first += most) {
             const std::size_t count = (std::min)(most, edges.size() - first);
             for (std::size_t e = 0; e < count; ++e) {
-                const SeenEdge<N, S> seen(edges[first + e], p);
+                const RelativeEdge<N, S> seen(edges[first + e], p);
                 const AngleTerms<S> terms(seen.sine(), seen.cosine());
                 (terms.numerator / terms.denominator).store(quotient[e]);
                 terms.offset.store(offset[e]);
@@ -357,8 +357,8 @@ void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanVal
 
 /// Computes the unnormalised weights of MeanValueCoordinates in 3D.
 template <class N, class S>
-WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
-                   const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
+WeightSum<N> compute_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
+                             const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
     auto special = start_weights<N, S>(cage, limits, p, rows);
     for (const auto& face : cage.faces) add_triangle<N, S>(face, limits, p, special, rows);
     return {rows.sum(), special};

@@ -220,7 +220,7 @@ private:
                 measure[i] = measure[i] + t * (square(i) + h);
                 measure[j] = measure[j] - t * (square(j) + h);
             }
-            note_error(1, a, b);
+            add_error(1, a, b);
         } else {
             const std::uint32_t l = simplex.vertex[order[2]];
             const Vector normal = cross_of(centre[b].at, centre[a].at);
@@ -228,7 +228,7 @@ private:
             measure[i] = measure[i] + (y - z);
             measure[j] = measure[j] + (z - x);
             measure[l] = measure[l] + (x - y);
-            note_error(site[i].size + site[j].size + site[l].size, a, b);
+            add_error(site[i].size + site[j].size + site[l].size, a, b);
         }
     }
     /// Closes the boundary of V_p ∩ V_i at rim facet `n`: at each ridge of the facet, adds the edge between
@@ -244,7 +244,7 @@ private:
             const N t = cross_of(centre[leave].at, centre[first + n].at);
             measure[v] = measure[v] + (sums_ == OverlapSums::smooth ? t * square(v) : t);
             add_facet(v, t, first + n, leave);
-            note_error(1, leave, first + n);
+            add_error(1, leave, first + n);
         } else {
             for (std::size_t r = 0; r < 3; ++r) {
                 const std::uint32_t i = vertex[order[r]], j = vertex[order[(r + 1) % 3]];
@@ -261,7 +261,7 @@ private:
         measure[j] = measure[j] + x;
         add_facet(i, x, a, b);
         add_facet(j, N(0) - y, a, b);
-        note_error(site[i].size + site[j].size, a, b);
+        add_error(site[i].size + site[j].size, a, b);
     }
     /// Adds the edge from a to b to the facet between p's cell and the cell of i.
     void add_facet(std::uint32_t i, const N& t, std::size_t a, std::size_t b) {
@@ -292,7 +292,7 @@ private:
         for (const N& x : site[i].at) sum = sum + x * x;
         return sum;
     }
-    void note_error(double length, std::size_t a, std::size_t b) noexcept {
+    void add_error(double length, std::size_t a, std::size_t b) noexcept {
         if constexpr (measures_error) {
             const Centre &x = centre[a], &y = centre[b];
             const double bound = length * (x.size * (y.error + 0x1p-52 * y.size) + y.size * x.error);

@@ -10,7 +10,7 @@
 //      only the facet's sites have weights.
 //   3. Inside, `NewCell` (new_cell.hpp) measures the overlap of the Voronoi cell of p with the cell of each
 //      neighbour (cell_overlap.hpp).
-//   4. `take_cell` divides the overlaps by their sum, and `restore` removes the rounding errors of Σu = 1 and
+//   4. `add_cell` divides the overlaps by their sum, and `restore` removes the rounding errors of Σu = 1 and
 //      Σ u (P − p) = 0.
 //
 // Coordinates have three units: `LatticePoint` holds integers of the lattice, *extents* are lattice
@@ -158,7 +158,7 @@ public:
 
     /// Moves `p`, a point of the hull, by a fraction of the way to the centroid of the first simplex. The
     /// result lies inside the hull.
-    Vec<double, D> drawn_inside(const Vec<double, D>& p, double fraction) const noexcept {
+    Vec<double, D> moved_inside(const Vec<double, D>& p, double fraction) const noexcept {
         std::uint32_t s = 0;
         while (sites_.simplices()[s].is_ghost()) ++s;
         Vec<double, D> middle{};
@@ -187,7 +187,7 @@ private:
                                               : OverlapSums::measures;
         const bool sound = scratch.cell.fill(sites_, position, scratch.search.cavity(), sums);
         if (find_site(position, scratch.cell.cavity.vertices, scratch)) return true;
-        if (sound) take_cell(scratch.cell, sums == OverlapSums::moments, scratch.found);
+        if (sound) add_cell(scratch.cell, sums == OverlapSums::moments, scratch.found);
         return sound;
     }
     /// Returns whether the point coincides with one of these vertices, which then gets all the weight.
@@ -196,16 +196,16 @@ private:
         for (const std::uint32_t v : vertices) {
             const auto away = 0x1p-60 * to_double<D>(difference<D>(sites_.point(v), position));
             if (dot(away, away) > tolerance_ * tolerance_) continue;
-            take_site(v, away, scratch);
+            add_site(v, away, scratch);
             return true;
         }
         return false;
     }
-    void take_site(std::uint32_t v, const Vec<double, D>& away, Scratch& scratch) const {
+    void add_site(std::uint32_t v, const Vec<double, D>& away, Scratch& scratch) const {
         scratch.at_site = true;
         scratch.found.push_back({sites_.site(v), 1, {}, unit_ * away});
     }
-    void take_cell(const NewCell<D>& cell, bool gradients, std::vector<Neighbour<D>>& found) const {
+    void add_cell(const NewCell<D>& cell, bool gradients, std::vector<Neighbour<D>>& found) const {
         const std::size_t count = cell.cavity.vertices.size();
         found.resize(count);
         Vec<double, D> sum{};
@@ -320,31 +320,32 @@ private:
         const HullFacet<D>& facet = facets_[n];
         for (const std::uint32_t v : facet.vertex) {
             if (!(length(at_[v] - q) <= tolerance_)) continue;
-            return take_site(v, at_[v] - q, scratch);
+            return add_site(v, at_[v] - q, scratch);
         }
         if constexpr (D == 2) {
             const auto position = [&](const Vec<double, 2>& x) { return cross(facet.normal, x); };
             std::size_t next = 1;
             while (next + 1 < facet.vertex.size() && position(at_[facet.vertex[next]]) < position(q)) ++next;
-            take_facet(std::array<std::uint32_t, 2>{facet.vertex[next - 1], facet.vertex[next]}, q, scratch);
+            add_facet_sites(std::array<std::uint32_t, 2>{facet.vertex[next - 1], facet.vertex[next]}, q,
+                            scratch);
         } else if (flat_[n].neighbours.empty()) {
-            take_facet({facet.vertex[0], facet.vertex[1], facet.vertex[2]}, q, scratch);
+            add_facet_sites({facet.vertex[0], facet.vertex[1], facet.vertex[2]}, q, scratch);
         } else {
             if (!scratch.flat) scratch.flat = std::make_unique<typename Flat::Scratch>();
             const auto x = in_plane(flat_[n].axis, q);
             if (flat_[n].neighbours.find(x, *scratch.flat) == PointState::outside)
                 flat_[n].neighbours.find_on_hull(x, *scratch.flat);
             for (const auto& flat : scratch.flat->found)
-                take(facet.vertex[flat.site], flat.weight, q, scratch);
+                add(facet.vertex[flat.site], flat.weight, q, scratch);
         }
     }
-    void take_facet(const std::array<std::uint32_t, D>& vertex, const Vec<double, D>& q,
-                    Scratch& scratch) const {
+    void add_facet_sites(const std::array<std::uint32_t, D>& vertex, const Vec<double, D>& q,
+                         Scratch& scratch) const {
         Corners<D> corner;
         for (std::size_t k = 0; k < D; ++k) corner[k] = at_[vertex[k]];
         auto weight = nearest_on_facet(q, corner);
         if constexpr (D == 3) refine(q, corner, weight);
-        for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
+        for (std::size_t k = 0; k < D; ++k) add(vertex[k], weight[k], q, scratch);
     }
     /// Corrects the barycentric weights of sliver triangles, in up to four rounds, until the point is
     /// reproduced within the tolerance. Each round loses digits too.
@@ -362,7 +363,7 @@ private:
             miss = rest;
         }
     }
-    void take(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
+    void add(std::uint32_t v, double weight, const Vec<double, D>& q, Scratch& scratch) const {
         if (!(weight > 0)) return;
         const auto away = at_[v] - q;
         scratch.found.push_back({sites_.site(v), weight, {}, unit_ * away});

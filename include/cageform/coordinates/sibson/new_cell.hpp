@@ -94,7 +94,7 @@ private:
                 largest = (std::max)(largest, std::fabs(first[k]) + std::fabs(at[k]));
                 at[k] += first[k];
             }
-            note_centre(n, at, c.error + 0x1p-52 * largest);
+            set_centre(n, at, c.error + 0x1p-52 * largest);
         }
         for (std::size_t n = 0; n < cavity.rim.size(); ++n) {
             const auto& rim = cavity.rim[n];
@@ -104,10 +104,10 @@ private:
             }
             Centre<D> c;
             if (!find_centre<D>(edges, c)) c = exact_centre<D>(rim_corners(sites, n));
-            note_centre(inner + n, c.at, c.error);
+            set_centre(inner + n, c.at, c.error);
         }
     }
-    void note_centre(std::size_t n, const Vec<double, D>& at, double error) noexcept {
+    void set_centre(std::size_t n, const Vec<double, D>& at, double error) noexcept {
         auto& centre = fast_.centre[n];
         centre.size = 0;
         for (std::size_t k = 0; k < D; ++k) {

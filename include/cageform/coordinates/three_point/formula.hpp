@@ -102,9 +102,9 @@ N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>:
 ///
 ///   rises  none if f is constant, without differences of c; of_squares if f = r²
 template <ThreePointRises rises, class N, class S, class F>
-CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFrame<S>& cage, const F& f,
-                                                            S near_distance, const Vec<ValueOf<N>, 2>& p,
-                                                            std::vector<N>& weights) noexcept {
+CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> three_point_weights(const ThreePointFrame<S>& cage, const F& f,
+                                                             S near_distance, const Vec<ValueOf<N>, 2>& p,
+                                                             std::vector<N>& weights) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), square(cage.square);
     const std::size_t count = cage.corners.size();

@@ -46,8 +46,7 @@ AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
     return {T(0.5) * (bounds.lower + bounds.upper), std::fmax(bounds.diagonal(), longest)};
 }
 
-/// The rows a_i of all handles in a frame. Weights have linear precision at a point p, or for a
-/// vector t, if
+/// The rows a_i of all handles in a frame. Weights have linear precision at a point p, or for a vector t, if
 ///
 ///     Σ w_i a_i = (1, (p − centre) / size),   Σ w_i a_i = (0, t / size).
 template <Scalar T, std::size_t D>

@@ -95,8 +95,7 @@ CAGEFORM_DETAIL_INLINE inline void optimizer_barrier([[maybe_unused]] R& r) noex
 #endif // the other targets have no instruction that merges
 }
 
-/// Returns a · b for numbers or registers; under CAGEFORM_DETERMINISTIC it is rounded before any
-/// addition.
+/// Returns a · b for numbers or registers; under CAGEFORM_DETERMINISTIC it is rounded before any addition.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
@@ -285,6 +284,16 @@ void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t f
     }
 }
 
+/// Returns the sum of the lanes, added in order.
+template <Scalar T>
+T ordered_sum(const Simd<T>& x) noexcept {
+    Lanes<T> lanes;
+    x.store(lanes);
+    T sum = 0;
+    for (const T lane : lanes.v) sum += lane;
+    return sum;
+}
+
 /// Evaluates a polynomial in x with the coefficients c[last], c[last − 2], …, k + 1 in number, from
 /// the highest power down.
 template <Scalar T, std::size_t n, std::size_t... k>
@@ -295,9 +304,8 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, st
     return sum;
 }
 
-/// Evaluates c[0] + c[1] x + c[2] x² + … as independent even and odd halves, which halves the
-/// latency. The terms are expanded by a fold: GNU would keep a loop and reload its constants each
-/// time.
+/// Evaluates c[0] + c[1] x + c[2] x² + … as independent even and odd halves, which halves the latency. The
+/// terms are expanded by a fold: GNU would keep a loop and reload its constants each time.
 template <Scalar T, std::size_t n>
 CAGEFORM_DETAIL_INLINE inline Simd<T> polynomial(const std::array<T, n>& c, const Simd<T>& x) noexcept {
     static_assert(n >= 3);

@@ -1,5 +1,4 @@
-// Register operations that need intrinsics. A separate header, because the headers of intrinsics are
-// large.
+// Register operations that need intrinsics. A separate header, because the headers of intrinsics are large.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -46,10 +45,9 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> sqrt(Simd<T> a) noexcept {
     return a;
 }
 
-/// Whether square roots and their inverses start from hardware estimates: the case for 64-byte
-/// registers. Such processors have one slow unit for roots and quotients, so estimates are several
-/// times as fast; narrower registers gain nothing. Estimates may differ in the last bits between
-/// manufacturers.
+/// Whether square roots and their inverses start from hardware estimates: the case for 64-byte registers.
+/// Such processors have one slow unit for roots and quotients, so estimates are several times as fast;
+/// narrower registers gain nothing. Estimates may differ in the last bits between manufacturers.
 template <class N>
 inline constexpr bool estimates_roots = false;
 

@@ -13,13 +13,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Points in a block: 16 for float, 8 for double. A row is one cache line, whatever the target's
-/// registers.
+/// Points in a block: 16 for float, 8 for double. A row is one cache line, whatever the target's registers.
 template <Scalar T>
 inline constexpr std::size_t lane_count = 64 / sizeof(T);
 
-/// One row of a block. Left uninitialised, because large arrays of rows are written sequentially
-/// anyway.
+/// One row of a block. Left uninitialised, because large arrays of rows are written sequentially anyway.
 template <Scalar T>
 struct alignas(64) Lanes {
     T v[lane_count<T>];

@@ -39,8 +39,7 @@ inline Status check_fraction(double fraction) noexcept {
     return fraction >= 0 && fraction <= 1 ? Status::ok : Status::handle_not_allowed;
 }
 
-/// Returns the straight line between two keys. Its handles lie at thirds, so time is linear in the
-/// parameter.
+/// Returns the straight line between two keys. Its handles lie at thirds, so time is linear in the parameter.
 inline BezierCurve straight_line(const Vec<double, 2>& first, const Vec<double, 2>& second) noexcept {
     const Vec<double, 2> third{(second[0] - first[0]) / 3, (second[1] - first[1]) / 3};
     return {{first, first + third, second - third, second}};
@@ -90,8 +89,7 @@ inline Status slope_of(const Vec<double, 2>& handle, double& slope) noexcept {
     return Status::ok;
 }
 
-/// Handles as fractions of the interval and of the difference between the keys' values, as in CSS and
-/// Lottie.
+/// Handles as fractions of the interval and of the difference between the keys' values, as in CSS and Lottie.
 struct UnitHandles {
     Vec<double, 2> first{0, 0}, second{1, 1};
 };

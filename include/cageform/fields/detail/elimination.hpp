@@ -175,8 +175,7 @@ private:
         }
     }
     /// Whether a node with `rows` later neighbours joins the group of its last child (relaxed supernodes).
-    /// The fraction of stored zeros must be small; the limit is higher for small groups (similar to
-    /// CHOLMOD).
+    /// The fraction of stored zeros must be small; the limit is higher for small groups (similar to CHOLMOD).
     bool joins(const Open& last, std::size_t rows, double& zeros) const noexcept {
         const double own = double(groups_[last.group].end - groups_[last.group].begin);
         zeros = last.zeros + own * double(rows + 1 - last.rows.size());

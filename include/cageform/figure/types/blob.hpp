@@ -21,8 +21,7 @@
 //     handle_loops  the loops of HandleView × uint32; only if corners of faces are means
 //
 // Readers that know no loops refuse blobs that have some: a corner is then no handle. Version 1 has no
-// vectors and can be read as well. A GPU can use these bytes as buffers
-// (clone/glsl.hpp).
+// vectors and can be read as well. A GPU can use these bytes as buffers (clone/glsl.hpp).
 #pragma once
 
 #include <cageform/core/detail/packed_memory.hpp>
@@ -202,8 +201,7 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
 ///            blob_malformed, blob_of_another_cage, blob_of_another_figure, or ok. A clone by an opened
 ///            blob never reads or writes out of bounds, whatever the bytes; BlobCheck::all also
 ///            verifies that the bytes are those that were written.
-///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all
-///            everything once
+///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all everything once
 template <Scalar T, std::size_t D>
 Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte> data,
                                                       const BlobExpectation& expected = {}) noexcept {
@@ -237,9 +235,8 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedBinding() = default;
-    /// Allocates a blob and sets the offsets and the size in `header`. An offset of `header` that
-    /// is not zero asks for that array. All arrays are zero and `writable` until `seal` is called.
-    /// Throws std::bad_alloc.
+    /// Allocates a blob and sets the offsets and the size in `header`. An offset of `header` that is not zero
+    /// asks for that array. All arrays are zero and `writable` until `seal` is called. Throws std::bad_alloc.
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;

@@ -75,8 +75,7 @@ struct Located {
 ///                                       tolerance; nullopt if the boundary in its cell does not decide
 ///                                       whether it is inside
 ///   sample(p, nodes)                    the stencil of a point strictly inside, exact for linear functions
-///   free_distance(p, axis, up, limit)   the distance from `p` along an axis to the boundary, at most
-///                                       `limit`
+///   free_distance(p, axis, up, limit)   the distance from `p` along an axis to the boundary, at most `limit`
 template <class B>
 concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<double, B::dimension>& p,
                                    const NodeRuns<B::dimension>& nodes, double length) {

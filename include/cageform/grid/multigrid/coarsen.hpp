@@ -1,5 +1,4 @@
-// Makes the equations of the next coarser level by Dendy's black box multigrid (J. Comput. Phys. 48
-// (1982)).
+// Makes the equations of the next coarser level by Dendy's black box multigrid (J. Comput. Phys. 48 (1982)).
 //
 // Every second node is a coarse node. The interpolation P is derived from the equations: a node between
 // coarse nodes takes the value given by its own equation. This equation is first collapsed onto the line,
@@ -216,8 +215,7 @@ private:
 
     // ---- the coarse operator --------------------------------------------------------------------
 
-    /// Makes Pᵀ A P. It is computed only for coarse nodes near irregular ones; the others share one
-    /// stencil.
+    /// Makes Pᵀ A P. It is computed only for coarse nodes near irregular ones; the others share one stencil.
     void make_galerkin_operator() {
         auto& coarse = out_.coarse;
         coarse.regular = regular_coarse_stencil<D>(fine_.regular);

@@ -83,8 +83,7 @@ private:
         }
     }
 
-    /// The rows of L, then its columns from the last to the first, in the order in which `solve` reads
-    /// them.
+    /// The rows of L, then its columns from the last to the first, in the order in which `solve` reads them.
     std::vector<float> factor_;
 };
 

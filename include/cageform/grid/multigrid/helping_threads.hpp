@@ -84,9 +84,8 @@ public:
     public:
         Share() noexcept = default;
 
-        /// Calls body(chunk, chunks) for every piece, begun in order, on this thread and on idle ones.
-        /// There is one piece per thread, at most `most`. body must not throw and may wait for earlier
-        /// pieces.
+        /// Calls body(chunk, chunks) for every piece, begun in order, on this thread and on idle ones. There
+        /// is one piece per thread, at most `most`. body must not throw and may wait for earlier pieces.
         template <class Body>
         void split(std::size_t most, const Body& body) const noexcept {
             const std::size_t others = threads_ != nullptr && most > 1 ? threads_->reserve(most - 1) : 0;

@@ -190,8 +190,7 @@ public:
         return finish(block);
     }
 
-    /// Call this after a change of `source` between cycles, with the largest change of each right-hand
-    /// side.
+    /// Call this after a change of `source` between cycles, with the largest change of each right-hand side.
     static void disturb(Block& block, const Values& change) noexcept { block.error_.disturb(change); }
 
     /// Returns the memory of the levels, without blocks.

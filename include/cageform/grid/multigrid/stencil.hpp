@@ -24,8 +24,7 @@ struct StencilPositions {
         for (std::size_t k = D; k-- > 0;) n = 3 * n + std::size_t(o[k] + 1);
         return n;
     }
-    /// Returns the difference in position between a corner of a cell (`corner_offset`) and its lowest
-    /// corner.
+    /// Returns the difference in position between a corner of a cell (`corner_offset`) and its lowest corner.
     static constexpr std::size_t corner_step(std::size_t corner) noexcept { return steps[corner]; }
     /// Returns the number of axes along which a position is off centre.
     static constexpr std::size_t distance(std::size_t position) noexcept {

@@ -125,8 +125,7 @@ private:
         }
     };
 
-    /// Computes the link from a node along an axis. Its length is the size of the smallest leaf on that
-    /// side.
+    /// Computes the link from a node along an axis. Its length is the size of the smallest leaf on that side.
     void set_side(Side& side, const Index& index, const LeavesAbout<D>& about, std::size_t axis, bool up) {
         side.hangs = false;
         side.end.node_count = side.end.boundary_count = 0;

@@ -305,8 +305,7 @@ private:
                 sum.store(row);
                 any = any_larger(row, least);
                 if (any) level.mark(n, any_larger(row, cutoff) ? active : std::uint8_t{0});
-                // Values that are not solved for are clamped to zero, because the functions are not
-                // negative.
+                // Values that are not solved for are clamped to zero, because the functions are not negative.
                 if ((level.flags[n] & active) == 0) sum = (detail::max)(sum, Simd(0.0f));
                 if (level.flags[n] != 0) sum.store(level.u[n]);
             }

@@ -129,9 +129,8 @@ private:
 /// A corner closer to the boundary than this, in units, or within a bone, is not a node.
 inline constexpr double on_facet_distance = 1e-6;
 
-/// Returns the nodes of a tree: the distinct corners, inside the domain, of all leaves that are not
-/// outside. Corners of inside leaves are inside without a test. Other corners are tested in integer
-/// arithmetic.
+/// Returns the nodes of a tree: the distinct corners, inside the domain, of all leaves that are not outside.
+/// Corners of inside leaves are inside without a test. Other corners are tested in integer arithmetic.
 template <std::size_t D>
 TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
     using Key = typename TreeNodes<D>::Key;

@@ -126,8 +126,7 @@ private:
         for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n)
             add_features(features, tree_.cells().child(cell, n));
     }
-    /// Lists the features of a child: those of its parent that limit the size of the child or of cells in
-    /// it.
+    /// Lists the features of a child: those of its parent that limit the size of the child or of cells in it.
     void add_features(const Range& features, const Cell& child) {
         const auto middle = child.middle();
         const auto begin = std::uint32_t(near_.size());

@@ -9,8 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The estimated error at a corner in the plane or an edge in space for which a grid may be too
-/// coarse.
+/// The estimated error at a corner in the plane or an edge in space for which a grid may be too coarse.
 struct CornerError {
     static constexpr double notable = 0.01; ///< errors from this value on are worth a warning
 

@@ -71,9 +71,8 @@ std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t
     return parts;
 }
 
-/// Runs body(first, last) over `blocks` in parallel. With a progress callback, it runs in steps of
-/// about a quarter of a second and reports after each. Returns Status::cancelled if the callback
-/// cancels.
+/// Runs body(first, last) over `blocks` in parallel. With a progress callback, it runs in steps of about a
+/// quarter of a second and reports after each. Returns Status::cancelled if the callback cancels.
 template <class Body>
 Status for_each_block(std::size_t blocks, const Running& running, const Body& body) {
     constexpr std::size_t grain = 16;

@@ -71,11 +71,7 @@ private:
         DoubleLanes sum(0);
         for (std::size_t b = 0; b < blocks_; ++b)
             sum = multiply_add(DoubleLanes::load(row(m)[b]), DoubleLanes::load(row(n)[b]), sum);
-        Lanes<double> parts;
-        sum.store(parts);
-        double total = 0;
-        for (const double x : parts.v) total += x;
-        return total;
+        return ordered_sum(sum);
     }
 
     /// Solves the normal equations, regularised by 1e-10 of their trace. Returns whether they are solvable.

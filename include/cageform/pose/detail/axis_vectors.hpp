@@ -11,7 +11,7 @@ class AxisVectors {
 public:
     /// Allocates zeros. May throw std::bad_alloc.
     void reset(std::size_t count) {
-        blocks_ = eights(count);
+        blocks_ = block_count<double>(count);
         values_.resize(D * blocks_);
         clear();
     }
@@ -41,9 +41,7 @@ public:
             Simd<double> sum(0);
             for (std::size_t b = 0; b < blocks_; ++b)
                 sum = multiply_add(Simd<double>::load(row[b]), Simd<double>::load(axis(k)[b]), sum);
-            Lanes<double> parts;
-            sum.store(parts);
-            for (const double x : parts.v) sums[k] += x;
+            sums[k] = ordered_sum(sum);
         }
         return sums;
     }

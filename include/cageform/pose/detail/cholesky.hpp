@@ -8,11 +8,6 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the number of blocks that hold `count` numbers.
-constexpr std::size_t eights(std::size_t count) noexcept {
-    return block_count<double>(count);
-}
-
 /// Subtracts `factor[k]` times a row from D vectors, in blocks [first, last).
 template <std::size_t D>
 CAGEFORM_DETAIL_INLINE inline void subtract_row(const Lanes<double>* row, std::size_t first, std::size_t last,
@@ -41,8 +36,8 @@ public:
         lower_begin_.assign(size + 1, 0);
         upper_begin_.assign(size + 1, 0);
         for (std::size_t i = 0; i < size; ++i) {
-            lower_begin_[i + 1] = lower_begin_[i] + eights(i);
-            upper_begin_[i + 1] = upper_begin_[i] + eights(size) - i / lane_count<double>;
+            lower_begin_[i + 1] = lower_begin_[i] + block_count<double>(i);
+            upper_begin_[i + 1] = upper_begin_[i] + block_count<double>(size) - i / lane_count<double>;
         }
         clear(lower_, lower_begin_[size]);
         clear(upper_, upper_begin_[size]);
@@ -67,14 +62,14 @@ public:
                 if (factor == 0) continue;
                 const Lanes<double>* const above = &upper_[upper_begin_[j] + first - j / lanes];
                 const Simd<double> x(factor);
-                for (std::size_t b = 0; b < eights(size_) - first; ++b)
+                for (std::size_t b = 0; b < block_count<double>(size_) - first; ++b)
                     (Simd<double>::load(row[b]) - x * Simd<double>::load(above[b])).store(row[b]);
             }
             const double pivot = row[0][i % lanes];
             if (!(pivot > 16 * epsilon<double> * given) || !is_finite(pivot)) return i;
             diagonal_[i] = 1 / std::sqrt(pivot);
             for (std::size_t lane = 0; lane < i % lanes; ++lane) row[0][lane] = 0;
-            for (std::size_t b = 0; b < eights(size_) - first; ++b)
+            for (std::size_t b = 0; b < block_count<double>(size_) - first; ++b)
                 (Simd<double>(diagonal_[i]) * Simd<double>::load(row[b])).store(row[b]);
         }
         for (std::size_t i = 0; i < size_; ++i) {
@@ -90,11 +85,11 @@ public:
         constexpr std::size_t lanes = lane_count<double>;
         for (std::size_t j = 0; j < size_; ++j) {
             const Vec<double, D> value = scaled(x, j);
-            subtract_row<D>(&upper_[upper_begin_[j]], j / lanes, eights(size_), value, x);
+            subtract_row<D>(&upper_[upper_begin_[j]], j / lanes, block_count<double>(size_), value, x);
         }
         for (std::size_t j = size_; j-- > 0;) {
             const Vec<double, D> value = scaled(x, j);
-            if (j > 0) subtract_row<D>(&lower_[lower_begin_[j]], 0, eights(j), value, x);
+            if (j > 0) subtract_row<D>(&lower_[lower_begin_[j]], 0, block_count<double>(j), value, x);
         }
     }
 

@@ -66,7 +66,7 @@ struct PinRows {
     };
 
     std::vector<Row> rows;
-    std::vector<Lanes<double>> weights; ///< eights(#handles) blocks per row
+    std::vector<Lanes<double>> weights; ///< block_count<double>(#handles) blocks per row
     std::size_t pins = 0;
     bool has_turns = false;
 
@@ -121,7 +121,7 @@ private:
 
     Status add(const PoseSamples<T, D>& samples, Row row, const PackedBindingView<T, D>& binding,
                std::size_t position, double factor) {
-        const std::size_t blocks = eights(samples.handle_count()), first = weights.size();
+        const std::size_t blocks = block_count<double>(samples.handle_count()), first = weights.size();
         weights.resize(first + blocks);
         for (std::size_t b = 0; b < blocks; ++b) Simd<double>(0).store(weights[first + b]);
         Lanes<double>* const to = weights.data() + first;

@@ -72,8 +72,8 @@ Status PoseSolver<T, D>::begin() {
     stiffness_begin_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
         stiffness_begin_[i] = stiffness_.size();
-        stiffness_.resize(stiffness_.size() + detail::eights(i + 1));
-        for (std::size_t j = 0; j < detail::eights(i + 1) * lane_count<double>; ++j)
+        stiffness_.resize(stiffness_.size() + block_count<double>(i + 1));
+        for (std::size_t j = 0; j < block_count<double>(i + 1) * lane_count<double>; ++j)
             stiffness_[stiffness_begin_[i] + j / lane_count<double>][j % lane_count<double>] =
                 j > i ? 0 : (j == i ? 1 : 2) * samples_.stiffness_of(i, j);
     }
@@ -244,7 +244,7 @@ double PoseSolver<T, D>::strain() const noexcept {
     for (std::size_t i = 0; i < handle_count(); ++i) {
         const Lanes<double>* const row = &stiffness_[stiffness_begin_[i]];
         const auto d = displacements_.get(i);
-        for (std::size_t b = 0; b < detail::eights(i + 1); ++b) {
+        for (std::size_t b = 0; b < block_count<double>(i + 1); ++b) {
             detail::Simd<double> part(0);
             for (std::size_t k = 0; k < D; ++k)
                 part = detail::multiply_add(detail::Simd<double>(d[k]),
@@ -252,11 +252,7 @@ double PoseSolver<T, D>::strain() const noexcept {
             sum = detail::multiply_add(part, detail::Simd<double>::load(row[b]), sum);
         }
     }
-    Lanes<double> parts;
-    sum.store(parts);
-    double total = 0;
-    for (const double x : parts.v) total += x;
-    return total;
+    return detail::ordered_sum(sum);
 }
 
 template <Scalar T, std::size_t D>

@@ -84,7 +84,7 @@ private:
         return pins.weights[row * blocks + handle / lane_count<double>][handle % lane_count<double>];
     }
     double entry(const PoseSamples<T, D>& samples, std::size_t i, std::size_t j) const noexcept {
-        const std::size_t blocks = eights(samples.handle_count());
+        const std::size_t blocks = block_count<double>(samples.handle_count());
         double sum = samples.stiffness_of(i, j);
         for (std::size_t r = 0; r < pins.rows.size(); ++r)
             sum += pins.rows[r].weight * pin_weight(r, blocks, i) * pin_weight(r, blocks, j);

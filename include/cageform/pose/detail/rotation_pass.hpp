@@ -127,11 +127,7 @@ private:
                 energy = multiply_add(stressed, r.at[a][b], energy);
             }
         }
-        Lanes<double> parts;
-        energy.store(parts);
-        double sum = 0;
-        for (const double x : parts.v) sum += x;
-        return sum;
+        return ordered_sum(energy);
     }
 
     static void measure(const Lanes<T>* change, const Lanes<T>* moments, std::size_t count,
