@@ -38,11 +38,8 @@ protected:
         , missed_(count_)
         , beyond_(options.falloff > 0 ? count_ : 0)
         , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {
-        std::vector<Vec<T, D>> corners;
-        for (std::size_t i = 0; i < handles_.count && !beyond_.empty() && input.is_within_handles; ++i) {
-            if (handles_.is_point(i)) corners.push_back(handles_.rest[i]);
-        }
-        if (!corners.empty()) bounds_ = bounds_of(std::span<const Vec<T, D>>(corners));
+        if (!beyond_.empty() && input.is_within_handles && handles_.point_count() > 0)
+            bounds_ = bounds_of_points<T>(handles_);
     }
 
     /// Makes the bindings and reuses their memory; fill() computes weights, rest and states.

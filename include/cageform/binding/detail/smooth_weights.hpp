@@ -223,19 +223,7 @@ private:
         }
         std::vector<float> rough = smoothed_;
         for (int times = 0; times < 3; ++times) {
-            std::vector<float> other(smoothed_.size());
-            for_each_node(running, [&](std::size_t n) {
-                const auto around = neighbours_of(n);
-                for (std::size_t h = 0; h < handle_count_; ++h) {
-                    float sum = 0;
-                    for (const Neighbour& neighbour : around)
-                        sum += smoothed_[neighbour.node * handle_count_ + h];
-                    const float own = smoothed_[n * handle_count_ + h];
-                    other[n * handle_count_ + h] =
-                        around.empty() ? own : 0.5F * own + 0.5F * sum / float(around.size());
-                }
-            });
-            smoothed_.swap(other);
+            smooth(running);
             if (!running.keep_going(double(round) / double(rounds.size() + 2))) return false;
         }
         std::vector<Entry> kept(positions_.size() * kept_);
@@ -267,6 +255,23 @@ private:
         });
         rows_.swap(kept);
         return true;
+    }
+
+    /// Averages the smoothed weights of each node with the mean of its neighbours.
+    void smooth(const Running& running) {
+        std::vector<float> other(smoothed_.size());
+        for_each_node(running, [&](std::size_t n) {
+            const auto around = neighbours_of(n);
+            for (std::size_t h = 0; h < handle_count_; ++h) {
+                float sum = 0;
+                for (const Neighbour& neighbour : around)
+                    sum += smoothed_[neighbour.node * handle_count_ + h];
+                const float own = smoothed_[n * handle_count_ + h];
+                other[n * handle_count_ + h] =
+                    around.empty() ? own : 0.5F * own + 0.5F * sum / float(around.size());
+            }
+        });
+        smoothed_.swap(other);
     }
 
     /// Sets both fields to the projection of `ahead` to the weights that are non-negative and have the

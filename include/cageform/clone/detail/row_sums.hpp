@@ -162,7 +162,7 @@ private:
         unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
         unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
             Register w = load_weights<Format, T>(row + b * block_bytes);
-            conceal(w); // otherwise GCC would reload it for every product
+            optimizer_barrier(w); // otherwise GCC would reload it for every product
             unroll<D>([&](auto k)
                           CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
         });
