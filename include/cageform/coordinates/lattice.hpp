@@ -23,9 +23,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   range     [0, 1] in the box. Outside, the functions are extended linearly, with both signs
 ///   smooth    C^(degree − 1) in the box, at most C¹ at its faces
 ///   falloff   outside, displacements fade to zero at this distance from the box, C¹ at both ends; C⁰ beyond
-///             edges of the box if its axes are not orthogonal. D + 1 still handles, o and o + A_k, then
+///             edges of the box if its axes are not orthogonal. D + 1 frame handles, o and o + A_k, then
 ///             follow the control points, and poses must leave them at rest. BindOptions::falloff fades by
-///             the same distance without still handles; with both, points fade twice
+///             the same distance without frame handles; with both, points fade twice
 ///   zeros     all but (degree + 1)^D weights in the box are exactly zero
 ///   cost      O(#handles) a point, to write the weights
 ///   faults    lattice_degree, lattice_knots, frame_not_finite, frame_flat (the axis depends on the others),
@@ -378,7 +378,7 @@ private:
             for (const auto& z : *of[2]) add_rows(Simd::load(z));
         }
     }
-    /// Applies the falloff to weights, and sets those of the still handles.
+    /// Applies the falloff to weights, and sets those of the frame handles.
     void fade(const Scratch& scratch, Lanes<T>* row) const noexcept {
         if (!(falloff_ > 0)) return;
         const Simd kept = Simd::load(scratch.kept), lost = Simd(T(1)) - kept;
@@ -428,7 +428,7 @@ private:
     std::array<Vec<T, D>, D> inverse_{}; ///< the rows of A⁻¹
     std::array<T, D> on_face_{};         ///< the tolerance in u
     double scale_ = 1;                   ///< a power of two that makes the box about 1 in size
-    std::size_t points_ = 0;             ///< number of control points; still handles follow
+    std::size_t points_ = 0;             ///< number of control points; frame handles follow
     std::vector<Vec<T, D>> handles_;
     CageReport report_;
 };

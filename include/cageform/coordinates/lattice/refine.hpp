@@ -113,7 +113,7 @@ inline Result<RefinedAxis> raise_degree(const LatticeAxis& axis) {
     });
 }
 
-/// Refines control points along one axis, at rest or in a pose. Points after them (still handles) are copied.
+/// Refines control points along one axis, at rest or in a pose. Points after them (frame handles) are copied.
 /// Throws std::bad_alloc.
 ///
 ///   counts  number of control points along each axis before the refinement

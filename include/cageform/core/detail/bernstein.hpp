@@ -85,7 +85,8 @@ inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
     return p;
 }
 
-/// Returns the root in (0, 1) of a polynomial with one sign change, by Newton's method safeguarded by bisection.
+/// Returns the root in (0, 1) of a polynomial with one sign change: Newton's method safeguarded by
+/// bisection.
 ///
 ///   falls  whether the sign changes from positive to negative
 inline double simple_root(const Bernstein& p, bool falls) noexcept {
