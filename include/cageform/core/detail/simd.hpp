@@ -62,8 +62,8 @@ CAGEFORM_DETAIL_INLINE inline void store_bytes(void* bytes, const R& r) noexcept
 
 /// Prefetches the cache line `ahead` bytes further on into the second-level cache. The address may
 /// lie past the end of the memory.
-CAGEFORM_DETAIL_INLINE inline void fetch_ahead([[maybe_unused]] const void* bytes,
-                                               [[maybe_unused]] std::size_t ahead) noexcept {
+CAGEFORM_DETAIL_INLINE inline void prefetch([[maybe_unused]] const void* bytes,
+                                            [[maybe_unused]] std::size_t ahead) noexcept {
 #if defined(__GNUC__)
     // NOLINTNEXTLINE(performance-no-int-to-ptr): avoids pointer arithmetic past the end
     __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(bytes) + ahead), 0, 2);
