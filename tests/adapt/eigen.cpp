@@ -29,7 +29,7 @@ void fill(M& matrix, Random& random) {
     }
 }
 
-/// `points` views rows first_row … and columns first_column … of `whole`, a point a row or a point a column.
+/// `points` views rows first_row … and columns first_column … of `whole`; a point is a row or a column.
 /// Reads must agree with the matrix's own (i, j), and writes change those entries and no others.
 template <class Points, class M>
 void check_view(const Points& points, M& whole, bool in_rows, Eigen::Index first_row,
@@ -161,7 +161,7 @@ TEST_CASE("rows of matrices of fixed width and of mapped memory are points", "[a
     fill(fixed, random);
     check_view(points_in_columns<3>(fixed), fixed, false, 0, 0);
 
-    // Every third float of a buffer is an x, and the y stands behind it.
+    // Every third float of a buffer is an x, followed by its y.
     std::vector<float> buffer{1, 2, -1, 3, 4, -1, 5, 6, -1};
     using Rows = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
     Eigen::Map<Rows, 0, Eigen::OuterStride<3>> mapped(buffer.data(), 3, 2);
@@ -176,7 +176,7 @@ TEST_CASE("rows of matrices of fixed width and of mapped memory are points", "[a
     STATIC_REQUIRE(!MutablePointRange<decltype(points_in_rows<2>(read_only))>);
 }
 
-TEST_CASE("a polygon is made of the rows of a matrix", "[adapt][eigen]") {
+TEST_CASE("a polygon can be made from the rows of a matrix", "[adapt][eigen]") {
     Eigen::MatrixXd square(4, 2);
     square << 0, 0, 1, 0, 1, 1, 0, 1;
     const cageform::Polygon cage(points_in_rows<2>(square));

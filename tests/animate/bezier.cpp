@@ -1,4 +1,4 @@
-// Bézier curves as functions of time: which are, and three ways to evaluate them.
+// Bézier curves as functions of time: validity, and three evaluation methods.
 #include "animate/curves.hpp"
 #include "catch.hpp"
 
@@ -40,7 +40,7 @@ long double slow_parameter(const BezierCurve& curve, long double x) {
 
 } // namespace
 
-TEST_CASE("time may not turn back: the exact region", "[animate][bezier]") {
+TEST_CASE("check accepts exactly the region where time is monotone", "[animate][bezier]") {
     struct Place {
         double u1, u2;
         bool sound, vertical;
@@ -72,14 +72,14 @@ TEST_CASE("time may not turn back: the exact region", "[animate][bezier]") {
     }
 }
 
-TEST_CASE("time may not turn back: what samples of its derivative say", "[animate][bezier][property]") {
+TEST_CASE("check agrees with samples of the derivative of time", "[animate][bezier][property]") {
     std::size_t sound = 0, unsound = 0;
     for (int i = -10; i <= 38; ++i) {
         for (int j = -10; j <= 38; ++j) {
             const double u1 = 0.0371 * i, u2 = 0.0389 * j - 0.013;
             const auto curve = moved(with_times(u1, u2), -3, 7, 0, 1);
             const double least = least_velocity(curve);
-            if (std::fabs(least) < 1e-4) continue; // on the boundary to what samples show
+            if (std::fabs(least) < 1e-4) continue; // too near the boundary for samples
             CAPTURE(u1, u2, least);
             const auto result = cageform::check(curve);
             CHECK((result.status == Status::ok) == (least > 0));
@@ -92,7 +92,7 @@ TEST_CASE("time may not turn back: what samples of its derivative say", "[animat
     CHECK(unsound > 500);
 }
 
-TEST_CASE("curves that are no function of time are refused with a reason", "[animate][bezier]") {
+TEST_CASE("curves that are not functions of time are rejected with a status", "[animate][bezier]") {
     const auto good = with_times(0.3, 0.6);
     REQUIRE(cageform::check(good).status == Status::ok);
     for (std::size_t k = 0; k < 4; ++k) {
@@ -110,13 +110,13 @@ TEST_CASE("curves that are no function of time are refused with a reason", "[ani
     curve.points[3][0] = -1;
     CHECK(cageform::check(curve).status == Status::interval_empty);
     curve = moved(good, -1e308, 1, 0, 1);
-    curve.points[3][0] = 1e308; // longer than a double can say
+    curve.points[3][0] = 1e308; // the length overflows
     CHECK(cageform::check(curve).status == Status::interval_empty);
-    curve = moved(good, 0, 1e-310, 0, 1); // no parts of it can be told
+    curve = moved(good, 0, 1e-310, 0, 1); // the inverse length overflows
     CHECK(cageform::check(curve).status == Status::interval_empty);
 }
 
-TEST_CASE("the robust function is the curve", "[animate][bezier][property]") {
+TEST_CASE("BezierFunction evaluates the curve", "[animate][bezier][property]") {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 100);
@@ -147,7 +147,7 @@ TEST_CASE("the robust function is the curve", "[animate][bezier][property]") {
     }
 }
 
-TEST_CASE("vertical tangents do the robust function no harm", "[animate][bezier]") {
+TEST_CASE("BezierFunction is accurate at vertical tangents", "[animate][bezier]") {
     for (const auto& [u1, u2] : {std::array{0., 0.},
                                  {0., 1.},
                                  {1., 0.},
@@ -176,7 +176,8 @@ TEST_CASE("vertical tangents do the robust function no harm", "[animate][bezier]
     CHECK(std::isinf(BezierFunction(with_times(0.5, 1)).derivative(1)));
 }
 
-TEST_CASE("a handle on its key has the slope towards the next point", "[animate][bezier][property]") {
+TEST_CASE("at a key with a coincident handle, the slope points to the next control point",
+          "[animate][bezier][property]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 300);
@@ -189,7 +190,7 @@ TEST_CASE("a handle on its key has the slope towards the next point", "[animate]
     const auto slope_of = [](const auto& p, const auto& q) { return (q[1] - p[1]) / (q[0] - p[0]); };
     CHECK(BezierFunction(curve).derivative(curve.begin()) ==
           Approx(slope_of(curve.points[0], curve.points[2])).epsilon(1e-9));
-    // Repeats this from the other end.
+    // The same at the other end.
     BezierCurve back;
     for (std::size_t k = 0; k < 4; ++k)
         back.points[k] = {curve.points[0][0] + curve.points[3][0] - curve.points[3 - k][0],
@@ -204,7 +205,7 @@ TEST_CASE("a handle on its key has the slope towards the next point", "[animate]
     for (const double x : {line.begin(), line.end()})
         CHECK(BezierFunction(line).derivative(x) ==
               Approx(slope_of(line.points[0], line.points[3])).epsilon(1e-9));
-    // The next point beside the key, or above it: flat, or vertical.
+    // The next point beside or above the key: a flat or vertical tangent.
     const double along = random.uniform(0.1, 0.9), up = random.uniform(0.1, 2);
     CHECK(BezierFunction(bezier(0, 0, along, 0)).derivative(0) == 0);
     CHECK(BezierFunction(bezier(along, 1, 1, 1)).derivative(1) == 0);
@@ -219,7 +220,7 @@ TEST_CASE("a handle on its key has the slope towards the next point", "[animate]
     }
 }
 
-TEST_CASE("closed forms are the robust function, in each family", "[animate][bezier][closed_form]") {
+TEST_CASE("closed forms agree with BezierFunction in each family", "[animate][bezier][closed_form]") {
     struct Family {
         const char* name;
         double u1, u2, tolerance; // of the parameter
@@ -232,10 +233,10 @@ TEST_CASE("closed forms are the robust function, in each family", "[animate][bez
                                            {"cube root, end", 1, 1, 1e-5}, // ∛ε at the tangent
                                            {"sinh", 2. / 3, 1. / 3, 1e-13},
                                            {"sinh, steep", 0.95, 0.1, 1e-13},
-                                           {"cos of 0", 0.1, 0.35, 1e-12},      // a > 0, before its extremes
-                                           {"cos of 2", 0.6, 0.9, 1e-12},       // a > 0, behind them
+                                           {"cos of 0", 0.1, 0.35, 1e-12},      // a > 0, before its extrema
+                                           {"cos of 2", 0.6, 0.9, 1e-12},       // a > 0, after them
                                            {"cos of 1", 1. / 6, 5. / 6, 1e-13}, // a < 0
-                                           {"cos and cosh", 0.005, 0.1, 1e-13}, // one behind the other
+                                           {"cos and cosh", 0.005, 0.1, 1e-13}, // one after the other
                                            {"cosh", 0.3, 0.28, 1e-12}}};
     for (const auto& [name, u1, u2, tolerance] : families) {
         const auto curve = moved(with_times(u1, u2), -2, 5, 1, 3);
@@ -253,7 +254,7 @@ TEST_CASE("closed forms are the robust function, in each family", "[animate][bez
     }
 }
 
-TEST_CASE("closed forms lose digits where the cubic term of time is small",
+TEST_CASE("closed forms lose precision where the cubic term of time is small",
           "[animate][bezier][closed_form]") {
     const auto seed = GENERATE(seeds(300));
     CAPTURE(seed);
@@ -261,7 +262,7 @@ TEST_CASE("closed forms lose digits where the cubic term of time is small",
     const auto curve = random_normal_curve(random);
     const BezierFunction robust(curve);
     const cageform_bench::ClosedFormFunction closed(curve);
-    // The roundings of (2b³ − 9abc) / 27a³, taken by the inverse.
+    // The rounding of (2b³ − 9abc) / 27a³, through the inverse function.
     const double a = std::fabs(robust.time().c3);
     CAPTURE(a);
     for (int n = 0; n <= 200; ++n) {
@@ -271,7 +272,8 @@ TEST_CASE("closed forms lose digits where the cubic term of time is small",
     }
 }
 
-TEST_CASE("Newton's method is the robust function on tame curves", "[animate][bezier][newton]") {
+TEST_CASE("Newton's method agrees with BezierFunction on curves with ordered handles",
+          "[animate][bezier][newton]") {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 700);
@@ -288,7 +290,7 @@ TEST_CASE("Newton's method is the robust function on tame curves", "[animate][be
     }
 }
 
-TEST_CASE("the normal form is the curve between (0, 0) and (1, 1)", "[animate][bezier][property]") {
+TEST_CASE("the normal form is the curve from (0, 0) to (1, 1)", "[animate][bezier][property]") {
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 900);

@@ -1,4 +1,4 @@
-// Poses of a cage at a time: those of its tracks, and turns of the whole.
+// Poses of a clip: tracks and rigid motion.
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/cages.hpp"
@@ -35,7 +35,7 @@ Track<T> track_of(const std::vector<Key>& keys, Extrapolation mode = Extrapolati
     return compiled.value;
 }
 
-/// Automatic keys that all begin at 0 and end at 3 where `common`, otherwise anywhere between.
+/// Automatic keys from 0 to 3 if `common`, else at random times in between.
 template <class T>
 std::vector<PiecewiseCubic<T>> random_curves(Random& random, std::size_t count, bool common) {
     std::vector<PiecewiseCubic<T>> curves;
@@ -80,7 +80,7 @@ Quaternion<double> turn_about(Vec<double, 3> axis, double angle) {
     return {axis[0], axis[1], axis[2], std::cos(angle / 2)};
 }
 
-/// v turned about a unit axis (Rodrigues 1840).
+/// v rotated about a unit axis (Rodrigues 1840).
 Vec<double, 3> turned(const Vec<double, 3>& v, const Vec<double, 3>& axis, double angle) {
     return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
            ((1 - std::cos(angle)) * dot(axis, v)) * axis;
@@ -100,7 +100,7 @@ double length_of(const Quaternion<double>& q) {
 
 /// The angle between two rotations.
 double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
-    // From the chord, which keeps the digits of small angles.
+    // From the chord, which is accurate for small angles.
     double same = 0, opposite = 0;
     for (std::size_t k = 0; k < 4; ++k) {
         same += (a[k] - b[k]) * (a[k] - b[k]);
@@ -111,7 +111,7 @@ double angle_between(const Quaternion<double>& a, const Quaternion<double>& b) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a pose is what the tracks say", "[animate][clip][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a pose has the values of the tracks", "[animate][clip][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -145,7 +145,7 @@ TEMPLATE_TEST_CASE("a pose is what the tracks say", "[animate][clip][property]",
     }
 }
 
-TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their tracks, whatever runs them",
+TEMPLATE_TEST_CASE("the curves of a compiled clip are those of the tracks, for any parallel loop",
                    "[animate][clip][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     Random random(17);
@@ -159,7 +159,7 @@ TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their
     options.after = Extrapolation::ping_pong;
     double told = 0, sup_error = 0;
     cageform::Running running;
-    running.parallel = [](std::size_t count, std::size_t, const auto& body) { // from the last to the first
+    running.parallel = [](std::size_t count, std::size_t, const auto& body) { // in reverse order
         for (std::size_t k = count; k > 0; --k) body(k - 1, k);
     };
     running.progress = [&](double done) { return (told = done) <= 1; };
@@ -185,7 +185,7 @@ TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their
     }
 }
 
-TEST_CASE("the default tolerance of a clip goes with its size, one that is given does not",
+TEST_CASE("the default tolerance of a clip scales with its size, a given one does not",
           "[animate][clip][property]") {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
@@ -228,13 +228,12 @@ TEST_CASE("the default tolerance of a clip goes with its size, one that is given
         REQUIRE(given.status() == Status::ok);
         CHECK(given.report.sup_error <= 1e-2 * unit);
     }
-    // One point at rest has no size.
+    // A point at rest has size 0.
     CHECK(cageform::compile<double, 2>(std::vector<std::vector<Key>>(2, {key(0, 3), key(1, 3)})).status() ==
           Status::ok);
 }
 
-TEST_CASE("key frames that make no clip are refused, with the curve and the key",
-          "[animate][clip][refused]") {
+TEST_CASE("invalid key frames are rejected with the curve and the key", "[animate][clip][refused]") {
     std::vector<std::vector<Key>> keys(6, {key(0, 1), key(1, 2), key(2, 0)});
     REQUIRE(cageform::compile<double, 3>(keys).status() == Status::ok);
     REQUIRE(cageform::compile<double, 2>(keys).value.vertex_count() == 3);
@@ -252,7 +251,7 @@ TEST_CASE("key frames that make no clip are refused, with the curve and the key"
     CHECK(cageform::compile<double, 3>(keys, {}, running).status() == Status::cancelled);
 }
 
-TEST_CASE("a clip goes on as a whole", "[animate][clip][property]") {
+TEST_CASE("a clip is extrapolated as a whole", "[animate][clip][property]") {
     using enum Extrapolation;
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -274,7 +273,7 @@ TEST_CASE("a clip goes on as a whole", "[animate][clip][property]") {
         CHECK(largest_difference(pose_of(with(cycle_with_offset), part + 3 * turn), raised) <= 1e-11);
         CHECK(largest_difference(pose_of(with(ping_pong), part + 6 * turn), inside) <= 1e-11);
         CHECK(largest_difference(pose_of(with(ping_pong), -part - 6 * turn), inside) <= 1e-11);
-        // Along the slopes at the ends: of curves that last so long.
+        // Linear for curves that end with the clip.
         const auto before = pose_of(with(linear), -part), after = pose_of(with(linear), 3 + part);
         for (std::size_t k = 0; k < 24; ++k) {
             const auto& curve = curves[k];
@@ -285,14 +284,14 @@ TEST_CASE("a clip goes on as a whole", "[animate][clip][property]") {
             CHECK(after[k / 3][k % 3] == Approx(last[k / 3][k % 3] + part * rises).epsilon(0).margin(1e-10));
         }
     }
-    // Ends of its own.
+    // Different extrapolations at the ends.
     const CageClip<double, 3> mixed(curves, ping_pong, constant);
     CHECK(largest_difference(pose_of(mixed, -1.25), pose_of(held, 1.25)) <= 1e-11);
     CHECK(largest_difference(pose_of(mixed, 4), last) <= 1e-13);
 }
 
-TEST_CASE("one curve that ends with a hold does not stop the others", "[animate][clip]") {
-    // x goes on at its slope; y jumps at its last key.
+TEST_CASE("a curve that ends with a hold does not affect the others", "[animate][clip]") {
+    // x continues linearly; y jumps at its last key.
     const std::vector<Key> line{key(0, 0, KeyKind::linear), key(2, 4, KeyKind::linear)};
     const std::vector<Key> jump{key(0, 1, KeyKind::hold), key(2, 5)};
     const std::array curves{track_of<double>(line).curve, track_of<double>(jump).curve};
@@ -303,8 +302,7 @@ TEST_CASE("one curve that ends with a hold does not stop the others", "[animate]
     CHECK(distance(pose_of(clip, -1)[0], {-2, 1}) <= 1e-14);
 }
 
-TEST_CASE("players know nothing of each other, and neither wherefrom they came",
-          "[animate][clip][property]") {
+TEST_CASE("cursors are independent of each other and of their history", "[animate][clip][property]") {
     Random random(7);
     const auto curves = random_curves<double>(random, 50, false);
     const CageClip<double, 2> clip(curves, Extrapolation::cycle, Extrapolation::cycle);
@@ -328,7 +326,7 @@ TEST_CASE("a clip without curves has no vertices", "[animate][clip]") {
     CHECK(none.vertex_count() == 0);
 }
 
-TEST_CASE("a turn in the plane: by the angle, about the pivot, as stiff as it was",
+TEST_CASE("a 2D rotation preserves distances and rotates about the pivot by the angle",
           "[animate][clip][rigid][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
@@ -365,8 +363,8 @@ TEST_CASE("a turn in the plane: by the angle, about the pivot, as stiff as it wa
     }
 }
 
-TEST_CASE("half way between turned poses a cage keeps its size", "[animate][clip][rigid]") {
-    // Tests a case that tracks of vertices alone do not cover.
+TEST_CASE("a cage keeps its size halfway between rotated poses", "[animate][clip][rigid]") {
+    // Interpolating the vertices would shrink it.
     std::vector<PiecewiseCubic<double>> curves;
     for (const double x : {-1.0, 0.0, 1.0, 0.0})
         curves.push_back(track_of<double>({key(0, x), key(1, x)}).curve);
@@ -379,7 +377,7 @@ TEST_CASE("half way between turned poses a cage keeps its size", "[animate][clip
     CHECK(distance(middle[1], {0, 1}) <= 1e-15);
 }
 
-TEST_CASE("turns in space: at keys, between them, beyond them", "[animate][clip][rigid][property]") {
+TEST_CASE("3D rotations at keys, between and outside them", "[animate][clip][rigid][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 301);
@@ -388,7 +386,7 @@ TEST_CASE("turns in space: at keys, between them, beyond them", "[animate][clip]
     CageClip<double, 3> clip(curves);
     RigidMotion<double, 3> motion;
     motion.pivot = {random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
-    // All about one axis, so that what is between is known: less than half a turn from key to key.
+    // All about one axis, less than half a turn per key, so that values in between are known.
     const auto axis = random_axis(random);
     std::vector<double> angles{random.uniform(-3, 3)};
     const std::size_t keys = 1 + random.below(5);
@@ -414,7 +412,7 @@ TEST_CASE("turns in space: at keys, between them, beyond them", "[animate][clip]
         const Vec<double, 3> shift{0, 0, seed % 2 == 0 ? motion.translation[2](time) : 0};
         for (std::size_t i = 0; i < 6; ++i) {
             const auto expected = motion.pivot + shift + turned(rest[i] - motion.pivot, axis, angle);
-            // Where a straight line stands for the arc, it is not gone along at quite a constant speed.
+            // Where the arc is interpolated linearly, the speed is only nearly constant.
             CHECK(distance(pose[i], expected) <= 1e-5);
             for (std::size_t j = 0; j < i; ++j)
                 CHECK(distance(pose[i], pose[j]) ==
@@ -423,7 +421,7 @@ TEST_CASE("turns in space: at keys, between them, beyond them", "[animate][clip]
     }
 }
 
-TEST_CASE("a motion in space without rotations, or without a phase", "[animate][clip][rigid]") {
+TEST_CASE("a 3D motion without rotations, or without a phase", "[animate][clip][rigid]") {
     Random random(11);
     const auto curves = random_curves<double>(random, 9, true);
     const CageClip<double, 3> still(curves);
@@ -441,11 +439,11 @@ TEST_CASE("a motion in space without rotations, or without a phase", "[animate][
     CHECK(largest_difference(pose_of(clip, 1.5), expected) <= 1e-14);
 }
 
-TEST_CASE("slerp: of unit length, at constant speed, the shorter way", "[animate][slerp][property]") {
+TEST_CASE("slerp has unit length and constant speed, along the shorter arc", "[animate][slerp][property]") {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 401);
-    // Anything from next to nothing up to half a turn.
+    // Angles from nearly 0 to half a turn.
     const double angle = seed % 2 == 0 ? random.uniform(0.01, 3.14) : std::pow(10.0, random.uniform(-6, 0));
     const auto a = turn_about(random_axis(random), random.uniform(-3, 3));
     const auto step = turn_about(random_axis(random), angle);
@@ -487,7 +485,7 @@ TEST_CASE("slerp of opposite and equal rotations", "[animate][slerp]") {
     CHECK(quarter[3] == Approx(std::sqrt(0.5)));
 }
 
-TEST_CASE("playing a clip allocates nothing", "[animate][clip][allocations]") {
+TEST_CASE("playing a clip does not allocate", "[animate][clip][allocations]") {
     Random random(5);
     const auto curves = random_curves<float>(random, 72, false);
     const auto test = [&](auto dimension) {
@@ -510,7 +508,7 @@ TEST_CASE("playing a clip allocates nothing", "[animate][clip][allocations]") {
     };
     test(std::integral_constant<std::size_t, 2>{});
     test(std::integral_constant<std::size_t, 3>{});
-    // They are counted; a new-expression might be left out.
+    // The counter works: a new-expression might be optimised away.
     const std::size_t before = allocations;
     void* const something = ::operator new(8);
     const std::size_t after = allocations;

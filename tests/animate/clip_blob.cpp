@@ -1,4 +1,4 @@
-// Clips as they are shipped: the same bits where they lie, refused by name when anything is wrong,
+// Packed clips: played in place with the same bits, rejected with a status if invalid,
 // quantised within a distance.
 #include "catch.hpp"
 #include "support/aligned.hpp"
@@ -81,7 +81,7 @@ CageClip<T, D> random_clip(Random& random, std::size_t vertices, bool moves = fa
     return std::move(compiled.value);
 }
 
-/// Frames forwards, backwards and anywhere, far ones too.
+/// Times forwards, backwards and random, also far outside.
 template <class T>
 std::vector<T> times_of_play(Random& random) {
     std::vector<T> times;
@@ -109,7 +109,7 @@ ClipHeader header_of(std::span<const std::byte> bytes) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an allocation",
+TEMPLATE_TEST_CASE("an opened clip gives the bits of the original, without allocation",
                    "[animate][clip_blob][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(25));
@@ -124,7 +124,7 @@ TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an alloca
         CHECK(packed.report.unquantised_bytes == packed.report.bytes);
         CHECK(packed.report.quantised == 0);
         CHECK(packed.report.distance == 0);
-        Aligned file(packed.value.bytes()); // elsewhere, exactly as long
+        Aligned file(packed.value.bytes()); // other memory of the exact size
         const auto times = times_of_play<T>(random);
         std::vector<cageform::Lanes<T>> memory(clip.view().cursor_rows());
         std::vector<Vec<T, D>> expected(vertices), pose(vertices);
@@ -154,7 +154,7 @@ TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an alloca
     }
 }
 
-TEMPLATE_TEST_CASE("a clip far from time zero plays as near it, also from its bytes",
+TEMPLATE_TEST_CASE("a clip far from time zero gives the poses of one near it, also packed",
                    "[animate][clip_blob][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(25));
@@ -204,8 +204,7 @@ TEMPLATE_TEST_CASE("a clip far from time zero plays as near it, also from its by
     CHECK(same);
 }
 
-TEST_CASE("a cursor with memory of its own is copied with it, one in the caller's shares it",
-          "[animate][clip_blob]") {
+TEST_CASE("a copied cursor copies its own memory and shares the caller's", "[animate][clip_blob]") {
     Random random(4);
     const auto clip = random_clip<double, 2>(random, 9);
     auto first = clip.make_cursor();
@@ -221,7 +220,7 @@ TEST_CASE("a cursor with memory of its own is copied with it, one in the caller'
     clip.sample(3.0, given, expected);
     CHECK(b == expected);
     CHECK(given.memory().data() == memory.data());
-    // A cursor can be started again in place for another clip.
+    // A cursor can be reset to another clip.
     const auto other = random_clip<double, 2>(random, 5);
     auto of_other = other.make_cursor();
     std::vector<Vec<double, 2>> few(5), few_expected(5);
@@ -233,8 +232,8 @@ TEST_CASE("a cursor with memory of its own is copied with it, one in the caller'
     }
 }
 
-TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
-    // One vertex of the plane: x in pieces as they are, y in 16 bits.
+TEST_CASE("the bytes have the documented layout", "[animate][clip_blob][format]") {
+    // One 2D vertex: x unquantised, y in 16 bits.
     std::vector<cageform::CubicPiece<float>> rising;
     for (int n = 0; n < 16; ++n) rising.push_back({float(n) / 8, 3 * float(n) / 8, 3, 0, 0});
     const std::vector<cageform::PiecewiseCubic<float>> curves{
@@ -244,7 +243,7 @@ TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
     const auto [packed, report] = pack_clip(clip, {.tolerance = 6.1f / 131070});
     REQUIRE(exact_report.status == Status::ok);
     REQUIRE(report.status == Status::ok);
-    CHECK(report.quantised == 1); // x steps by more
+    CHECK(report.quantised == 1); // x exceeds the tolerance
     for (const bool quantised : {false, true}) {
         Aligned file((quantised ? packed : exact).bytes());
         const ClipHeader header = header_of(file.bytes());
@@ -272,7 +271,7 @@ TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
         CHECK((header.step_table != 0) == quantised);
         CHECK(read(header.curve_table, std::array<std::uint32_t, 2>{}) == std::array<std::uint32_t, 2>{0, 3});
         CHECK(read(header.curve_table + 20, std::array<std::uint32_t, 2>{}) ==
-              std::array<std::uint32_t, 2>{3, 17}); // the first knot of y, and how many there are
+              std::array<std::uint32_t, 2>{3, 17}); // the first knot of y, and their number
         CHECK(read(header.curve_table + 16, float{}) == -0.9375f);
         CHECK(read(header.curve_table + 20 + 16, float{}) == 6);
         const float after = std::nextafter(2.0f, 3.0f);
@@ -301,7 +300,7 @@ TEST_CASE("the bytes are as documented", "[animate][clip_blob][format]") {
     }
 }
 
-TEMPLATE_TEST_CASE("quantised clips keep the distance promised, at every time",
+TEMPLATE_TEST_CASE("quantised clips meet the reported distance at every time",
                    "[animate][clip_blob][quantised][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr std::size_t D = 3, vertices = 12;
@@ -358,7 +357,7 @@ TEMPLATE_TEST_CASE("quantised clips keep the distance promised, at every time",
     CHECK(last > 0);
 }
 
-TEST_CASE("a tolerance that is no number is refused", "[animate][clip_blob][refused]") {
+TEST_CASE("an invalid tolerance is rejected", "[animate][clip_blob][refused]") {
     Random random(6);
     const auto clip = random_clip<float, 3>(random, 2);
     for (const double none :
@@ -371,7 +370,7 @@ TEST_CASE("a tolerance that is no number is refused", "[animate][clip_blob][refu
     }
 }
 
-TEST_CASE("a clip that could not be opened is not packed", "[animate][clip_blob][refused]") {
+TEST_CASE("a clip that would not open is not packed", "[animate][clip_blob][refused]") {
     Random random(7);
     for (const bool turns : {false, true}) {
         auto clip = random_clip<float, 3>(random, 2);
@@ -388,7 +387,7 @@ TEST_CASE("a clip that could not be opened is not packed", "[animate][clip_blob]
     }
 }
 
-TEST_CASE("a clip without vertices, and one of a single key, are shipped too", "[animate][clip_blob]") {
+TEST_CASE("clips without vertices and of a single key can be packed", "[animate][clip_blob]") {
     const auto none = pack_clip(CageClip<float, 3>{}, {.tolerance = 1});
     REQUIRE(none.report.status == Status::ok);
     const auto opened = open_clip<float, 3>(none.value.bytes());
@@ -412,7 +411,7 @@ TEST_CASE("a clip without vertices, and one of a single key, are shipped too", "
     }
 }
 
-TEST_CASE("a clip of another kind is refused by name", "[animate][clip_blob][refused]") {
+TEST_CASE("a clip of another kind is rejected with its status", "[animate][clip_blob][refused]") {
     Random random(7);
     const auto packed = pack_clip(random_clip<float, 3>(random, 4, true), {.tolerance = 1e-4}).value;
     const auto bytes = packed.bytes();
@@ -453,7 +452,7 @@ TEST_CASE("a clip of another kind is refused by name", "[animate][clip_blob][ref
     CHECK(status_of(memory.bytes()) == Status::ok);
 }
 
-TEST_CASE("each number of a clip that contradicts the others is refused", "[animate][clip_blob][refused]") {
+TEST_CASE("every inconsistent number of a clip is rejected", "[animate][clip_blob][refused]") {
     Random random(8);
     auto clip = random_clip<float, 3>(random, 4, true);
     cageform::RigidMotion<float, 3> motion;
@@ -554,8 +553,7 @@ TEST_CASE("each number of a clip that contradicts the others is refused", "[anim
     for (std::size_t n = 0; n < 8; ++n) refused(std::size_t(header.rotations) + 4 * n, infinite);
 }
 
-TEST_CASE("a hostile clip neither crashes nor leads a player out of bounds",
-          "[animate][clip_blob][hostile]") {
+TEST_CASE("hostile clips never cause access out of bounds", "[animate][clip_blob][hostile]") {
     Random random{std::uint64_t(GENERATE(range(0, 3))) + 501};
     const std::array sound{
         Aligned(pack_clip(random_clip<float, 3>(random, 5, true)).value.bytes()),

@@ -1,4 +1,4 @@
-// Keys to tracks: what every kind means, what is met, what is refused.
+// Keys to tracks: kinds, tolerances, invalid input.
 #include "catch.hpp"
 #include "support/cages.hpp"
 #include "support/keys.hpp"
@@ -24,7 +24,7 @@ namespace {
 const std::array kinds{KeyKind::hold, KeyKind::linear, KeyKind::hermite,
                        KeyKind::tcb,  KeyKind::bezier, KeyKind::automatic};
 
-/// Two to nine keys of the kinds given, handles anywhere between neighbours but where slopes are unbounded.
+/// Two to nine keys of given kinds, with random handles between neighbours and bounded slopes.
 std::vector<Key> random_keys(Random& random, std::span<const KeyKind> of) {
     const std::size_t count = 2 + random.below(8);
     double time = random.uniform(-5, 5);
@@ -50,7 +50,7 @@ std::vector<Key> random_keys(Random& random, std::span<const KeyKind> of) {
     return keys;
 }
 
-/// A time before a key by as little as there is.
+/// The largest time before a key.
 template <class T>
 T just_before(double time) {
     return std::nextafter(T(time), std::numeric_limits<T>::lowest());
@@ -58,7 +58,7 @@ T just_before(double time) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("keys of any kinds: met at their times, within the tolerance between",
+TEMPLATE_TEST_CASE("keys of any kind are met exactly, the curve between them within the tolerance",
                    "[animate][track][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(200));
@@ -99,7 +99,7 @@ TEMPLATE_TEST_CASE("keys of any kinds: met at their times, within the tolerance 
     CHECK(track(T(keys.back().time) + 1) == track(track.curve.end()));
 }
 
-TEST_CASE("the error named is the largest there is", "[animate][track][property]") {
+TEST_CASE("the reported error is the maximum", "[animate][track][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 301);
@@ -122,7 +122,7 @@ TEST_CASE("the error named is the largest there is", "[animate][track][property]
     CHECK(compiled.report.sup_error <= options.tolerance);
 }
 
-TEST_CASE("a tighter tolerance takes more pieces, and no more than it has to", "[animate][track]") {
+TEST_CASE("a tighter tolerance needs more pieces, at the expected rate", "[animate][track]") {
     Random random(7);
     const std::array bezier{KeyKind::bezier};
     const auto keys = random_keys(random, bezier);
@@ -138,7 +138,7 @@ TEST_CASE("a tighter tolerance takes more pieces, and no more than it has to", "
     CHECK(pieces > keys.size() - 1);
 }
 
-TEST_CASE("hold jumps at the next key", "[animate][track][kinds]") {
+TEST_CASE("a hold jumps at the next key", "[animate][track][kinds]") {
     const std::array keys{key(1, 5, KeyKind::hold), key(2, -3, KeyKind::hold), key(4, 7, KeyKind::hold)};
     const auto compiled = compile<double>(keys);
     REQUIRE(compiled.status() == Status::ok);
@@ -171,8 +171,7 @@ TEST_CASE("linear is a straight line at constant speed", "[animate][track][kinds
     }
 }
 
-TEST_CASE("kinds that are cubics of time are met in one piece an interval",
-          "[animate][track][kinds][property]") {
+TEST_CASE("kinds that are cubics of time need one piece per interval", "[animate][track][kinds][property]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 501);
@@ -243,7 +242,7 @@ TEST_CASE("tcb: Kochanek and Bartels' slopes where keys are equally far apart",
     }
 }
 
-TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][kinds][property]") {
+TEST_CASE("automatic keys are smooth and monotone between keys", "[animate][track][kinds][property]") {
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 801);
@@ -252,7 +251,7 @@ TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][
     if (seed % 4 == 0)
         std::sort(keys.begin(), keys.end(), [](auto& a, auto& b) { return a.value < b.value; });
     double time = 0;
-    for (Key& k : keys) k.time = time += std::pow(10.0, random.uniform(-3, 1)); // some near, some far
+    for (Key& k : keys) k.time = time += std::pow(10.0, random.uniform(-3, 1)); // at very different distances
     const auto compiled = compile<double>(keys);
     REQUIRE(compiled.status() == Status::ok);
     const auto& track = compiled.value;
@@ -278,7 +277,7 @@ TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][
     }
 }
 
-TEST_CASE("automatic: Fritsch and Butland's slopes, the chord's into a hold", "[animate][track][kinds]") {
+TEST_CASE("automatic: Fritsch and Butland's slopes, before a hold the chord's", "[animate][track][kinds]") {
     const std::array keys{key(0, 0), key(1, 2), key(4, 3, KeyKind::automatic), key(6, 7, KeyKind::hold),
                           key(7, 0)};
     const auto compiled = compile<double>(keys);
@@ -291,19 +290,19 @@ TEST_CASE("automatic: Fritsch and Butland's slopes, the chord's into a hold", "[
     CHECK(pieces[2].derivative(6) == Approx(2));
 }
 
-TEST_CASE("automatic keys on a line are the line", "[animate][track][kinds]") {
+TEST_CASE("automatic keys on a line give the line", "[animate][track][kinds]") {
     const std::array keys{key(0, 1), key(1, 3), key(1.5, 4), key(4, 9)};
     const auto compiled = compile<double>(keys);
     for (const double x : {0.0, 0.3, 1.2, 2.0, 4.0})
         CHECK(compiled.value(x) == Approx(1 + 2 * x).epsilon(1e-14));
 }
 
-TEST_CASE("bezier handles count where a key has them, thirds elsewhere", "[animate][track][kinds]") {
+TEST_CASE("bezier keys use their handles, other keys thirds", "[animate][track][kinds]") {
     std::array keys{key(0, 0, KeyKind::bezier), key(3, 1, KeyKind::linear), key(4, 2, KeyKind::automatic)};
     keys[0].out_handle = {2, 0};
     auto curve = key_interval(keys, 0);
     CHECK(curve.points[1] == Vec<double, 2>{2, 0});
-    CHECK(curve.points[2] == Vec<double, 2>{2, 1 - 1.0 / 3}); // linear: comes in at the chord's slope
+    CHECK(curve.points[2] == Vec<double, 2>{2, 1 - 1.0 / 3}); // linear: arrives with the chord's slope
     keys[1].kind = KeyKind::bezier;
     keys[1].in_handle = {1.5, 1};
     keys[1].out_handle = {3.5, 7};
@@ -324,7 +323,7 @@ TEST_CASE("bezier handles count where a key has them, thirds elsewhere", "[anima
     CHECK(compiled.value(2.5) == Approx((2 + 3 * 9 + 3 * -5 + 0) / 8.0));
 }
 
-TEST_CASE("vertical tangents are met within the tolerance too", "[animate][track][kinds]") {
+TEST_CASE("vertical tangents meet the tolerance", "[animate][track][kinds]") {
     for (const double tolerance : {0.1, 0.01, 1e-3}) {
         std::array keys{key(0, 0, KeyKind::bezier), key(1, 1, KeyKind::bezier)};
         keys[0].out_handle = {0, 1};
@@ -339,7 +338,7 @@ TEST_CASE("vertical tangents are met within the tolerance too", "[animate][track
     }
 }
 
-TEST_CASE("late keys keep their digits", "[animate][track][property]") {
+TEST_CASE("late keys keep their precision", "[animate][track][property]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 901);
@@ -381,7 +380,7 @@ TEST_CASE("a single key is a constant", "[animate][track]") {
     }
 }
 
-TEST_CASE("what is refused, and which key is to blame", "[animate][track][refused]") {
+TEST_CASE("invalid keys are rejected with their index", "[animate][track][refused]") {
     const auto good = [] {
         std::vector<Key> keys{key(0, 0, KeyKind::bezier), key(1, 2, KeyKind::bezier),
                               key(2, 1, KeyKind::bezier), key(3, 5)};
@@ -431,7 +430,7 @@ TEST_CASE("what is refused, and which key is to blame", "[animate][track][refuse
     std::swap(keys[1].time, keys[2].time);
     refused(keys, Status::keys_not_ascending, 2);
     keys = good();
-    keys[1].out_handle = {2.2, 2}; // beyond the next key, and the handle there does not make up for it
+    keys[1].out_handle = {2.2, 2}; // after the next key, and not compensated by the handle there
     keys[2].in_handle = {0.9, 1};
     refused(keys, Status::time_not_monotone, 1);
     keys = good();
@@ -448,15 +447,15 @@ TEST_CASE("what is refused, and which key is to blame", "[animate][track][refuse
     TrackOptions options;
     options.tolerance = 1e-15;
     CHECK(compile<double>(good(), options).status() == Status::tolerance_not_met);
-    // The outer handles of the first and the last key are not looked at.
+    // The outer handles of the first and last key are ignored.
     keys = good();
     keys[0].in_handle = {7, 7};
     keys[3].out_handle = {-7, 7};
     CHECK(compile<double>(keys).status() == Status::ok);
 }
 
-TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", "[animate][track][refused]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("numbers too large for the scalar are rejected with their key",
+                   "[animate][track][refused]", CAGEFORM_SCALARS) {
     using T = TestType;
     constexpr double largest = std::numeric_limits<T>::max();
     const auto refused = [](const std::vector<Key>& keys, std::size_t culprit,
@@ -468,14 +467,14 @@ TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", 
         CHECK(compiled.value.curve.empty());
     };
     constexpr bool is_float = std::is_same_v<T, float>;
-    // Between the largest floats differences are numbers in double, though none to be met to 1/1920.
+    // Differences of the largest floats are finite in double, but the tolerance cannot be met.
     constexpr auto differs = is_float ? Status::tolerance_not_met : Status::value_not_finite;
     for (const auto kind : {KeyKind::linear, KeyKind::automatic, KeyKind::tcb, KeyKind::hermite})
         refused({key(0, 0.9 * largest, kind), key(1, 1, kind), key(2, 0.9 * largest, kind)}, 0, differs);
     refused({key(0, 0, KeyKind::linear), key(1, 1, KeyKind::linear), key(1 + 1e-6, 0.9 * largest)}, 1,
             differs);
     refused({key(-0.9 * largest, 0), key(0, 0), key(0.9 * largest, 0)}, 2); // the track's length
-    // A value that stays is as it is.
+    // A constant value is valid.
     for (const double value : {largest, -largest}) {
         const std::array keys{key(0, value, KeyKind::hold), key(1, 0, KeyKind::hold)};
         const auto compiled = compile<T>(keys);
@@ -491,7 +490,7 @@ TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", 
     }
 }
 
-TEMPLATE_TEST_CASE("a value that the scalar can say stays finite between any keys, or is refused",
+TEMPLATE_TEST_CASE("values that the scalar can represent stay finite between keys, or are rejected",
                    "[animate][track][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(100));
@@ -522,7 +521,7 @@ TEMPLATE_TEST_CASE("a value that the scalar can say stays finite between any key
     }
 }
 
-TEST_CASE("times that are the same in the scalar are refused", "[animate][track][refused]") {
+TEST_CASE("times that are equal in the scalar are rejected", "[animate][track][refused]") {
     const std::array keys{key(1e6, 0), key(1e6 + 1e-3, 1), key(1e6 + 2, 3)};
     CHECK(compile<double>(keys).status() == Status::ok);
     const auto compiled = compile<float>(keys);
@@ -530,8 +529,7 @@ TEST_CASE("times that are the same in the scalar are refused", "[animate][track]
     CHECK(compiled.report.culprit == 1);
 }
 
-TEST_CASE("knots between keys that the scalar cannot tell apart are left out, and keys still met",
-          "[animate][track]") {
+TEST_CASE("knots that coincide in the scalar are omitted, and keys are still met", "[animate][track]") {
     std::array near{key(4096, 0, KeyKind::bezier), key(4096 + 4 * 0x1p-11, 1, KeyKind::bezier)};
     near[0].out_handle = {near[1].time, 3};
     near[1].in_handle = {near[0].time, -2};
@@ -544,7 +542,7 @@ TEST_CASE("knots between keys that the scalar cannot tell apart are left out, an
     for (int n = 0; n <= 4; ++n) CHECK(std::isfinite(short_track.value(float(near[0].time + n * 0x1p-11))));
 }
 
-TEST_CASE("the progress is told every thousand keys, and may cancel", "[animate][track]") {
+TEST_CASE("progress is reported every thousand keys and can cancel", "[animate][track]") {
     std::vector<Key> keys;
     for (int i = 0; i <= 2500; ++i) keys.push_back(key(i, i % 7));
     std::vector<double> told;
@@ -567,7 +565,7 @@ TEST_CASE("the progress is told every thousand keys, and may cancel", "[animate]
     }
 }
 
-TEST_CASE("tied pieces tell their progress within an interval, and may be cancelled there",
+TEST_CASE("coupled pieces report progress within an interval and can be cancelled there",
           "[animate][track]") {
     std::array keys{key(0, 0, KeyKind::bezier), key(1, 1, KeyKind::bezier), key(2, 0)};
     for (Key& k : keys) {
@@ -575,7 +573,7 @@ TEST_CASE("tied pieces tell their progress within an interval, and may be cancel
         k.in_handle = {k.time - 0.05, k.value};
     }
     TrackOptions options;
-    options.tolerance = 1e-14; // unreachable: as many pieces are tried as there may be
+    options.tolerance = 1e-14; // unreachable: tries the maximum number of pieces
     options.fit.conditions = cageform::FitCondition::end_value | cageform::FitCondition::knot_c0;
     std::vector<double> told;
     cageform::Running running;
@@ -592,7 +590,7 @@ TEST_CASE("tied pieces tell their progress within an interval, and may be cancel
     CHECK(told.back() < 0.1); // of the first of two intervals
 }
 
-TEST_CASE("a track that holds at its end cycles at its keys' period", "[animate][track]") {
+TEST_CASE("a track with a hold at its end cycles with the period of its keys", "[animate][track]") {
     const std::array keys{key(0, 1, KeyKind::hold), key(1, 2, KeyKind::hold), key(2, 3, KeyKind::hold)};
     TrackOptions options;
     options.before = options.after = Extrapolation::cycle;

@@ -1,4 +1,4 @@
-// Bézier curves for the tests: the source's ten, random ones, and what a fit of them is checked by.
+// Bézier curves for tests: the source's ten and random ones; references for fits.
 #pragma once
 
 #include "support/cages.hpp"
@@ -67,7 +67,7 @@ inline FitCondition configuration(std::size_t number) {
     return configurations[number - 1];
 }
 
-/// Whether handles at these parts of the interval let time never turn back, by the spec's closed condition.
+/// Whether time is monotone for handles at these fractions, by the specification's closed condition.
 inline bool admissible(double u1, double u2) {
     return u1 >= 0 && u2 <= 1 && (u2 >= u1 || (u1 - u2) * (u1 - u2) <= u1 * (1 - u2));
 }
@@ -88,7 +88,7 @@ inline BezierCurve moved(BezierCurve curve, double begin, double length, double 
     for (auto& p : curve.points) p = {begin + length * p[0], value + height * p[1]};
     return curve;
 }
-/// A random curve of any place and size (10^-2 … 10^2).
+/// A random curve of random position and size (10^-2 … 10^2).
 inline BezierCurve random_curve(Random& random, double margin = 0.02) {
     const double length = std::pow(10.0, random.uniform(-2, 2)),
                  height = std::pow(10.0, random.uniform(-2, 2));
@@ -133,7 +133,7 @@ inline std::vector<double> random_parameters(Random& random, std::size_t pieces)
     return t;
 }
 
-/// The largest |y|: what tolerances of coefficients are relative to.
+/// The largest |y|; tolerances of coefficients are relative to it.
 inline double height_of(const BezierCurve& curve) {
     double most = 0;
     for (const auto& p : curve.points) most = cageform_tests::larger(most, std::fabs(p[1]));

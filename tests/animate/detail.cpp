@@ -33,7 +33,7 @@ TEST_CASE("Gauss rules are exact up to their degree", "[animate][detail]") {
     exact_to(cageform::detail::Gauss<16>::rule(), 31);
 }
 
-TEST_CASE("products, derivatives, elevations and splits of polynomials are those",
+TEST_CASE("products, derivatives, elevations and splits of polynomials are exact",
           "[animate][detail][property]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -52,16 +52,16 @@ TEST_CASE("products, derivatives, elevations and splits of polynomials are those
     }
 }
 
-TEST_CASE("the largest value of a polynomial is what samples find, and no less",
+TEST_CASE("the maximum of a polynomial is at least that of samples, and attained",
           "[animate][detail][property]") {
     const auto seed = GENERATE(seeds(300));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 50);
     auto p = random_polynomial(random, 1 + random.below(15));
-    if (seed % 5 == 0) { // even about the middle: extremes in pairs
+    if (seed % 5 == 0) { // symmetric: extrema in pairs
         for (std::size_t i = 0; i <= p.degree / 2; ++i) p.c[p.degree - i] = p.c[i];
     }
-    if (seed % 7 == 0) { // a double extreme
+    if (seed % 7 == 0) { // a double extremum
         const double at = random.uniform(0, 1);
         const Bernstein line{1, {-at, 1 - at}};
         p = line * line * line * Bernstein{1, {1, 1.5}};
@@ -74,13 +74,13 @@ TEST_CASE("the largest value of a polynomial is what samples find, and no less",
     CHECK(largest.value <= sampled + 1e-3);
 }
 
-TEST_CASE("constants and zero have a largest value", "[animate][detail]") {
+TEST_CASE("constants and zero have a maximum", "[animate][detail]") {
     CHECK(largest_absolute(Bernstein{0, {-3}}).value == 3);
     CHECK(largest_absolute(Bernstein{9, {}}).value == 0);
     Bernstein constant{14, {}};
     constant.c.fill(-2);
     CHECK(largest_absolute(constant).value == 2);
-    // Constants but for rounding end too.
+    // Nearly constant polynomials terminate.
     Random random(5);
     for (int n = 0; n < 1000; ++n) {
         constant = {9, {}};
@@ -93,7 +93,7 @@ TEST_CASE("constants and zero have a largest value", "[animate][detail]") {
     }
 }
 
-TEST_CASE("a line minimum is within two tolerances", "[animate][detail][property]") {
+TEST_CASE("line_minimum is accurate to two tolerances", "[animate][detail][property]") {
     for (int seed = 0; seed < 2000; ++seed) {
         CAPTURE(seed);
         Random random(std::uint64_t(seed) + 70);

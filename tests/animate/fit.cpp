@@ -1,4 +1,4 @@
-// As few pieces as meet a tolerance.
+// The fewest pieces that meet a tolerance.
 #include "animate/curves.hpp"
 #include "catch.hpp"
 
@@ -12,7 +12,7 @@ using enum FitCondition;
 
 namespace {
 
-/// The fewest pieces with ends among `steps` equal steps of the parameter, by breadth; 0 if none.
+/// The fewest pieces with ends on a grid of `steps` parameters, by breadth-first search; 0 if none.
 std::size_t fewest_on_grid(const BezierCurve& curve, double tolerance, const FitOptions& options,
                            std::size_t steps) {
     const SobolevFitter fitter(curve, options);
@@ -42,7 +42,7 @@ TEST_CASE("every tolerance is met", "[animate][fit][tolerance][property]") {
     Random random(std::uint64_t(seed) + 7);
     const auto curve = random_curve(random, seed % 3 == 0 ? 1e-5 : 0.02);
     constexpr std::array<std::size_t, 4> numbers{3, 3, 13,
-                                                 7}; // 7 is III with slopes that agree and are taken
+                                                 7}; // 7 is III with continuous and prescribed slopes
     auto options = with(configuration(numbers[random.below(3)]), 3 + random.below(3));
     const double height = height_of(curve), tolerance = height * std::pow(10.0, random.uniform(-6, -1));
     const auto result = fit(curve, tolerance, options);
@@ -72,7 +72,7 @@ TEST_CASE("every tolerance is met", "[animate][fit][tolerance][property]") {
     CHECK(again.report.w12_error() == Approx(result.report.w12_error()).epsilon(1e-9));
 }
 
-TEST_CASE("no choice of knots on a fine grid needs fewer pieces", "[animate][fit][tolerance][property]") {
+TEST_CASE("no knots on a fine grid need fewer pieces", "[animate][fit][tolerance][property]") {
 #if defined(CAGEFORM_SANITIZED)
     constexpr int curves = 10;
 #else
@@ -92,8 +92,7 @@ TEST_CASE("no choice of knots on a fine grid needs fewer pieces", "[animate][fit
     }
 }
 
-TEST_CASE("pieces tied together: every tolerance is met, one piece less would not do",
-          "[animate][fit][tolerance]") {
+TEST_CASE("coupled pieces meet every tolerance with the fewest pieces", "[animate][fit][tolerance]") {
     for (std::size_t c = 0; c < 10; ++c) {
         for (const std::size_t number : {2u, 4u, 16u}) {
             CAPTURE(c + 1, number);
@@ -103,7 +102,7 @@ TEST_CASE("pieces tied together: every tolerance is met, one piece less would no
             REQUIRE(result.status() == Status::ok);
             CHECK(result.report.sup_error <= tolerance);
             if (result.value.pieces() == 1) continue;
-            // Not at the best knots in the W12 norm, which is what is promised.
+            // At the optimal knots in the W12 norm, as documented.
             const auto search = cageform::optimal_knots(test_curves[c], result.value.pieces() - 1, {options});
             if (search.status() != Status::ok) continue;
             const auto fewer = cageform::fit_pieces(test_curves[c], search.value.parameters, options);
@@ -141,7 +140,8 @@ TEST_CASE("a straight line is one piece", "[animate][fit][tolerance]") {
     CHECK(fit(flat, 1e-9).report.sup_error <= 1e-15);
 }
 
-TEST_CASE("too tight a tolerance and bad input are refused with a reason", "[animate][fit][tolerance]") {
+TEST_CASE("unreachable tolerances and invalid input are rejected with a status",
+          "[animate][fit][tolerance]") {
     const auto good = bezier(0.3, 0.4, 0.6, 1.2);
     REQUIRE(fit(good, 0.01).status() == Status::ok);
     const double not_a_number = std::numeric_limits<double>::quiet_NaN();
@@ -178,7 +178,7 @@ TEST_CASE("too tight a tolerance and bad input are refused with a reason", "[ani
     CHECK(fit(good, 1e-5, three).status() == Status::too_many_conditions);
 }
 
-TEST_CASE("tolerances that cannot be seen", "[animate][fit][tolerance]") {
+TEST_CASE("the formulas of invisible tolerances", "[animate][fit][tolerance]") {
     CHECK(cageform::colour_tolerance(8) == 0.00390625);
     CHECK(cageform::colour_tolerance(10) == 0.0009765625);
     CHECK(cageform::orthographic_tolerance(1920, 1920) == 1);
@@ -190,7 +190,7 @@ TEST_CASE("tolerances that cannot be seen", "[animate][fit][tolerance]") {
     CHECK(cageform::screen_tolerance == Approx(0.00052083).epsilon(1e-4));
 }
 
-TEST_CASE("the sup norm gives a largest error that no small change of a piece lowers",
+TEST_CASE("in the sup norm no small change of a piece lowers the maximum error",
           "[animate][fit][sup][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
@@ -214,7 +214,7 @@ TEST_CASE("the sup norm gives a largest error that no small change of a piece lo
             CHECK(fitter.largest_error(other) >= 0.97 * error);
         }
     }
-    // It never takes more pieces.
+    // It never needs more pieces.
     const double tolerance = 1e-3;
     CHECK(fit(curve, tolerance, options).value.pieces() <=
           fit(curve, tolerance, with(end_value | knot_value, options.degree)).value.pieces());

@@ -1,4 +1,4 @@
-// Where pieces meet: the source's figures, the optimum, and that the fast search is the slow one.
+// Knots: the source's figures, the optimum, and the fast search against brute force.
 #include "animate/curves.hpp"
 #include "catch.hpp"
 
@@ -50,7 +50,7 @@ FitOptions with(FitCondition conditions) {
     return options;
 }
 
-/// The best of all choices of inner knots, tried one by one.
+/// The optimal inner knots by brute force.
 double slow_search(const BezierCurve& curve, const std::vector<double>& candidates, std::size_t pieces,
                    const FitOptions& options) {
     const std::size_t inner = candidates.size() - 2;
@@ -121,14 +121,14 @@ TEST_CASE("uniform knots are uniform", "[animate][knots][property]") {
     CHECK(by_time.back() == 1);
 }
 
-TEST_CASE("the search finds the best of all choices", "[animate][knots][property]") {
+TEST_CASE("search_knots finds the optimum of brute force", "[animate][knots][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 17);
     const auto curve = random_normal_curve(random);
     const auto candidates = random_parameters(random, 5 + random.below(4));
     const std::size_t pieces = 1 + random.below(4);
-    // Pieces apart, or not.
+    // Independent or coupled pieces.
     constexpr std::array<std::size_t, 6> numbers{3, 13, 15, 4, 8, 9};
     auto options = with(configuration(numbers[random.below(6)]));
     options.degree = 3 + random.below(3);
@@ -143,7 +143,7 @@ TEST_CASE("the search finds the best of all choices", "[animate][knots][property
     CHECK(search.report.objective == Approx(least).epsilon(1e-8).margin(1e-20));
 }
 
-TEST_CASE("neighbours that agree have practically the best knots of values taken", "[animate][knots]") {
+TEST_CASE("knot_c0 and knot_value have nearly the same optimal knots", "[animate][knots]") {
     for (std::size_t c = 0; c < 10; ++c) {
         for (const std::size_t pieces : {2u, 3u}) {
             CAPTURE(c + 1, pieces);
@@ -158,8 +158,7 @@ TEST_CASE("neighbours that agree have practically the best knots of values taken
     }
 }
 
-TEST_CASE("in the L2 norm neighbours that agree have other best knots than values taken",
-          "[animate][knots]") {
+TEST_CASE("in the L2 norm knot_c0 and knot_value have different optimal knots", "[animate][knots]") {
     // Spec. 8.5: 0.008739 for handles at (1, 0), where the knots of values taken give 0.012107.
     auto options = with(end_value | knot_c0);
     options.slope_weight = 0;
@@ -196,7 +195,7 @@ TEST_CASE("optimal knots reach the optimum", "[animate][knots][oracle]") {
         }
     }
     CAPTURE(worst, best);
-    CHECK(best >= 0.99); // the table is the optimum, after all; its last digit is worth 0.2 %
+    CHECK(best >= 0.99); // the table has the optimum; its last digit is 0.2 %
 }
 
 TEST_CASE("no move of one optimal knot lowers the error", "[animate][knots][property]") {
@@ -218,15 +217,15 @@ TEST_CASE("no move of one optimal knot lowers the error", "[animate][knots][prop
             auto t = search.value.parameters;
             t[i] += move * (move < 0 ? t[i] - t[i - 1] : t[i + 1] - t[i]);
             CAPTURE(i, move);
-            // By the knots of values taken where neighbours only agree: the same to 1e-6.
+            // knot_c0 uses the knots of knot_value: equal to 1e-6.
             CHECK(fitter.objective(t) >= search.report.objective * (1 - 1e-5) - 1e-16);
         }
     }
 }
 
-TEST_CASE("many knots come near the optimum too", "[animate][knots]") {
+TEST_CASE("many knots are near the optimum", "[animate][knots]") {
     // For cubics determined by their own interval the error of slopes is of order 3 in their number:
-    // w12_error() · n³ tends to a constant. Tied to be smooth they cost a constant factor more.
+    // w12_error() · n³ tends to a constant. Smoothness conditions add a constant factor.
     const auto smooth = with(end_value | knot_c0 | knot_c1);
     const auto& curve = test_curves[7];
     const auto scaled = [&](std::size_t pieces, const cageform::FitOptions& options) {
@@ -244,7 +243,7 @@ TEST_CASE("many knots come near the optimum too", "[animate][knots]") {
     CHECK(scaled(70, smooth) == Approx(tied).epsilon(0.1));
 }
 
-TEST_CASE("the source's heuristic comes near the optimum of two pieces", "[animate][knots]") {
+TEST_CASE("the source's heuristic is near the optimum of two pieces", "[animate][knots]") {
     for (std::size_t c = 0; c < 10; ++c) {
         CAPTURE(c + 1);
         const auto options = with(end_value | knot_c0);
@@ -264,7 +263,7 @@ TEST_CASE("the source's heuristic comes near the optimum of two pieces", "[anima
     }
 }
 
-TEST_CASE("a search tells how far it is, and may be cancelled", "[animate][knots]") {
+TEST_CASE("a knot search reports progress and can be cancelled", "[animate][knots]") {
     const auto curve = bezier(0.3, 0.4, 0.6, 1.2);
     const auto smooth = with(end_value | knot_c0 | knot_c1);
     const auto run = [&](std::size_t most, const auto& search) {
@@ -305,7 +304,7 @@ TEST_CASE("a search tells how far it is, and may be cancelled", "[animate][knots
     }
 }
 
-TEST_CASE("a search that cannot be is refused with a reason", "[animate][knots]") {
+TEST_CASE("an invalid knot search is rejected with a status", "[animate][knots]") {
     const auto curve = bezier(0.3, 0.4, 0.6, 1.2);
     const auto candidates = uniform_in_parameter(10);
     CHECK(search_knots(curve, candidates, 0).status() == Status::knots_not_ascending);

@@ -1,4 +1,4 @@
-// Cubics one after the other, alone and many at a time.
+// Piecewise cubics, single and in banks.
 #include "catch.hpp"
 #include "support/cages.hpp"
 #include "support/larger.hpp"
@@ -23,7 +23,7 @@ using cageform::Track;
 
 namespace {
 
-/// Pieces of any coefficients: there are jumps between them. Times are multiples of 2^-10.
+/// Random pieces with jumps between them. Times are multiples of 2^-10.
 template <class T>
 PiecewiseCubic<T> random_curve(Random& random, std::size_t most = 12, double shift = 0) {
     const std::size_t count = 1 + random.below(most);
@@ -44,7 +44,7 @@ std::vector<PiecewiseCubic<T>> random_curves(Random& random, std::size_t count) 
     return curves;
 }
 
-/// The piece by counting, the value and what its rounding is relative to by power sums in long double.
+/// The piece by counting; the value and the scale of its rounding in long double.
 struct Exact {
     std::size_t piece = 0;
     long double value = 0, slope = 0, size = 0;
@@ -71,7 +71,7 @@ Exact exact(const PiecewiseCubic<T>& curve, T x) {
     return result;
 }
 
-/// A time in a curve, at one of its knots, or outside.
+/// A time inside a curve, at a knot, or outside.
 template <class T>
 T random_time(Random& random, const PiecewiseCubic<T>& curve) {
     const T length = curve.end() - curve.begin();
@@ -104,7 +104,7 @@ TEMPLATE_TEST_CASE("a piecewise cubic: pieces, values and slopes", "[animate][pi
         const auto expected = exact(curve, x);
         const T inside = std::min(std::max(x, curve.begin()), curve.end());
         REQUIRE(curve.locate(inside) == expected.piece);
-        // Whatever the hint, also one that is none of the pieces.
+        // For any hint, also out of range.
         REQUIRE(curve.locate(inside, random.below(curve.pieces().size() + 3)) == expected.piece);
         REQUIRE(near(curve(x), expected.value, expected.size));
         REQUIRE(near(curve(x, cursor), curve(x), expected.size));
@@ -132,7 +132,7 @@ TEST_CASE("slopes are limits of differences", "[animate][piecewise_cubic][proper
     }
 }
 
-TEMPLATE_TEST_CASE("values at many times are those at each", "[animate][piecewise_cubic][property]",
+TEMPLATE_TEST_CASE("sample gives the values of single evaluations", "[animate][piecewise_cubic][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(60));
@@ -149,7 +149,7 @@ TEMPLATE_TEST_CASE("values at many times are those at each", "[animate][piecewis
     CHECK(values[99] == 77);
 }
 
-TEST_CASE("late times cost no digits", "[animate][piecewise_cubic][property]") {
+TEST_CASE("late times are as accurate as early ones", "[animate][piecewise_cubic][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     for (const double late : {1e6, -1e6, 1e9}) {
@@ -170,7 +170,7 @@ TEST_CASE("late times cost no digits", "[animate][piecewise_cubic][property]") {
     }
 }
 
-TEMPLATE_TEST_CASE("a bank gives what its curves give", "[animate][bank][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a bank gives the values of its curves", "[animate][bank][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
@@ -183,7 +183,7 @@ TEMPLATE_TEST_CASE("a bank gives what its curves give", "[animate][bank][propert
         auto forth = bank.make_cursor(), jumping = bank.make_cursor();
         std::vector<T> values(count + 1), slopes(count + 1), again(count);
         const auto check_at = [&](T x, auto& cursor) {
-            values.back() = slopes.back() = T(77); // beyond the last nothing is written
+            values.back() = slopes.back() = T(77); // nothing is written after the last
             bank.sample(x, cursor, values, slopes);
             bool good = values.back() == 77 && slopes.back() == 77;
             for (std::size_t k = 0; k < count; ++k) {
@@ -207,10 +207,10 @@ TEMPLATE_TEST_CASE("a bank gives what its curves give", "[animate][bank][propert
         for (const T x : times) check_at(x, forth);
         std::sort(times.rbegin(), times.rend());
         for (const T x : times) check_at(x, forth);
-        // In small steps, as play goes, and back.
+        // In small steps, forwards and back.
         for (int n = -600; n <= 1400; n += 7) check_at(T(n) / 64, forth);
         for (int n = 1400; n >= -600; n -= 9) check_at(T(n) / 64, forth);
-        // Knots and their neighbours, one after the other, and each from afar.
+        // Knots and adjacent times, in sequence and after jumps.
         const auto& some = curves[random.below(count)];
         std::vector<T> knots{some.end()};
         for (const auto& piece : some.pieces()) knots.push_back(piece.begin);
@@ -227,7 +227,7 @@ TEMPLATE_TEST_CASE("a bank gives what its curves give", "[animate][bank][propert
     }
 }
 
-TEST_CASE("cursors of a bank know nothing of each other", "[animate][bank]") {
+TEST_CASE("cursors of a bank are independent", "[animate][bank]") {
     Random random(3);
     const auto curves = random_curves<double>(random, 40);
     const CurveBank<double> bank(curves);
@@ -248,7 +248,7 @@ TEST_CASE("cursors of a bank know nothing of each other", "[animate][bank]") {
         bank.sample(y, copy, expected);
         CHECK(same(b, expected));
     }
-    // A cursor is of the bank's curves, wherever the bank is.
+    // A cursor stays valid for a copied bank.
     const CurveBank<double> elsewhere = bank;
     elsewhere.sample(1.5, first, a);
     bank.sample(1.5, second, b);
@@ -263,7 +263,7 @@ TEST_CASE("a bank without curves", "[animate][bank]") {
     CHECK(bank.size() == 0);
 }
 
-TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("fold_time follows each extrapolation", "[animate][fold][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     using enum Extrapolation;
     const auto seed = GENERATE(seeds(200));
@@ -274,7 +274,7 @@ TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCA
         return std::array{constant, linear, cycle, cycle_with_offset, ping_pong}[random.below(5)];
     };
     for (int n = 0; n < 50; ++n) {
-        // The other end's mode does not matter, and inside none does.
+        // The mode of the other end has no effect; inside, neither has.
         const T inside = std::min(end, T(begin + length * T(random.uniform(0, 1))));
         for (const T x : {inside, begin, end}) {
             const auto same = fold_time(x, begin, end, any(), any());
@@ -305,7 +305,7 @@ TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCA
             REQUIRE(double(higher.cycles) == turns);
             REQUIRE(double(round.time) + turns * double(length) ==
                     Approx(double(x)).epsilon(0).margin(margin));
-            // There and back: the mirror image in odd turns.
+            // Ping-pong: mirrored in odd cycles.
             const bool odd = std::fmod(std::fabs(turns), 2) == 1;
             const double mirrored =
                 odd ? double(begin) + double(end) - double(round.time) : double(round.time);
@@ -321,7 +321,7 @@ TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCA
     }
 }
 
-TEST_CASE("tracks go on as said", "[animate][track][property]") {
+TEST_CASE("tracks extrapolate as documented", "[animate][track][property]") {
     using enum Extrapolation;
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
@@ -340,7 +340,7 @@ TEST_CASE("tracks go on as said", "[animate][track][property]") {
             REQUIRE(track(x, cursor) == track(x));
             REQUIRE(track(begin + part) == track.curve(begin + part));
         }
-        // Not too near a knot, where a rounding of the time would take a jump.
+        // Not near a knot, where rounding of the time would cross a jump.
         const std::size_t piece = track.curve.locate(begin + part);
         if (track.curve.locate(begin + part - 1e-9) != piece ||
             track.curve.locate(begin + part + 1e-9) != piece)
@@ -364,7 +364,7 @@ TEST_CASE("tracks go on as said", "[animate][track][property]") {
         CHECK(track(end + part) == last);
         CHECK(track(begin - part) == first);
     }
-    // Without a jump at the ends and at every turn.
+    // Continuous at the ends and between cycles.
     const double slope =
         100 * (1 + std::fabs(track.curve.derivative(begin)) + std::fabs(track.curve.derivative(end)));
     for (const auto mode : {constant, linear, cycle_with_offset, ping_pong}) {
@@ -376,7 +376,7 @@ TEST_CASE("tracks go on as said", "[animate][track][property]") {
             CHECK(track(x) == Approx(track(x + 1e-9)).epsilon(0).margin(1e-9 * slope));
         }
     }
-    // Each end has its own.
+    // The ends may differ.
     track.before = cycle;
     track.after = constant;
     CHECK(track(end + 0.3 * length) == last);

@@ -10,7 +10,7 @@ namespace animate_progress_tests {
 
 using namespace cageform_tests;
 
-TEST_CASE("progress never falls and ends with 1: curves", "[animate][progress]") {
+TEST_CASE("progress never decreases and ends with 1: curves", "[animate][progress]") {
     const cageform::BezierCurve curve{{{{0, 0}, {0.1, 2}, {0.9, -1}, {1, 1}}}};
     using enum cageform::FitCondition;
     for (const auto conditions : {cageform::FitOptions{}.conditions, end_value | knot_c0}) {

@@ -1,4 +1,4 @@
-// Fits in a Sobolev norm: reference cases, and what holds for every curve.
+// Fits in a Sobolev norm: reference cases, and laws for random curves.
 #include "animate/curves.hpp"
 #include "catch.hpp"
 #include "support/larger.hpp"
@@ -46,7 +46,7 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
     return most;
 }
 
-/// A random fit that is possible: a curve, parameters of knots, conditions.
+/// A random feasible fit: a curve, parameters of knots, conditions.
 struct RandomFit {
     BezierCurve curve;
     std::vector<double> parameters;
@@ -83,7 +83,7 @@ cageform::Result<BezierFit, cageform::FitReport> fit_of(const BezierCurve& curve
 
 } // namespace
 
-TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
+TEST_CASE("fits equal the reference cases", "[animate][fit][oracle]") {
     std::ifstream file(CAGEFORM_TEST_DATA "/bezier-cases.json");
     const auto cases = nlohmann::json::parse(file).at("cases");
     REQUIRE(cases.size() == 6);
@@ -146,7 +146,7 @@ TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
         const double sup = expected.at("sup_error");
         CHECK(std::fabs(fit.report.sup_error - sup) <= (sup > 0 ? 1e-9 * sup : 1e-12));
         CHECK(fit.value.free_coefficients == expected.at("free_coefficients").get<std::size_t>());
-        // The place, except where there is none or where symmetry leaves two.
+        // The position, unless the error is 0 or symmetry leaves two.
         if (!expected.at("sup_at_x").is_null() && mode != "uniform_t") {
             const double at = expected.at("sup_at_x");
             const double mirrored = curve.begin() + curve.end() - at;
@@ -168,7 +168,7 @@ TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
     }
 }
 
-TEST_CASE("values in another unit: the same fit, to the bit", "[animate][fit][property]") {
+TEST_CASE("values in another unit give the same fit bit for bit", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 907);
@@ -187,7 +187,7 @@ TEST_CASE("values in another unit: the same fit, to the bit", "[animate][fit][pr
     CHECK(fit.report.sup_at == some.report.sup_at);
 }
 
-TEST_CASE("errors are those of brute quadrature", "[animate][fit][property]") {
+TEST_CASE("errors equal those of brute-force quadrature", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 11);
@@ -198,7 +198,7 @@ TEST_CASE("errors are those of brute quadrature", "[animate][fit][property]") {
     CHECK(report.slope_error == Approx(slow.slope).epsilon(1e-8).margin(1e-12 * height / std::sqrt(length)));
 }
 
-TEST_CASE("conditions are met, and the fit is the best of all that meet them", "[animate][fit][property]") {
+TEST_CASE("the fit meets its conditions and is optimal under them", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(120));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 23);
@@ -212,7 +212,7 @@ TEST_CASE("conditions are met, and the fit is the best of all that meet them", "
         CHECK((conditions.a * v - conditions.d).lpNorm<Eigen::Infinity>() <= 1e-10 * height);
     CHECK(fit.free_coefficients == fit.bernstein.size() - std::size_t(conditions.a.rows()));
 
-    // Stationary: to first order nothing changes along what the conditions leave free. So the objective rises
+    // Stationary: changes in the free directions have no first-order effect. So the objective rises
     // by exactly the square of the change.
     Eigen::MatrixXd kernel = Eigen::MatrixXd::Identity(v.size(), v.size());
     if (conditions.a.rows() > 0) kernel = Eigen::FullPivLU<Eigen::MatrixXd>(conditions.a).kernel();
@@ -220,7 +220,7 @@ TEST_CASE("conditions are met, and the fit is the best of all that meet them", "
     const double w0 = options.value_weight;
     const double w1 = options.slope_weight * (options.scale_free ? length * length : 1);
     for (long column = 0; column < kernel.cols(); ++column) {
-        if (fit.free_coefficients == 0) break; // Eigen's kernel is then a zero
+        if (fit.free_coefficients == 0) break; // Eigen's kernel is then a zero vector
         const Eigen::VectorXd change = kernel.col(column) / kernel.col(column).norm();
         long double first = 0, of_change = 0, of_error = 0;
         for_each_node(fit, curve,
@@ -238,7 +238,7 @@ TEST_CASE("conditions are met, and the fit is the best of all that meet them", "
     }
 }
 
-TEST_CASE("a curve whose time is linear is fitted exactly", "[animate][fit][property]") {
+TEST_CASE("a curve with linear time is fitted exactly", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 37);
@@ -259,7 +259,7 @@ TEST_CASE("a curve whose time is linear is fitted exactly", "[animate][fit][prop
     }
 }
 
-TEST_CASE("a fit follows scales and shifts of the value, and shears leave its error",
+TEST_CASE("a fit is equivariant under scaling and shifts of values, and shears keep its error",
           "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
@@ -292,7 +292,8 @@ TEST_CASE("a fit follows scales and shifts of the value, and shears leave its er
     CHECK(of_sheared.report.slope_error == Approx(report.slope_error).epsilon(0).margin(1e-9 * size));
 }
 
-TEST_CASE("weights in the curve's units are other weights of the normal form", "[animate][fit][property]") {
+TEST_CASE("weights in the curve's units correspond to scaled weights of the normal form",
+          "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 53);
@@ -324,7 +325,7 @@ TEST_CASE("weights in the curve's units are other weights of the normal form", "
     }
 }
 
-TEST_CASE("far away times change nothing, reversed time mirrors", "[animate][fit][property]") {
+TEST_CASE("shifted times change nothing, reversed time mirrors the fit", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 61);
@@ -388,7 +389,7 @@ TEST_CASE("more knots, a higher degree and fewer conditions never raise the erro
         REQUIRE(b.status() == Status::ok);
         CHECK(a.report.w12_error() <= b.report.w12_error() * (1 + 1e-9) + 1e-12);
     };
-    // Where conditions only tie neighbours together.
+    // Where conditions only couple neighbours.
     for (const std::size_t number : {1u, 2u, 4u, 8u}) {
         CAPTURE(number);
         const auto conditions = configuration(number);
@@ -402,8 +403,8 @@ TEST_CASE("more knots, a higher degree and fewer conditions never raise the erro
         never_above(fit_of(curve, knots, conditions, 4), fit);
         never_above(fit_of(curve, knots, conditions, 5), fit_of(curve, knots, conditions, 4));
     }
-    // At fixed knots every superset of conditions costs at least as much; values at inner knots imply that
-    // neighbours agree.
+    // At fixed knots a superset of conditions has at least the same error; knot_value implies
+    // knot_c0.
     const auto closure = [](FitCondition set) {
         unsigned bits = unsigned(set);
         for (const unsigned order : {0u, 3u, 6u}) bits |= (bits >> 1) & (2u << order);
@@ -422,7 +423,7 @@ TEST_CASE("more knots, a higher degree and fewer conditions never raise the erro
     }
 }
 
-TEST_CASE("XXIV is the clamped spline, IX leaves two coefficients", "[animate][fit]") {
+TEST_CASE("XXIV is the clamped spline, IX has two free coefficients", "[animate][fit]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 97);
@@ -465,7 +466,7 @@ TEST_CASE("XXIV is the clamped spline, IX leaves two coefficients", "[animate][f
     CHECK(ninth.report.w12_error() <= fit.report.w12_error() * (1 + 1e-9));
 }
 
-TEST_CASE("the W12 error bounds the largest, as sharply as can be", "[animate][fit][property]") {
+TEST_CASE("the W12 error is a sharp bound of the maximum error", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(150));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 103);
@@ -519,8 +520,7 @@ TEST_CASE("pieces of degree 3 are Bézier curves with handles at thirds", "[anim
     }
 }
 
-TEST_CASE("the largest error is never below one that samples find, nor above the largest",
-          "[animate][fit][sup]") {
+TEST_CASE("the maximum error is at least that of samples, and attained", "[animate][fit][sup]") {
 #if defined(CAGEFORM_SANITIZED)
     constexpr int curves = 100;
 #else
@@ -528,7 +528,7 @@ TEST_CASE("the largest error is never below one that samples find, nor above the
 #endif
     for (int seed = 0; seed < curves; ++seed) {
         Random random(std::uint64_t(seed) + 127);
-        // Every third touches the boundary of the region nearly.
+        // Every third curve is near the boundary of the valid region.
         const auto curve = random_normal_curve(random, seed % 3 == 0 ? 1e-6 : 0.02);
         const auto [same, parameters, options, fit, report] = random_fit(random, curve);
         const auto error = sampled_error(fit, curve, 2000);
@@ -538,7 +538,7 @@ TEST_CASE("the largest error is never below one that samples find, nor above the
             CHECK(report.sup_error >= error.sampled);
         if (!(report.sup_error <= error.polished + 1e-9 * std::fmin(size, 100)))
             CHECK(report.sup_error <= error.polished);
-        if (seed % 10 == 0) { // and it is where it says
+        if (seed % 10 == 0) { // and attained at sup_at
             const cageform::BezierFunction function(curve);
             const double slope = std::fabs(function.derivative(report.sup_at));
             if (slope < 1e3)
@@ -548,7 +548,7 @@ TEST_CASE("the largest error is never below one that samples find, nor above the
     }
 }
 
-TEST_CASE("vertical tangents: the L2 norm, or the W12 norm less its infinite constant",
+TEST_CASE("vertical tangents: the L2 norm, or the W12 norm without its infinite term",
           "[animate][fit][vertical]") {
     for (const auto& curve :
          {bezier(0, 1, 0.5, 1), bezier(0.5, 0, 1, 0.5), bezier(0, 0.5, 1, 0.2), bezier(1, 0, 0, 1),
@@ -586,7 +586,7 @@ TEST_CASE("vertical tangents: the L2 norm, or the W12 norm less its infinite con
     }
 }
 
-TEST_CASE("a slope that there is not is refused, a handle on its key is not", "[animate][fit][vertical]") {
+TEST_CASE("unbounded slopes are rejected, a handle on its key is valid", "[animate][fit][vertical]") {
     Random random(5);
     for (int n = 0; n < 20; ++n) {
         CAPTURE(n);
@@ -626,7 +626,7 @@ TEST_CASE("a slope that there is not is refused, a handle on its key is not", "[
     }
 }
 
-TEST_CASE("a vertical tangent at a knot is no slope to take", "[animate][fit][vertical]") {
+TEST_CASE("a vertical tangent at a knot cannot be prescribed", "[animate][fit][vertical]") {
     const auto curve = bezier(4. / 3, 0.2, 2. / 3, 0.9); // vertical at 2/3 of its parameter
     REQUIRE(cageform::check(curve).vertical_tangent);
     const auto t = uniform_in_parameter(3);
@@ -635,8 +635,8 @@ TEST_CASE("a vertical tangent at a knot is no slope to take", "[animate][fit][ve
     CHECK(fit_of(curve, t, end_value | knot_c0 | knot_d1).status() == Status::slope_unbounded);
 }
 
-TEST_CASE("nearly vertical tangents: errors to many digits", "[animate][fit][vertical]") {
-    // Against the same integral taken on 2000 panels graded towards the end.
+TEST_CASE("errors are accurate at nearly vertical tangents", "[animate][fit][vertical]") {
+    // Against the integral over 2000 panels graded towards the end.
     for (const double u1 : {1e-3, 1e-5, 1e-9}) {
         const auto curve = bezier(u1, 0.9, 0.6, 1);
         const auto fit = fit_pieces(curve, uniform_in_parameter(3));
@@ -665,7 +665,7 @@ TEST_CASE("nearly vertical tangents: errors to many digits", "[animate][fit][ver
     }
 }
 
-TEST_CASE("bad input of a fit is refused with a reason", "[animate][fit]") {
+TEST_CASE("invalid input of a fit is rejected with a status", "[animate][fit]") {
     const auto good = bezier(0.3, 0.4, 0.6, 0.7);
     const auto t = uniform_in_parameter(3);
     const FitOptions options;
@@ -724,12 +724,12 @@ TEST_CASE("bad input of a fit is refused with a reason", "[animate][fit]") {
                                                               {not_a_number, 1},
                                                               {0, 0.5, std::nextafter(0.5, 1), 1}}) {
         const auto status = fit_pieces(good, knots, options).status();
-        // The last: different parameters, but their times may be one by rounding.
+        // The last: different parameters whose times may coincide after rounding.
         if (knots.size() != 4 || knots[1] >= knots[2]) CHECK(status == Status::knots_not_ascending);
     }
 }
 
-TEST_CASE("too many conditions are refused, and which do fit is counted", "[animate][fit]") {
+TEST_CASE("too many conditions are rejected, and free coefficients are counted", "[animate][fit]") {
     const auto curve = bezier(0.3, 0.4, 0.6, 1.2); // of no symmetry
     const auto status_of = [&](std::size_t number, std::size_t pieces, std::size_t degree = 3) {
         return fit_of(curve, uniform_in_parameter(pieces), configuration(number), degree).status();
@@ -749,7 +749,7 @@ TEST_CASE("too many conditions are refused, and which do fit is counted", "[anim
         CHECK(status_of(n, 1) == Status::too_many_conditions);
     for (const std::size_t n : {14u, 15u, 20u}) CHECK(status_of(n, 2) == Status::ok);
     for (const std::size_t n : {14u, 15u, 20u}) CHECK(status_of(n, 1, 5) == Status::ok);
-    // Conditions that repeat each other.
+    // Redundant conditions.
     const auto t = uniform_in_parameter(3);
     CHECK(fit_of(curve, t, end_value | knot_c0 | knot_value).status() == Status::too_many_conditions);
     CHECK(fit_of(curve, t, end_value | knot_c0 | knot_c1 | knot_d1).status() == Status::too_many_conditions);

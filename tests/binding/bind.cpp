@@ -1,4 +1,4 @@
-// From a coordinate type and points to a binding, and whether the report tells the truth.
+// bind: bindings of every coordinate type, and the correctness of reports.
 #include "averaging/pyramid_solver.hpp"
 #include "catch.hpp"
 #include "support/effort.hpp"
@@ -38,7 +38,7 @@ template <class T>
 using Bary = cageform::BarycentricCoordinates<T, 2>;
 template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
-/// Harmonic coordinates on a coarse grid unless told otherwise, by the solver that leaves something to
+/// Harmonic coordinates on a coarse grid by default, by a solver that leaves a residual to
 /// restore.
 template <class T>
 struct Harmonic : cageform::HarmonicCoordinates<T, 2> {
@@ -58,7 +58,7 @@ constexpr T not_a_number = std::numeric_limits<T>::quiet_NaN();
 template <class T>
 constexpr T infinity = std::numeric_limits<T>::infinity();
 
-/// Makes some points of each state, at known indices.
+/// Points of each state at known indices.
 template <class T>
 Points2<T> mixed_points() {
     return {{1, 1},                          // 0
@@ -149,7 +149,7 @@ std::vector<Vec<T, D>> cloned(const Binding<T, D>& binding, const std::vector<Ve
     return out;
 }
 
-/// A user's own type: areas in a triangle, written without a word of the library's implementation.
+/// A user's coordinate type, areas in a triangle, written without the library's implementation.
 class AreaCoordinates {
 public:
     using scalar = double;
@@ -175,7 +175,7 @@ public:
             weights(i, 2) = cross(a - p, b - p) / whole;
             const double least = std::min({weights(i, 0), weights(i, 1), weights(i, 2)});
             states[i] = least < 0 ? PointState::outside : PointState::inside;
-            if (p[0] == 0.125) states[i] = PointState::unreached; // as a solver might leave a point
+            if (p[0] == 0.125) states[i] = PointState::unreached; // as after a solver
         }
         return {};
     }
@@ -190,8 +190,8 @@ private:
     cageform::CageReport report_;
 };
 
-/// Mean value coordinates made worse: weights below a threshold are dropped, as sparsification does, and
-/// the first is changed by a little.
+/// Degraded mean value coordinates: weights below a threshold are dropped, and
+/// the first weight is perturbed.
 template <class T>
 class Thinned : public Mean<T> {
 public:
@@ -212,7 +212,7 @@ public:
     }
 };
 
-/// The x of least norm with rows · x = sums: the rows are made orthonormal, by Gram and Schmidt.
+/// The minimum-norm x with rows · x = sums, by Gram-Schmidt.
 std::vector<double> least_solution(std::array<std::vector<double>, 3> rows, Vec<double, 3> sums) {
     std::vector<double> x(rows[0].size(), 0.0);
     const auto add = [](std::vector<double>& to, double factor, const std::vector<double>& row) {
@@ -239,7 +239,7 @@ static_assert(cageform::CageCoordinates<AreaCoordinates> && cageform::CageCoordi
 
 } // namespace
 
-TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[binding][status]",
+TEMPLATE_TEST_CASE("bind returns the status of the cage and an empty binding", "[binding][status]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto status_of = [](const auto& coordinates) {
@@ -262,7 +262,7 @@ TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[
     CHECK(status_of(Bary<T>(Points2<T>{{0, 0}, {1, 1}, {3, 3}})) == Status::degenerate_simplex);
 }
 
-TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", "[binding][status]",
+TEMPLATE_TEST_CASE("bind returns the status of the solver and an empty binding", "[binding][status]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto status_of = [](const cageform::HarmonicOptions& options, const auto& solver) {
@@ -285,8 +285,8 @@ TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", 
     CHECK(result.report.seconds >= result.report.solver.seconds);
 }
 
-#if !defined(CAGEFORM_SANITIZED) // sanitizers end a program that asks for so much
-TEST_CASE("more points than there is memory for are a status", "[binding][status]") {
+#if !defined(CAGEFORM_SANITIZED) // sanitizers abort such an allocation
+TEST_CASE("more points than fit into memory give a status", "[binding][status]") {
     struct Endless {
         static std::size_t size() { return std::size_t{1} << 60; }
         Vec<double, 2> operator[](std::size_t) const { return {1, 1}; }
@@ -311,7 +311,7 @@ TEMPLATE_TEST_CASE("the report lists every unusual point", "[binding][report]", 
     CHECK(result.report.unreached.empty());
 }
 
-TEMPLATE_TEST_CASE("points that are not finite stay as they are", "[binding][report]", Mean<float>,
+TEMPLATE_TEST_CASE("points that are not finite are not moved", "[binding][report]", Mean<float>,
                    Harmonic<double>) {
     using T = typename TestType::scalar;
     const auto points = mixed_points<T>();
@@ -332,8 +332,8 @@ TEMPLATE_TEST_CASE("points that are not finite stay as they are", "[binding][rep
     }
 }
 
-TEMPLATE_TEST_CASE("points outside that are kept in place do not move in any pose", "[binding][outside]",
-                   Mean<float>, Harmonic<double>) {
+TEMPLATE_TEST_CASE("points kept in place do not move in any pose", "[binding][outside]", Mean<float>,
+                   Harmonic<double>) {
     using T = typename TestType::scalar;
     const auto points = mixed_points<T>();
     const auto [binding, report] =
@@ -377,8 +377,8 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
     for (std::size_t i = 0; i < outside.size(); ++i) {
         CAPTURE(i);
         const auto offset = cageform::vec_cast<double>(outside[i]) - cageform::vec_cast<double>(nearest[i]);
-        // The weights are those of an edge, so their rounding, of the places over the edge's length, does
-        // not count but along the edge.
+        // The weights are those of an edge, so their rounding, relative to the edge's length, only
+        // matters along the edge.
         CHECK(distance(moved[i], cageform::vec_cast<double>(followed[i]) + offset) <=
               64 * double(epsilon<T>) * (size_of(pose) + size_of(outside)));
     }
@@ -386,8 +386,7 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
     CHECK(report.least_weight.value >= -8 * double(epsilon<T>));
 }
 
-TEMPLATE_TEST_CASE("points outside are extended to where the type can", "[binding][outside]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("points outside use the extension of the type", "[binding][outside]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto points = mixed_points<T>();
     const Mean<T> mean(square<T>);
@@ -408,7 +407,7 @@ TEMPLATE_TEST_CASE("points outside are extended to where the type can", "[bindin
     for (const std::size_t i : mixed_outside) CHECK(moved[i] == points[i]);
 }
 
-TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[binding][report]", Mean<float>,
+TEMPLATE_TEST_CASE("the numbers of the report are those of the binding", "[binding][report]", Mean<float>,
                    Harmonic<double>, Thinned<double>) {
     using T = typename TestType::scalar;
     const auto seed = GENERATE(seeds(10));
@@ -432,7 +431,7 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
         sizes.push_back(bound ? double(absolute_sum(row)) : 0);
         scale = cageform_tests::larger(scale, absolute_sum(row));
     }
-    // The report is computed in the scalar itself: a rounding a handle.
+    // The report is computed in the scalar: one rounding per handle.
     const double rounding = 8 * eps * scale;
     const auto most = [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); };
     CHECK(std::fabs(report.partition_error.value - most(partition)) <= rounding);
@@ -451,15 +450,15 @@ TEMPLATE_TEST_CASE("the figures of the report are those of the binding", "[bindi
         CHECK(report.partition_error.value <= rounding);
         CHECK(report.reproduction_error.value <= rounding * size);
     } else if constexpr (!std::is_same_v<TestType, Mean<T>>) {
-        // There was something to restore: half a cell of the grid, dropped weights.
+        // There is an error to restore: half a cell of the grid, dropped weights.
         CHECK(report.reproduction_error.value >=
               1e-3 * double(cageform::bounds_of(cage.vertices()).diagonal()));
     }
 }
 
-TEMPLATE_TEST_CASE("the figures of the report hold for tiny and huge cages", "[binding][report][scale]",
-                   CAGEFORM_SCALARS) {
-    // The error, squared, is not representable in the smallest units.
+TEMPLATE_TEST_CASE("the numbers of the report are correct for tiny and huge cages",
+                   "[binding][report][scale]", CAGEFORM_SCALARS) {
+    // The squared error underflows in the smallest units.
     using T = TestType;
     const double unit = sizeof(T) == 4 ? GENERATE(1e-19, 1e-15, 1e15) : GENERATE(1e-150, 1e150);
     CAPTURE(unit);
@@ -474,11 +473,11 @@ TEMPLATE_TEST_CASE("the figures of the report hold for tiny and huge cages", "[b
         REQUIRE(result.report.status == Status::ok);
         return result.report.reproduction_error.value / double(scale) / double(coordinates.offset);
     };
-    CHECK(error_at(1) == Approx(5).epsilon(0.1)); // the offset times the first vertex; the rest is rounding
+    CHECK(error_at(1) == Approx(5).epsilon(0.1)); // the perturbation times the first vertex, up to rounding
     CHECK(error_at(T(unit)) == Approx(5).epsilon(0.1));
 }
 
-TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can be",
+TEMPLATE_TEST_CASE("restoring linear precision makes the minimum change of weights",
                    "[binding][linear_precision]", Thinned<float>, Thinned<double>, Harmonic<double>) {
     using T = typename TestType::scalar;
     const auto seed = GENERATE(seeds(10));
@@ -491,8 +490,8 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
     REQUIRE(left.report.status == Status::ok);
     REQUIRE(restored.report.status == Status::ok);
 
-    // The change of least norm, by another way: the minimum-norm solution of the three equations.
-    // Lengths are taken from the middle of the cage in its size, as the library says it does.
+    // The reference: the minimum-norm solution of the three equations.
+    // Lengths are relative to the centre and size of the cage, as documented.
     const auto bounds = cageform::bounds_of(cage.vertices());
     const auto middle = cageform::vec_cast<double>(T(0.5) * (bounds.lower + bounds.upper));
     const double size = double(bounds.diagonal());
@@ -525,7 +524,7 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
     CHECK(largest > 0);
 }
 
-TEMPLATE_TEST_CASE("restoring never makes linear precision worse", "[binding][linear_precision]",
+TEMPLATE_TEST_CASE("restoring never increases the residual", "[binding][linear_precision]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(40));
@@ -542,7 +541,7 @@ TEMPLATE_TEST_CASE("restoring never makes linear precision worse", "[binding][li
     check_restored(left, restored, coordinates.handles());
 }
 
-TEST_CASE("what cannot be restored is reported", "[binding][linear_precision]") {
+TEST_CASE("residuals that cannot be restored are reported", "[binding][linear_precision]") {
     const Mean<double> thin(Points2<double>{{0.75, 5}, {2, 4e-9}, {1, 4}});
     const auto points = points_about(thin.cage(), 0, 100, 1);
     const auto left = cageform::bind(thin, points, {.linear_precision = LinearPrecision::leave});
@@ -554,8 +553,8 @@ TEST_CASE("what cannot be restored is reported", "[binding][linear_precision]") 
     CHECK(cageform::bind(wide, mixed_points<double>()).report.not_restored.empty());
 }
 
-TEST_CASE("restoring leaves alone what is exact", "[binding][linear_precision]") {
-    // On an edge the other weights are zero and stay so.
+TEST_CASE("restoring does not change exact weights", "[binding][linear_precision]") {
+    // On an edge the other weights are zero and stay zero.
     const Mean<double> coordinates(square<double>);
     const Points2<double> points{{1, 0}, {4, 3}, {0.3, 4}, {0, 0.7}, {4, 4}};
     const auto [binding, report] = cageform::bind(coordinates, points);
@@ -568,8 +567,7 @@ TEST_CASE("restoring leaves alone what is exact", "[binding][linear_precision]")
     CHECK(report.residual_restored.value == 0);
 }
 
-TEMPLATE_TEST_CASE("any number of points is bound, whatever the blocks", "[binding][blocks]", Mean<float>,
-                   Harmonic<double>) {
+TEMPLATE_TEST_CASE("any number of points can be bound", "[binding][blocks]", Mean<float>, Harmonic<double>) {
     using T = typename TestType::scalar;
     const std::size_t count = GENERATE(0u, 1u, 2u, 7u, 8u, 9u, 15u, 16u, 17u, 31u, 33u, 1000u);
     CAPTURE(count);
@@ -596,8 +594,8 @@ TEMPLATE_TEST_CASE("any number of points is bound, whatever the blocks", "[bindi
     CHECK(out == points);
 }
 
-TEMPLATE_TEST_CASE("a binding no longer needed lends its memory to the next", "[binding][recycled]",
-                   Mean<float>, Harmonic<double>) {
+TEMPLATE_TEST_CASE("bind reuses the memory of a recycled binding", "[binding][recycled]", Mean<float>,
+                   Harmonic<double>) {
     using T = typename TestType::scalar;
     const TestType large(random_star<T>(5)), small(random_star<T>(7));
     REQUIRE(large.handles().size() != small.handles().size());
@@ -624,7 +622,7 @@ TEST_CASE("a thousand copies of a point get the same weights", "[binding][blocks
     const auto [binding, report] = cageform::bind(Mean<float>(square<float>), points);
     REQUIRE(report.status == Status::ok);
     for (std::size_t i = 1; i < 1000; ++i) REQUIRE(row_of(binding, i) == row_of(binding, 0));
-    CHECK(report.least_weight.point == 0); // the first of equals
+    CHECK(report.least_weight.point == 0); // the first of equal ones
 }
 
 TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", Mean<double>,
@@ -645,9 +643,9 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
     CHECK(told.front() >= 0);
     CHECK(told.back() == 1);
     CHECK(std::count(told.begin(), told.end(), 1.0) == 1);
-    CHECK(same_bits(whole.value, cageform::bind(coordinates, points).value)); // asking changes nothing
+    CHECK(same_bits(whole.value, cageform::bind(coordinates, points).value)); // the callback changes nothing
 
-    for (const double last : {0.0, 0.5, 1.0}) { // how many steps there are depends on the time
+    for (const double last : {0.0, 0.5, 1.0}) { // the number of steps depends on the time
         std::size_t asked_again = 0;
         bool stopped = false;
         const auto cancelled = cageform::bind(coordinates, points, {}, {.progress = [&](double done) {
@@ -659,16 +657,16 @@ TEMPLATE_TEST_CASE("progress rises to 1 and can cancel", "[binding][progress]", 
         CHECK(cancelled.report.status == Status::cancelled);
         CHECK(cancelled.value.point_count() == 0);
         CHECK(cancelled.value.handle_count() == 0);
-        CHECK(asked_again == 0); // no is no
+        CHECK(asked_again == 0); // no call after cancellation
     }
 }
 
-TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits and the same report",
+TEMPLATE_TEST_CASE("threads and arbitrary ranges give the same bits and the same report",
                    "[binding][threads]", Mean<float>, Harmonic<double>) {
     using T = typename TestType::scalar;
     const Polygon<T> cage(random_star<T>(8));
     auto points = points_about(cage, 3000, 500, 600);
-    for (std::size_t i = 0; i < 3000; ++i) points.push_back(points[i]); // ties for every extreme
+    for (std::size_t i = 0; i < 3000; ++i) points.push_back(points[i]); // ties for every extremum
     const TestType coordinates(cage);
     const auto expected = cageform::bind(coordinates, points);
     REQUIRE(expected.report.status == Status::ok);
@@ -692,7 +690,7 @@ TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits and the
     }
 }
 
-TEST_CASE("points come from any kind of range", "[binding][ranges]") {
+TEST_CASE("points can be in any kind of range", "[binding][ranges]") {
     const Mean<double> coordinates(square<double>);
     const std::vector<Vec<double, 2>> plain{{1, 1}, {2, 3}, {0.5, 2.5}, {3.25, 0.75}, {2, 4}};
     const auto expected = cageform::bind(coordinates, plain).value;
@@ -710,7 +708,7 @@ TEST_CASE("points come from any kind of range", "[binding][ranges]") {
     double c_array[5][2];
     Eigen::MatrixXd rows(5, 2), wide(2, 5);
     Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> row_major(5, 2);
-    std::vector<float> interleaved; // x y nothing nothing nothing
+    std::vector<float> interleaved; // x y and three unused numbers
     std::array<std::vector<double>, 2> apart;
     for (std::size_t i = 0; i < plain.size(); ++i) {
         const auto [x, y] = plain[i].v;
@@ -741,7 +739,7 @@ TEST_CASE("points come from any kind of range", "[binding][ranges]") {
     CHECK(binds_alike(cageform::points_in_rows<2>(row_major)));
     CHECK(binds_alike(cageform::points_in_columns<2>(wide)));
     CHECK(binds_alike(cageform::StridedPoints<const float, 2>(interleaved.data(), 5, 5 * sizeof(float))));
-    // Points in two arrays: the way from an x to its y is that from one array to the other.
+    // Points in two arrays: the axis stride is the distance of the arrays.
     std::vector<double> both(apart[0]);
     both.insert(both.end(), apart[1].begin(), apart[1].end());
     CHECK(binds_alike(
@@ -756,7 +754,7 @@ TEST_CASE("a double too large for a float binding is not finite there", "[bindin
     CHECK(report.outside == Indices{2});
 }
 
-TEST_CASE("a user's own coordinate type binds", "[binding][concept]") {
+TEST_CASE("a user's coordinate type can be bound", "[binding][concept]") {
     const AreaCoordinates coordinates({{{0, 0}, {4, 0}, {0, 2}}});
     const std::vector<Vec<double, 2>> points{
         {1, 0.5}, {9, 9}, {0.125, 1}, {2, 0.25}, {not_a_number<double>, 0}};
@@ -776,11 +774,11 @@ TEST_CASE("a user's own coordinate type binds", "[binding][concept]") {
 
     const auto followed = cageform::bind(coordinates, points, {.outside = OutsidePoints::nearest_boundary});
     const auto with_corner = cloned(followed.value, {{1, 1}, {4, 0}, {0, 2}});
-    CHECK(with_corner[1] == Vec<double, 2>{10, 10}); // with the corner that the type calls nearest
+    CHECK(with_corner[1] == Vec<double, 2>{10, 10}); // with the corner returned by nearest_boundary
     CHECK(with_corner[2] == points[2]);
 }
 
-TEMPLATE_TEST_CASE("a decorated coordinate type is repaired by linear precision", "[binding][concept]",
+TEMPLATE_TEST_CASE("linear precision of a degraded coordinate type is restored", "[binding][concept]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(20));
@@ -816,7 +814,8 @@ TEST_CASE("bindings of simplices in one to four dimensions", "[binding][dimensio
         const double rounding = 8 * epsilon<double>;
         CHECK(report.partition_error.value <= rounding);
         CHECK(report.reproduction_error.value <= rounding * size_of(corners));
-        CHECK(report.least_weight.value >= -256 * epsilon<double>); // of the corner, an affine function there
+        CHECK(report.least_weight.value >=
+              -256 * epsilon<double>); // the corner's weight is an affine function
         CHECK(cloned(binding, corners) == points);
     };
     check(std::integral_constant<std::size_t, 1>{});
@@ -849,7 +848,7 @@ TEST_CASE("an unqualified call of bind never finds std::bind", "[binding][names]
     CHECK(elsewhere::bound_by_default_options().report.status == Status::ok);
 }
 
-TEST_CASE("bind refuses points of another dimension when compiling", "[binding][concept]") {
+TEST_CASE("points of another dimension do not compile", "[binding][concept]") {
     using Bind = decltype(cageform::bind);
     STATIC_REQUIRE(std::is_invocable_v<Bind, const Mean<double>&, const std::vector<Vec<float, 2>>&>);
     STATIC_REQUIRE(!std::is_invocable_v<Bind, const Mean<double>&, const std::vector<Vec<double, 3>>&>);

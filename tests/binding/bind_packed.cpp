@@ -26,7 +26,7 @@ bool same(const Extreme& a, const Extreme& b) {
     return a.point == b.point && a.value == b.value;
 }
 
-/// A batch holds the weights of some blocks alone.
+/// A batch contains the weights of a few blocks.
 template <class C, class Points>
 void check_same(const C& coordinates, const Points& points, StreamedPackOptions options, std::size_t blocks) {
     using T = typename C::scalar;
@@ -83,8 +83,8 @@ void check_same(const C& coordinates, const Points& points, StreamedPackOptions 
 
 } // namespace
 
-TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make",
-                   "[binding][pack][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("pack of coordinates and points equals bind followed by pack", "[binding][pack][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     for (std::uint64_t seed = 0; seed < effort(3u, 1u); ++seed) {
         CAPTURE(seed);
@@ -123,11 +123,11 @@ TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make
     for (const auto& p : points_about(data, effort(300, 60), 2)) in_space.push_back(vec_cast<T>(p));
     const cageform::HarmonicCoordinates<T, 3> harmonic(data.template mesh<T>(),
                                                        {.accuracy = effort(0.02, 0.1)});
-    // More than one batch, so that functions are kept, as by `solve`.
+    // Several batches, so that functions are kept as by `solve`.
     check_same(harmonic, in_space, {.pack = {.format = WeightFormat::half, .threshold = 1e-3}}, 2);
 }
 
-TEST_CASE("few points are bound packed without keeping functions", "[binding][pack]") {
+TEST_CASE("few points are packed without keeping functions", "[binding][pack]") {
     const cageform::Polygon<double> star(random_star<double>(2));
     Random random(4);
     Points2<double> points;
@@ -139,24 +139,23 @@ TEST_CASE("few points are bound packed without keeping functions", "[binding][pa
                                          PackOptions{.format = WeightFormat::scalar, .threshold = 1e-3});
     CHECK(std::equal(packed.value.bytes().begin(), packed.value.bytes().end(), expected.value.bytes().begin(),
                      expected.value.bytes().end()));
-    // The memory estimated beforehand has no functions, and a result that is no larger.
+    // The estimate has no functions and bounds the size of the result.
     const auto memory = pack_memory(coordinates, points.size());
     CHECK(memory.solver > 0);
     CHECK(memory.functions == 0);
     CHECK(memory.batch > 0);
     const auto dense = cageform::pack(coordinates, points);
-    CHECK(dense.value.bytes().size() <= memory.packed + 2000); // the header, and what parts are filled up by
+    CHECK(dense.value.bytes().size() <= memory.packed + 2000); // the header and padding
     CHECK(pack_memory(coordinates, points.size(), {.batch = 1}).functions > 0);
 }
 
-TEST_CASE("what bind and pack refuse is refused with the point's number among all",
-          "[binding][pack][status]") {
+TEST_CASE("errors of bind and pack have the index of the point among all", "[binding][pack][status]") {
     const cageform::Polygon<double> star(random_star<double>(2));
     Random random(4);
     Points2<double> points;
     for (int n = 0; n < 100; ++n) points.push_back(random_inside(star, random, 1e-3));
     const cageform::MeanValueCoordinates<double, 2> coordinates(star);
-    const std::size_t batch = 1; // a block at a time
+    const std::size_t batch = 1; // one block per batch
     const auto refused = [&](const PackOptions& pack) {
         const auto result = cageform::pack(coordinates, points, {.pack = pack, .batch = batch});
         CHECK(result.value.bytes().empty());
@@ -173,7 +172,7 @@ TEST_CASE("what bind and pack refuse is refused with the point's number among al
     const cageform::MeanValueCoordinates<double, 2> bad(
         cageform::Polygon<double>(Points2<double>{{0, 0}, {1, 0}}));
     CHECK(cageform::pack(bad, points, {.batch = batch}).report.bound.status == Status::too_few_vertices);
-    // A cancel at any progress leaves nothing.
+    // Cancellation at any time gives no result.
     const cageform::HarmonicCoordinates<double, 2> harmonic(star);
     double before = 0;
     for (const double at : {0.0, 0.2, 0.45, 0.6, 0.8, 0.99}) {

@@ -1,5 +1,5 @@
-// Vectors bound to points: linear precision, differences of clones, and what becomes of points that are
-// nowhere.
+// Vectors bound to points: linear precision, differences of clones, and points without
+// weights.
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
 #include "../support/figures.hpp"
@@ -33,7 +33,7 @@ using Mean = cageform::MeanValueCoordinates<T, D>;
 template <class T>
 using Harmonic = cageform_tests::UniformHarmonic<T, 2>;
 
-/// A coordinate type over a random cage, and points inside and on it.
+/// A coordinate type of a random cage, and points inside and on it.
 template <class C>
 C random_coordinates(std::uint64_t seed) {
     using T = typename C::scalar;
@@ -71,18 +71,19 @@ bool same_bits(const Vec<T, D>& a, const Vec<T, D>& b) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("an affine pose moves every bound vector by its linear part", "[binding][vectors][affine]",
-                   (Bary<float, 1>), (Bary<double, 2>), (Bary<float, 3>), (Mean<float, 2>), (Mean<double, 2>),
-                   (Mean<float, 3>), (Mean<double, 3>), (Harmonic<float>), (Harmonic<double>)) {
+TEMPLATE_TEST_CASE("an affine pose transforms every bound vector by its linear part",
+                   "[binding][vectors][affine]", (Bary<float, 1>), (Bary<double, 2>), (Bary<float, 3>),
+                   (Mean<float, 2>), (Mean<double, 2>), (Mean<float, 3>), (Mean<double, 3>),
+                   (Harmonic<float>), (Harmonic<double>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
     const auto seed = std::uint64_t(GENERATE(seeds(6)));
     CAPTURE(seed);
     const auto coordinates = random_coordinates<TestType>(seed);
     auto points = points_within(coordinates, seed);
-    // Into a sharp corner the grid sees no way.
+    // The grid does not resolve sharp corners.
     if constexpr (std::is_same_v<TestType, Harmonic<T>>) points.front() = points.back();
-    // Vectors have any length: the error is relative to it, and to the terms of the weights.
+    // The error is relative to the length of the vector and to the terms of the weights.
     const double length = seed % 2 == 0 ? 1 : 1e-4;
     const auto vectors = random_points<T, D>(points.size(), length, seed + 1);
     const auto [binding, report] = bind_vectors(coordinates, points, vectors);
@@ -99,7 +100,7 @@ TEMPLATE_TEST_CASE("an affine pose moves every bound vector by its linear part",
         const auto moved = cloned(binding, pose);
         map.shift = {};
         for (std::size_t i = 0; i < points.size(); ++i) {
-            double gross = length; // Σ |w| times the size: what rounding is relative to
+            double gross = length; // Σ |w| times the size, the scale of rounding
             for (std::size_t h = 0; h < handles.size(); ++h)
                 gross += size * std::fabs(double(binding.weight(i, h)));
             CAPTURE(n, i);
@@ -142,7 +143,7 @@ TEMPLATE_TEST_CASE("the rest pose gives the bound vectors bit for bit", "[bindin
     CHECK(report.unreached.empty());
     const auto at_rest = cloned(binding, coordinates.handles());
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(same_bits(at_rest[i], vectors[i]));
-    // Those kept in place stay so in any pose.
+    // Points kept in place do not move in any pose.
     const auto moved = cloned(binding, shaken(coordinates.handles(), size_of(coordinates.handles()), 4));
     CHECK(same_bits(moved[3], vectors[3]));
     CHECK(same_bits(moved[2], vectors[2]));
@@ -152,7 +153,7 @@ TEMPLATE_TEST_CASE("the rest pose gives the bound vectors bit for bit", "[bindin
     CHECK(same_bits(moved[points.size() - 2], vectors[points.size() - 2]) == kept);
 }
 
-TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][differences]") {
+TEST_CASE("bound vectors equal differences of clones", "[binding][vectors][differences]") {
     const auto seed = std::uint64_t(GENERATE(seeds(8)));
     CAPTURE(seed);
     const auto check = [&](const auto& coordinates) {
@@ -175,7 +176,7 @@ TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][dif
         for (std::size_t i = 0; i < points.size(); ++i) {
             Vec<double, D> place;
             (void)nearest_boundary_value(coordinates.cage(), points[i], place);
-            if (distance(place, points[i]) < 0.01 * size) continue; // third derivatives are large there
+            if (distance(place, points[i]) < 0.01 * size) continue; // third derivatives are large
             CAPTURE(i);
             CHECK(distance(moved[i], (0.5 / step) * (a[i] - b[i])) <= 1e-5);
         }
@@ -184,7 +185,8 @@ TEST_CASE("bound vectors move as differences of clones", "[binding][vectors][dif
     check(random_coordinates<Mean<double, 3>>(seed));
 }
 
-TEST_CASE("one vector for all, and the columns of Jacobians, are those of ranges", "[binding][vectors]") {
+TEST_CASE("one vector for all points, and columns of Jacobians, equal those of ranges",
+          "[binding][vectors]") {
     const auto coordinates = random_coordinates<Mean<float, 3>>(6);
     const auto points = points_within(coordinates, 6);
     const auto pose = shaken(coordinates.handles(), size_of(coordinates.handles()), 7);
@@ -203,7 +205,7 @@ TEST_CASE("one vector for all, and the columns of Jacobians, are those of ranges
     CHECK(jacobians.report.on_boundary == std::vector<std::size_t>{0});
 }
 
-TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
+TEMPLATE_TEST_CASE("vectors with nearest_boundary transform as at the boundary point",
                    "[binding][vectors][outside]", (Mean<double, 2>), (Mean<double, 3>), (Harmonic<double>)) {
     constexpr std::size_t D = TestType::dimension;
     const auto coordinates = random_coordinates<TestType>(5);
@@ -222,7 +224,7 @@ TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
     const auto [binding, report] =
         bind_vectors(coordinates, outside, vectors, {.outside = OutsidePoints::nearest_boundary});
     REQUIRE(report.status == Status::ok);
-    // Into a sharp corner the grid sees no way.
+    // The grid does not resolve sharp corners.
     CHECK(report.outside.size() + report.unreached.size() == outside.size());
     CHECK(report.outside.size() >= (TestType::has_extension ? outside.size() : outside.size() / 4));
     const auto pose = shaken(handles, 0.1 * size, 10);
@@ -231,7 +233,7 @@ TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
     for (std::size_t i = 0; i < outside.size(); ++i) CHECK(distance(moved[i], expected[i]) <= 1e-12);
 }
 
-TEST_CASE("coordinates of any type bind vectors as their type does", "[binding][vectors]") {
+TEST_CASE("AnyCoordinates bind vectors as the contained type", "[binding][vectors]") {
     const auto coordinates = random_coordinates<Mean<double, 3>>(8);
     const auto points = points_within(coordinates, 8);
     const std::array families{Points3<double>(points.size(), Vec<double, 3>{1, -2, 0.5}), points};
@@ -250,7 +252,7 @@ TEST_CASE("coordinates of any type bind vectors as their type does", "[binding][
         CHECK(std::fabs(box.distance_from_boundary({1 + far, 0.2, -0.3}) - far) <= 1e-15 * (1 + far));
 }
 
-TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") {
+TEST_CASE("bind_vectors returns a status for invalid input", "[binding][vectors][status]") {
     const Points2<double> points{{0.2, 0.2}};
     const Polygon<double> crossing(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
     const auto refused = bind_vectors(Mean<double, 2>(crossing), points, Vec<double, 2>{1, 0});
@@ -269,7 +271,7 @@ TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") 
     CHECK(none.value.point_count() == 0);
     CHECK(none.value.handle_count() == coordinates.handles().size());
 
-    // So long a vector that its weights are none.
+    // A vector so long that its weights overflow.
     const auto flat = random_coordinates<Mean<float, 2>>(2);
     const auto inside = points_within(flat, 2);
     const auto long_ones =
@@ -278,7 +280,7 @@ TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") 
     CHECK(long_ones.unreached.size() + long_ones.not_finite.size() <= inside.size());
 }
 
-TEST_CASE("threads and pieces give the same bound vectors", "[binding][vectors][threads]") {
+TEST_CASE("bound vectors do not depend on threads and pieces", "[binding][vectors][threads]") {
     const auto coordinates = random_coordinates<Mean<double, 2>>(6);
     Random random(3);
     Points2<double> points;
@@ -303,12 +305,12 @@ TEST_CASE("threads and pieces give the same bound vectors", "[binding][vectors][
     }
 }
 
-TEST_CASE("vectors bound together are bound as alone", "[binding][vectors]") {
+TEST_CASE("families of vectors are bound independently", "[binding][vectors]") {
     const auto coordinates = random_coordinates<Mean<float, 3>>(3);
     const auto points = points_within(coordinates, 3);
     const auto pose = shaken(coordinates.handles(), 1, 2);
     auto vectors = cageform::tangents_of(random_points<float, 3>(points.size(), 1, 4));
-    vectors[1][7] = {}; // of a point that lost its normal
+    vectors[1][7] = {}; // of a point without a normal
     const auto [bindings, report] = bind_vectors(coordinates, points, vectors);
     REQUIRE(report.status == Status::ok);
     for (std::size_t n = 0; n < 2; ++n) {
@@ -317,12 +319,13 @@ TEST_CASE("vectors bound together are bound as alone", "[binding][vectors]") {
         CHECK(alone.report.reproduction_error.value <= report.reproduction_error.value);
     }
     vectors[1][9][2] = std::numeric_limits<float>::quiet_NaN();
-    const auto kept = bind_vectors(coordinates, points, vectors); // all vectors of a point, or none
+    const auto kept = bind_vectors(coordinates, points, vectors); // all vectors of a point or none
     CHECK(kept.report.not_finite == std::vector<std::size_t>{9});
     CHECK(same_bits(cloned(kept.value[0], pose)[9], vectors[0][9]));
 }
 
-TEMPLATE_TEST_CASE("tangents go with normals", "[binding][vectors][tangents]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("tangents of normals are orthonormal to them", "[binding][vectors][tangents]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     Random random(1);
     Points3<T> normals{{0, 0, 1}, {0, 0, -1},       {0, 0, T(-0.0)},

@@ -1,4 +1,4 @@
-// The artefact: what it holds, and where in memory.
+// Binding: contents and memory layout.
 #include "catch.hpp"
 #include "support/weights.hpp"
 
@@ -14,7 +14,7 @@ using cageform::Lanes;
 
 namespace {
 
-/// Weight of a handle and coordinate of a point that tell their place.
+/// Weights and coordinates that encode their indices.
 template <class T>
 T weight_of(std::size_t point, std::size_t handle) {
     return T(1000 * handle + point);
@@ -40,7 +40,7 @@ Binding<T, D> numbered(std::size_t points, std::size_t handles) {
 
 } // namespace
 
-TEST_CASE("an empty binding has nothing", "[binding]") {
+TEST_CASE("an empty binding has no handles and points", "[binding]") {
     const Binding<double, 2> binding;
     CHECK(binding.point_count() == 0);
     CHECK(binding.handle_count() == 0);
@@ -49,7 +49,7 @@ TEST_CASE("an empty binding has nothing", "[binding]") {
     CHECK(binding.view().weights.blocks() == 0);
 }
 
-TEMPLATE_TEST_CASE("a binding gives back what it was made of", "[binding]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a binding returns its contents", "[binding]", CAGEFORM_SCALARS) {
     using T = TestType;
     const std::size_t points = GENERATE(0u, 1u, 7u, 8u, 9u, 15u, 16u, 17u, 100u);
     const std::size_t handles = GENERATE(1u, 3u, 40u);
@@ -62,7 +62,7 @@ TEMPLATE_TEST_CASE("a binding gives back what it was made of", "[binding]", CAGE
     CHECK(view.handle_count() == handles);
     for (std::size_t h = 0; h < handles; ++h) {
         CHECK(binding.rest_handle(h)[0] == T(h));
-        CHECK(&view.rest_handles[h] == &binding.rest_handle(h)); // refers, does not copy
+        CHECK(&view.rest_handles[h] == &binding.rest_handle(h)); // refers to it
     }
     bool same = true;
     for (std::size_t i = 0; i < points; ++i) {
@@ -78,7 +78,7 @@ TEMPLATE_TEST_CASE("a binding gives back what it was made of", "[binding]", CAGE
     CHECK(same);
 }
 
-TEST_CASE("a binding takes a cache line a row and no more", "[binding]") {
+TEST_CASE("a binding uses one cache line per row", "[binding]") {
     const auto binding = numbered<float, 2>(33, 5);
     const auto view = binding.view();
     STATIC_REQUIRE(sizeof(Lanes<float>) == 64);
@@ -90,7 +90,7 @@ TEST_CASE("a binding takes a cache line a row and no more", "[binding]") {
     CHECK(reinterpret_cast<std::uintptr_t>(view.rest.data) % 64 == 0);
 }
 
-TEST_CASE("bindings are copied whole and moved whole", "[binding]") {
+TEST_CASE("copies and moves of bindings are complete", "[binding]") {
     auto binding = numbered<double, 2>(20, 4);
     const auto copy = binding;
     CHECK(copy.weight(19, 3) == binding.weight(19, 3));
@@ -106,7 +106,7 @@ TEST_CASE("bindings are copied whole and moved whole", "[binding]") {
     STATIC_REQUIRE(std::is_nothrow_move_constructible_v<Binding<double, 2>>);
 }
 
-TEST_CASE("a binding that was moved from or gave its memory away is empty", "[binding]") {
+TEST_CASE("a moved-from or released binding is empty", "[binding]") {
     auto binding = numbered<double, 2>(20, 3);
     const auto moved = std::move(binding);
     CHECK(moved.point_count() == 20);

@@ -1,4 +1,4 @@
-// Blobs: opened where they lie, refused by name when anything is wrong, harmless whatever the bytes.
+// Blobs: opened in place, rejected with a status if invalid, safe for any bytes.
 #include "../support/packed.hpp"
 
 #include <cageform/clone/pose_handles.hpp>
@@ -29,7 +29,7 @@ Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectati
 
 } // namespace
 
-TEST_CASE("a blob is used where it lies, and wherever it is moved to", "[blob]") {
+TEST_CASE("a blob is used in place and is relocatable", "[blob]") {
     for (const auto format :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
         for (const std::size_t largest : {0u, 4u}) {
@@ -48,7 +48,7 @@ TEST_CASE("a blob is used where it lies, and wherever it is moved to", "[blob]")
     }
 }
 
-TEST_CASE("blobs one after the other in a file are opened in turn", "[blob]") {
+TEST_CASE("consecutive blobs in a file can be opened", "[blob]") {
     const auto first = small_blob(), second = small_blob(WeightFormat::half, 0);
     std::vector<std::byte> file(first.bytes().begin(), first.bytes().end());
     file.insert(file.end(), second.bytes().begin(), second.bytes().end());
@@ -61,7 +61,7 @@ TEST_CASE("blobs one after the other in a file are opened in turn", "[blob]") {
     CHECK(one.report.bytes + two.report.bytes == file.size());
 }
 
-TEST_CASE("a blob of nothing is opened as any other", "[blob]") {
+TEST_CASE("an empty blob can be opened", "[blob]") {
     const auto packed = cageform::pack(cageform::Binding<float, 3>());
     REQUIRE(packed.report.status == Status::ok);
     CHECK(packed.value.bytes().size() == sizeof(BlobHeader));
@@ -70,14 +70,14 @@ TEST_CASE("a blob of nothing is opened as any other", "[blob]") {
     CHECK(opened.value.points == 0);
 }
 
-TEST_CASE("a blob of another cage or figure is refused by name", "[blob][status]") {
+TEST_CASE("a blob of another cage or figure is rejected with its status", "[blob][status]") {
     auto result = cageform::pack(random_binding<float, 3>(5, 9, 1), {.cage_hash = 11, .figure_hash = 12});
     const auto bytes = result.value.bytes();
     CHECK(status_of(bytes, {.cage_hash = 11, .figure_hash = 12}) == Status::ok);
     CHECK(status_of(bytes, {.cage_hash = 13}) == Status::blob_of_another_cage);
     CHECK(status_of(bytes, {.cage_hash = 11, .figure_hash = 13}) == Status::blob_of_another_figure);
 
-    // Without hashes of one's own they are those of what was bound.
+    // The default hashes are those of the binding.
     const auto binding = random_binding<float, 3>(5, 9, 1);
     std::vector<Vec<float, 3>> handles, points;
     for (std::size_t h = 0; h < 9; ++h) handles.push_back(binding.rest_handle(h));
@@ -92,7 +92,7 @@ TEST_CASE("a blob of another cage or figure is refused by name", "[blob][status]
     CHECK(opened.report.figure_hash != hash(points));
 }
 
-TEST_CASE("a blob of another kind is refused by name", "[blob][status]") {
+TEST_CASE("a blob of another kind is rejected with its status", "[blob][status]") {
     const auto packed = small_blob();
     CHECK(open_blob<double, 3>(packed.bytes()).status() == Status::blob_kind_differs);
     CHECK(open_blob<float, 2>(packed.bytes()).status() == Status::blob_kind_differs);
@@ -106,7 +106,7 @@ TEST_CASE("a blob of another kind is refused by name", "[blob][status]") {
     Aligned newer(packed.bytes());
     newer.set(offsetof(BlobHeader, version), BlobHeader::current_version + 1);
     CHECK(status_of(newer.bytes()) == Status::blob_version_differs);
-    Aligned turned(packed.bytes()); // as a machine of the other byte order writes it
+    Aligned turned(packed.bytes()); // in the other byte order
     std::reverse(turned.data(), turned.data() + 8);
     CHECK(status_of(turned.bytes()) == Status::blob_version_differs);
     Aligned tag(packed.bytes());
@@ -114,17 +114,18 @@ TEST_CASE("a blob of another kind is refused by name", "[blob][status]") {
     CHECK(status_of(tag.bytes()) == Status::blob_version_differs);
 }
 
-TEST_CASE("a blob cut off anywhere is refused", "[blob][status]") {
+TEST_CASE("a truncated blob is rejected", "[blob][status]") {
     const auto packed = small_blob();
     for (std::size_t size = 0; size < packed.bytes().size(); ++size) {
-        Aligned memory(packed.bytes().first(size)); // exactly as long: a sanitizer sees what is read beyond
+        Aligned memory(
+            packed.bytes().first(size)); // of the exact size, so that sanitizers detect reads past the end
         const Status status = status_of(memory.bytes());
         CAPTURE(size);
         CHECK(status == (size < 16 ? Status::not_a_blob : Status::blob_truncated));
     }
 }
 
-TEST_CASE("a blob with any bit flipped is refused", "[blob][status]") {
+TEST_CASE("a blob with any bit flipped is rejected", "[blob][status]") {
     const auto packed = small_blob();
     Aligned memory(packed.bytes());
     std::size_t accepted = 0;
@@ -139,7 +140,7 @@ TEST_CASE("a blob with any bit flipped is refused", "[blob][status]") {
     CHECK(status_of(memory.bytes()) == Status::ok);
 }
 
-TEST_CASE("every contradiction in a blob is found though its checksum is right", "[blob][status]") {
+TEST_CASE("every inconsistency in a blob with a valid checksum is found", "[blob][status]") {
     const auto packed = small_blob();
     const Aligned sound(packed.bytes());
     const auto refused = [&](auto change) {
@@ -149,7 +150,7 @@ TEST_CASE("every contradiction in a blob is found though its checksum is right",
         return status_of(memory.bytes()) == Status::blob_malformed &&
                status_of(memory.bytes(), {.check = BlobCheck::structure}) == Status::blob_malformed;
     };
-    // The offsets of the header, one after the other: out of the blob, out of line, into the header, missing.
+    // Each offset of the header: past the end, misaligned, in the header, missing.
     for (std::size_t field = offsetof(BlobHeader, weights); field <= offsetof(BlobHeader, rest_handles);
          field += 8) {
         CAPTURE(field);
@@ -186,7 +187,7 @@ TEST_CASE("every contradiction in a blob is found though its checksum is right",
 
 namespace {
 
-/// A blob of three points and two vectors among the handles, with the faces of the vectors where wanted.
+/// A blob with three point handles and two vectors, optionally with faces of the vectors.
 cageform::PackedBinding<float, 3> blob_with_vectors(bool faces) {
     using cageform::HandleKind;
     const auto points = random_binding<float, 3>(20, 5, 2);
@@ -201,7 +202,7 @@ cageform::PackedBinding<float, 3> blob_with_vectors(bool faces) {
     return std::move(result.value);
 }
 
-/// Such a blob with two loops, whose means are corners of the faces.
+/// As above, with two loops whose means are corners of the faces.
 cageform::PackedBinding<float, 3> blob_with_loops() {
     using cageform::HandleKind;
     const auto points = random_binding<float, 3>(20, 5, 2);
@@ -245,7 +246,7 @@ TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_ki
     CHECK_FALSE(refused(corner(0, 2)));
     for (const std::size_t place : {0u, 3u, 5u}) {
         CHECK(refused(corner(place, 5)));           // no handle
-        CHECK(refused(corner(place, 0xFFFFFFFFu))); // far from one
+        CHECK(refused(corner(place, 0xFFFFFFFFu))); // far out of range
         CHECK(refused(corner(place, 1)));           // a vector
     }
     for (const auto kind : {std::uint8_t(0), std::uint8_t(2), std::uint8_t(255)})
@@ -258,7 +259,7 @@ TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_ki
              {packed.bytes().size() + 64, packed.bytes().size() - 4, ~std::size_t{63}, std::size_t{64}})
             CHECK(refused([field, x](Aligned& m, const BlobHeader&) { m.set(field, std::uint64_t(x)); }));
     }
-    CHECK(refused([](Aligned& m, const BlobHeader&) { // vectors, and not said which
+    CHECK(refused([](Aligned& m, const BlobHeader&) { // vectors without handle_kinds
         m.set(offsetof(BlobHeader, handle_kinds), std::uint64_t{0});
     }));
 }
@@ -270,7 +271,7 @@ TEST_CASE("a blob keeps the loops whose means are corners of faces", "[blob][han
     CHECK(header.loop_numbers == 8);
     const auto bare = blob_with_vectors(true);
     std::memcpy(&header, bare.bytes().data(), sizeof(header));
-    CHECK(header.handle_loops == 0); // other blobs are as before
+    CHECK(header.handle_loops == 0); // blobs without loops have no table
     CHECK(header.loop_numbers == 0);
     const auto opened = open_blob<float, 3>(packed.bytes());
     REQUIRE(opened.status() == Status::ok);
@@ -307,17 +308,17 @@ TEST_CASE("a blob keeps the loops whose means are corners of faces", "[blob][han
     CHECK(refused(corner(0xFFFFFFFFu)));
     for (const std::uint32_t x : {0u, 1u, 7u, 9u, 0xFFFFFFFFu})
         CHECK(refused([x](Aligned& m, const BlobHeader&) { m.set(offsetof(BlobHeader, loop_numbers), x); }));
-    // Without the table a corner is no handle: so older readers refuse such a blob.
+    // Without the table a corner is out of range, so older readers reject such a blob.
     for (const std::uint64_t x : {std::uint64_t{0}, std::uint64_t(packed.bytes().size()), ~std::uint64_t{63}})
         CHECK(refused([x](Aligned& m, const BlobHeader&) { m.set(offsetof(BlobHeader, handle_loops), x); }));
 }
 
-TEST_CASE("a blob of version 1 is read: all its handles are points", "[blob]") {
+TEST_CASE("blobs of version 1 can be read: all handles are points", "[blob]") {
     const auto packed = small_blob();
     Aligned older(packed.bytes());
     older.set(offsetof(BlobHeader, version), std::uint32_t(1));
     for (std::size_t field = offsetof(BlobHeader, handle_kinds); field < sizeof(BlobHeader); field += 8)
-        older.set(field, std::uint64_t(64)); // was padding, of no meaning
+        older.set(field, std::uint64_t(64)); // was padding
     older.set(offsetof(BlobHeader, loop_numbers), std::uint32_t(7));
     older.seal();
     const auto opened = open_blob<float, 3>(older.bytes());
@@ -334,8 +335,8 @@ TEST_CASE("a blob of version 1 is read: all its handles are points", "[blob]") {
     CHECK(status_of(older.bytes()) == Status::blob_version_differs);
 }
 
-TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[blob][hostile]") {
-    // Under the sanitizers this is what counts; here that nothing hangs and that some variants get through.
+TEST_CASE("hostile blobs never cause access out of bounds", "[blob][hostile]") {
+    // Sanitizers check the accesses; here, that it terminates and that some variants open.
     std::vector<Aligned> sound;
     for (const auto format :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
@@ -350,7 +351,7 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
         Aligned memory = sound[random.below(sound.size())];
         const std::size_t changes = 1 + random.below(4);
         for (std::size_t n = 0; n < changes; ++n) {
-            // Mostly the header and the tables; small and huge numbers rather than noise.
+            // Mostly the header and the tables, with small and huge numbers.
             const std::size_t reach = random.below(2) == 0 ? sizeof(BlobHeader) : memory.bytes().size();
             const std::size_t at = random.below(reach / 4) * 4;
             const std::uint32_t values[] = {0,
@@ -380,7 +381,7 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
     CHECK(opened_count > 1000);
 }
 
-TEST_CASE("hashes tell what differs, and are the same everywhere", "[blob][hash]") {
+TEST_CASE("hashes differ for different data and do not depend on the platform", "[blob][hash]") {
     std::vector<std::uint8_t> bytes(200);
     for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = std::uint8_t(i * 7);
     const auto hash = [&](std::size_t size, std::uint64_t seed = 0) {

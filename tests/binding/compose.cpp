@@ -1,4 +1,4 @@
-// Two levels of handles as one binding.
+// compose: two bindings as one.
 #include "catch.hpp"
 #include "support/bindings.hpp"
 
@@ -20,7 +20,7 @@ using cageform::epsilon;
 
 namespace {
 
-/// A figure bound to a star's vertices, which are bound to a triangle about them.
+/// A figure bound to the vertices of a star, which are bound to a surrounding triangle.
 template <class T>
 struct TwoLevels {
     std::vector<Vec<T, 2>> triangle{{-20, -20}, {30, -20}, {-5, 40}}, star;
@@ -41,7 +41,7 @@ struct TwoLevels {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a composed binding moves points as one clone after the other does", "[binding][compose]",
+TEMPLATE_TEST_CASE("a composed binding equals two consecutive clones", "[binding][compose]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(0, 10)));
@@ -56,14 +56,14 @@ TEMPLATE_TEST_CASE("a composed binding moves points as one clone after the other
     const auto once = cloned(composed, pose), twice = cloned(levels.fine, cloned(levels.coarse, pose));
     const auto at_rest = cloned(composed, levels.triangle);
     for (std::size_t i = 0; i < 100; ++i) {
-        double error = 0; // of sums of products of weights, each rounded a few times
+        double error = 0; // rounding of sums of products of weights
         for (std::size_t h = 0; h < levels.star.size(); ++h) {
             for (std::size_t k = 0; k < 3; ++k)
                 error += 20 * double(epsilon<T>) *
                          std::fabs(double(levels.fine.weight(i, h)) * double(levels.coarse.weight(h, k)));
         }
         CAPTURE(i, error);
-        CHECK(distance(once[i], twice[i]) <= 80 * error); // the pose and the triangle reach that far
+        CHECK(distance(once[i], twice[i]) <= 80 * error); // the extent of the pose and the triangle
         const auto p = levels.fine.rest_point(i);
         CHECK(std::memcmp(&p, &at_rest[i], sizeof(p)) == 0);
         double sum = 0;
@@ -96,7 +96,7 @@ TEMPLATE_TEST_CASE("sites bound to themselves compose to the fine binding", "[bi
     }
 }
 
-TEST_CASE("a site that no coarse handle moves stands still, and is named", "[binding][compose]") {
+TEST_CASE("a site without coarse weights does not move and is reported", "[binding][compose]") {
     TwoLevels<double> levels(5);
     levels.triangle = {{100, 100}, {101, 100}, {100, 101}}; // elsewhere
     const auto coarse = cageform::bind(cageform::BarycentricCoordinates<double, 2>(levels.triangle),
@@ -109,7 +109,7 @@ TEST_CASE("a site that no coarse handle moves stands still, and is named", "[bin
     for (std::size_t i = 0; i < 100; ++i) CHECK(moved[i] == levels.fine.rest_point(i));
 }
 
-TEST_CASE("compose refuses bindings that do not belong together", "[binding][compose][status]") {
+TEST_CASE("compose rejects bindings that do not match", "[binding][compose][status]") {
     const TwoLevels<double> levels(6), others(7);
     const auto status = [](const auto& fine, const auto& coarse) {
         const auto result = compose(fine, coarse);

@@ -1,4 +1,4 @@
-// A falloff: points outside keep less of their displacement the farther they are from the cage.
+// Falloff: displacements outside decrease with the distance from the cage.
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
 #include "../support/effort.hpp"
@@ -42,7 +42,7 @@ using Sibson = cageform::SibsonCoordinates<T, D>;
 template <class T>
 using Harmonic = cageform_tests::UniformHarmonic<T, 2>;
 
-/// A lattice whose axes are neither as long nor at right angles.
+/// A lattice with axes of different lengths, not orthogonal.
 template <class T, std::size_t D>
 Lattice<T, D> random_lattice(std::uint64_t seed, T falloff = 0) {
     Random random(seed);
@@ -57,7 +57,7 @@ Lattice<T, D> random_lattice(std::uint64_t seed, T falloff = 0) {
     return Lattice<T, D>(axes, box, falloff);
 }
 
-/// Coordinates of a type over a cage at random.
+/// Coordinates of a type for a random cage.
 template <class C>
 C random_coordinates(std::uint64_t seed) {
     using T = typename C::scalar;
@@ -77,7 +77,7 @@ C random_coordinates(std::uint64_t seed) {
     }
 }
 
-/// A cage at random, points about it, and a pose. The handles are among the points.
+/// A random cage, points around it including the handles, and a pose.
 template <class C>
 struct Scene {
     using T = typename C::scalar;
@@ -125,7 +125,7 @@ bool same_bits(const Vec<T, D>& a, const Vec<T, D>& b) {
     return std::memcmp(&a, &b, sizeof(a)) == 0;
 }
 
-/// The policies by which points outside have weights.
+/// The policies with weights outside.
 template <class C>
 std::vector<OutsidePoints> policies() {
     if (!C::has_extension) return {OutsidePoints::nearest_boundary};
@@ -134,11 +134,12 @@ std::vector<OutsidePoints> policies() {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("weights outside fade with the distance, and those inside are the same to the bit",
-                   "[binding][falloff]", (Mean<float, 2>), (Mean<double, 2>), (Mean<float, 3>),
-                   (Mean<double, 3>), (Green<float, 2>), (Green<double, 3>), (Lattice<double, 2>),
-                   (Lattice<float, 3>), (Bary<double, 3>), (Bary<float, 1>), Curved<double>, Harmonic<float>,
-                   Harmonic<double>, (Sibson<double, 2>), (Sibson<float, 3>)) {
+TEMPLATE_TEST_CASE(
+    "weights outside are multiplied by the falloff, and those inside are unchanged bit for bit",
+    "[binding][falloff]", (Mean<float, 2>), (Mean<double, 2>), (Mean<float, 3>), (Mean<double, 3>),
+    (Green<float, 2>), (Green<double, 3>), (Lattice<double, 2>), (Lattice<float, 3>), (Bary<double, 3>),
+    (Bary<float, 1>), Curved<double>, Harmonic<float>, Harmonic<double>, (Sibson<double, 2>),
+    (Sibson<float, 3>)) {
     using T = typename TestType::scalar;
     const auto seed = std::uint64_t(GENERATE(seeds(effort(6, 2))));
     CAPTURE(seed);
@@ -196,9 +197,8 @@ TEMPLATE_TEST_CASE("weights outside fade with the distance, and those inside are
     }
 }
 
-TEMPLATE_TEST_CASE("a falloff of any length is continuous where the boundary is crossed",
-                   "[binding][falloff]", (Mean<double, 2>), (Mean<float, 3>), (Green<double, 2>),
-                   (Lattice<double, 3>)) {
+TEMPLATE_TEST_CASE("a falloff of any length is continuous at the boundary", "[binding][falloff]",
+                   (Mean<double, 2>), (Mean<float, 3>), (Green<double, 2>), (Lattice<double, 3>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
@@ -217,7 +217,7 @@ TEMPLATE_TEST_CASE("a falloff of any length is continuous where the boundary is 
             steps.push_back(distance(before.back(), foot));
         }
     }
-    // Points at the feet do not fade, and steps away from them the difference goes with the square.
+    // Points on the boundary have no falloff; the difference grows with the squared distance.
     for (const double falloff : {1e-2 * scene.size, scene.size, 1e200}) {
         const cageform::BindOptions options{.falloff = falloff};
         const auto at = cloned(cageform::bind(scene.coordinates, feet).value, scene.pose);
@@ -238,7 +238,7 @@ TEMPLATE_TEST_CASE("a falloff of any length is continuous where the boundary is 
     }
 }
 
-TEMPLATE_TEST_CASE("vectors outside move as differences of clones that fade", "[binding][falloff][vectors]",
+TEMPLATE_TEST_CASE("vectors outside equal differences of clones with falloff", "[binding][falloff][vectors]",
                    (Mean<double, 2>), (Mean<double, 3>), (Green<double, 2>), (Green<double, 3>),
                    (Lattice<double, 2>), (Lattice<double, 3>), (Bary<double, 3>), Curved<double>) {
     constexpr std::size_t D = TestType::dimension;
@@ -263,7 +263,7 @@ TEMPLATE_TEST_CASE("vectors outside move as differences of clones that fade", "[
     std::size_t compared = 0;
     for (const std::size_t i : report.outside) {
         const double x = scene.distance_of(scene.points[i]) / falloff;
-        if (x < 0.1 || std::fabs(x - 1) < 0.05) continue; // higher derivatives are large, or jump
+        if (x < 0.1 || std::fabs(x - 1) < 0.05) continue; // higher derivatives are large or discontinuous
         // Between two parts of the cage the distance has a ridge.
         const auto n = cageform::detail::outside_distance(scene.coordinates, ahead[i]).gradient;
         const auto m = cageform::detail::outside_distance(scene.coordinates, behind[i]).gradient;
@@ -276,8 +276,8 @@ TEMPLATE_TEST_CASE("vectors outside move as differences of clones that fade", "[
     CHECK(compared > 20);
 }
 
-TEMPLATE_TEST_CASE("vectors that follow the boundary fade", "[binding][falloff][vectors]", (Mean<double, 2>),
-                   (Mean<double, 3>), (Lattice<double, 2>)) {
+TEMPLATE_TEST_CASE("vectors with nearest_boundary have a falloff", "[binding][falloff][vectors]",
+                   (Mean<double, 2>), (Mean<double, 3>), (Lattice<double, 2>)) {
     constexpr std::size_t D = TestType::dimension;
     const auto seed = std::uint64_t(GENERATE(seeds(effort(3, 1))));
     CAPTURE(seed);
@@ -305,7 +305,7 @@ TEMPLATE_TEST_CASE("vectors that follow the boundary fade", "[binding][falloff][
     }
 }
 
-TEMPLATE_TEST_CASE("a falloff of a bind moves points as the falloff of a lattice", "[binding][falloff]",
+TEMPLATE_TEST_CASE("the falloff of bind equals the falloff of a lattice", "[binding][falloff]",
                    (Lattice<float, 2>), (Lattice<double, 2>), (Lattice<float, 3>), (Lattice<double, 3>)) {
     using T = typename TestType::scalar;
     constexpr std::size_t D = TestType::dimension;
@@ -330,8 +330,7 @@ TEMPLATE_TEST_CASE("a falloff of a bind moves points as the falloff of a lattice
     }
 }
 
-TEST_CASE("a shift by less than two thirds of the falloff folds nothing, one by more does",
-          "[binding][falloff][folds]") {
+TEST_CASE("a shift folds the figure only beyond two thirds of the falloff", "[binding][falloff][folds]") {
     const auto seed = std::uint64_t(GENERATE(seeds(5)));
     CAPTURE(seed);
     const Scene<Mean<double, 2>> scene(seed, 4000);
@@ -349,9 +348,9 @@ TEST_CASE("a shift by less than two thirds of the falloff folds nothing, one by 
     }
 }
 
-TEST_CASE("the head of the cat nods and moves without a fold where the falloff is 1.5 times as far",
+TEST_CASE("the head of the cat moves without a fold if the falloff is 1.5 times the displacement",
           "[binding][falloff][folds]") {
-    // A cage about the head alone, and cells in and about it.
+    // A cage around the head, and cells in and around it.
     const Points2<double> head{{325, 275}, {325, 150}, {300, 50}, {250, 112.5}, {187.5, 112.5},
                                {125, 50},  {100, 175}, {50, 250}, {125, 325}};
     constexpr std::uint32_t side = 80;
@@ -362,7 +361,7 @@ TEST_CASE("the head of the cat nods and moves without a fold where the falloff i
         if (n % side + 1 == side || n / side + 1 == side) continue;
         cells.insert(cells.end(), {{n, n + 1, n + side}, {n + 1, n + side + 1, n + side}});
     }
-    auto nod = head, shift = head; // by 81 units at most, and by 71
+    auto nod = head, shift = head; // by at most 81 and 71 units
     for (std::size_t i = 0; i < head.size(); ++i) {
         const auto [x, y] = std::array{head[i][0] - 230, head[i][1] - 300};
         nod[i] = {230 + std::cos(0.3) * x - std::sin(0.3) * y, 300 + std::sin(0.3) * x + std::cos(0.3) * y};

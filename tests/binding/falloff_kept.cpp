@@ -1,4 +1,4 @@
-// Figures, packed bindings, compositions of what fades, and falloffs that are refused.
+// Falloff in figures, packed bindings and compositions; invalid falloffs.
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
 #include "../support/figures.hpp"
@@ -37,7 +37,7 @@ bool same_weights(const cageform::Binding<T, D>& a, const cageform::Binding<T, D
            std::memcmp(x.data, y.data, x.blocks() * x.rows * sizeof(cageform::Lanes<T>)) == 0;
 }
 
-/// Points in and about a cage.
+/// Points in and around a cage.
 template <class T>
 Points2<T> points_in_and_out(const Polygon<T>& cage, std::size_t count, std::uint64_t seed) {
     Random random(seed);
@@ -52,7 +52,7 @@ Points2<T> points_in_and_out(const Polygon<T>& cage, std::size_t count, std::uin
     return points;
 }
 
-/// A solver that must not be asked: its `solve` fails the test.
+/// A solver that must not run: its `solve` fails the test.
 struct Unsolvable : cageform_tests::UniformHarmonic<double, 2> {
     using cageform_tests::UniformHarmonic<double, 2>::UniformHarmonic;
     cageform::Evaluation solve(const cageform::Running& = {}) {
@@ -63,7 +63,7 @@ struct Unsolvable : cageform_tests::UniformHarmonic<double, 2> {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("packed bindings keep what fades", "[binding][pack][falloff]", float, double) {
+TEMPLATE_TEST_CASE("packed bindings preserve the falloff", "[binding][pack][falloff]", float, double) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
@@ -90,7 +90,7 @@ TEMPLATE_TEST_CASE("packed bindings keep what fades", "[binding][pack][falloff]"
             const auto weights = effective_weights(packed.view());
             for (std::size_t i = 0; i < points.size(); ++i) {
                 CAPTURE(i);
-                // The sums are the binding's own, less than 1 outside.
+                // The sums are those of the binding, less than 1 outside.
                 double sum = 0, own = 0, sizes = 1;
                 for (std::size_t h = 0; h < cage.size(); ++h) {
                     sum += weights[i][h];
@@ -109,7 +109,7 @@ TEMPLATE_TEST_CASE("packed bindings keep what fades", "[binding][pack][falloff]"
     }
 }
 
-TEST_CASE("figures, their packed points and coordinates of any type fade alike", "[binding][falloff]") {
+TEST_CASE("figures, packed points and AnyCoordinates have the same falloff", "[binding][falloff]") {
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
     const auto data = random_mesh(seed);
@@ -142,7 +142,7 @@ TEST_CASE("figures, their packed points and coordinates of any type fade alike",
     }
 }
 
-TEST_CASE("sites that fade, composed with a figure, fade it", "[binding][falloff]") {
+TEST_CASE("the falloff of sites applies to a composed figure", "[binding][falloff]") {
     const Polygon<double> cage(random_star<double>(1));
     const double size = cageform::bounds_of(cage.vertices()).diagonal();
     const auto corners = points_in_and_out(cage, 4, 3);
@@ -162,7 +162,7 @@ TEST_CASE("sites that fade, composed with a figure, fade it", "[binding][falloff
     for (std::size_t i = 0; i < corners.size(); ++i) CHECK(distance(found[i], expected[i]) <= 1e-12 * size);
 }
 
-TEST_CASE("points outside of two cages fade with the distance from the nearer", "[binding][falloff]") {
+TEST_CASE("the falloff of two cages depends on the nearer one", "[binding][falloff]") {
     const Polygon<double> left(Points2<double>{{0, 0}, {2, 0}, {2, 2}, {0, 2}}),
         right(Points2<double>{{5, 0}, {7, 0}, {7, 2}, {5, 2}});
     const cageform::BlendedCoordinates<Mean<double, 2>> coordinates(
@@ -182,8 +182,7 @@ TEST_CASE("points outside of two cages fade with the distance from the nearer", 
     CHECK(distance(moved[3], Vec<double, 2>{1, 2}) <= 1e-15);
 }
 
-TEST_CASE("a falloff that cannot be had is refused, before anything is solved",
-          "[binding][falloff][status]") {
+TEST_CASE("an unsupported falloff is rejected before solving", "[binding][falloff][status]") {
     const Polygon<double> cage(Points2<double>{{0, 0}, {2, 0}, {2, 2}, {0, 2}});
     const Points2<double> points{{1, 1}, {3, 1}}, normals{{1, 0}, {0, 1}};
     const Mean<double, 2> closed(cage);
@@ -221,7 +220,7 @@ TEST_CASE("a falloff that cannot be had is refused, before anything is solved",
     refused(closed, {.outside = OutsidePoints::keep_in_place, .falloff = 1});
     refused(solver, {.outside = OutsidePoints::keep_in_place, .falloff = 1});
     refused(solver, {.outside = OutsidePoints::extend, .falloff = 1});
-    // The fault of a cage comes first, and no falloff goes with everything.
+    // Errors of the cage come first; without a falloff everything is valid.
     const Polygon<double> crossing(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});
     CHECK(cageform::bind(Mean<double, 2>(crossing), points, {.falloff = -1}).report.status ==
           Status::cage_self_crossing);
@@ -233,7 +232,7 @@ TEST_CASE("a falloff that cannot be had is refused, before anything is solved",
     }
 }
 
-TEMPLATE_TEST_CASE("any falloff above zero has finite weights", "[binding][falloff]", float, double) {
+TEMPLATE_TEST_CASE("any positive falloff gives finite weights", "[binding][falloff]", float, double) {
     using T = TestType;
     const Polygon<T> cage(Points2<T>{{0, 0}, {2, 0}, {2, 2}, {0, 2}});
     const T most = std::numeric_limits<T>::max(), nan = std::numeric_limits<T>::quiet_NaN();

@@ -1,5 +1,5 @@
-// A figure by one call: the same bits as by separate calls, solved once, refused by name when anything is
-// wrong.
+// Figures: bits of separate calls, one solve, rejected with a status if
+// invalid.
 #include "../support/allocation_count.hpp"
 #include "../support/figures.hpp"
 #include "../support/packed.hpp"
@@ -39,7 +39,7 @@ std::vector<Vec<T, D>> random_directions(std::size_t count, std::uint64_t seed) 
     return directions;
 }
 
-/// Tangents as glTF has them.
+/// Tangents as in glTF.
 template <class T>
 std::vector<std::array<T, 4>> signed_tangents(std::size_t count, std::uint64_t seed) {
     Random random(seed);
@@ -49,7 +49,7 @@ std::vector<std::array<T, 4>> signed_tangents(std::size_t count, std::uint64_t s
     return tangents;
 }
 
-/// A figure with all that there is, of few points.
+/// A small figure with all parts.
 cageform::FigureBinding<float, 3> small_figure(std::uint64_t seed = 1, std::size_t count = 37) {
     const auto mesh = random_mesh(seed).mesh<float>();
     const Mean3<float> coordinates(mesh);
@@ -82,7 +82,7 @@ Status status_of(std::span<const std::byte> bytes, const cageform::BlobExpectati
     return opened.status();
 }
 
-/// Where the line of a part stands.
+/// The offset of a part's entry in the table.
 std::size_t line_of(Aligned& memory, FigureTag tag) {
     for (std::size_t at = sizeof(FigureHeader);; at += sizeof(FigurePart)) {
         FigurePart part;
@@ -103,7 +103,7 @@ void check_same(const cageform::PackedBinding<T, D>& separate, std::span<const s
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figure]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("bind of a figure has the bits of separate calls", "[figure]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
@@ -168,7 +168,7 @@ TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figu
     }
 }
 
-TEMPLATE_TEST_CASE("in the plane a figure has one tangent", "[figure][plane]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("in 2D a figure has one tangent", "[figure][plane]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
@@ -195,20 +195,20 @@ TEMPLATE_TEST_CASE("in the plane a figure has one tangent", "[figure][plane]", C
     CHECK(opened.value.part(FigureTags::bitangents).empty());
 }
 
-TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harmonic]") {
+TEST_CASE("a figure is solved once, and the report has the solver", "[figure][harmonic]") {
     const auto check = [](auto coordinates, const auto& points, const auto& normals) {
         const auto [figure, report] = cageform::bind(coordinates, FigurePoints{points, normals});
         REQUIRE(report.status == Status::ok);
-        // A solve takes its own time, to the nanosecond: the reports are of the same one.
+        // Equal times show that both reports are of the same solve.
         CHECK(report.points.solver.seconds > 0);
         CHECK(report.points.solver.seconds == report.vectors.solver.seconds);
         CHECK(report.points.solver.solves == coordinates.handles().size());
-        // Functions that are solved already are not solved again.
+        // Solved functions are not solved again.
         const auto before = coordinates.solve();
         const auto again = cageform::bind(coordinates, FigurePoints{points, normals});
         CHECK(again.report.points.solver.seconds == before.solver.seconds);
         CHECK(again.report.vectors.solver.seconds == before.solver.seconds);
-        // To the bits of separate calls.
+        // Bits of separate calls.
         const auto bound = cageform::bind(coordinates, points);
         const auto turned = bind_vectors(coordinates, points, cageform::tangents_of(normals));
         const auto pose = shaken(coordinates.handles(), 0.1, 3);
@@ -227,7 +227,7 @@ TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harm
           points_in(mesh, 40, 4), random_directions<float, 3>(40, 4));
 }
 
-TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[figure][status]") {
+TEST_CASE("errors of the cage, the solver and the caller are reported by bind", "[figure][status]") {
     const auto mesh = random_mesh(2).mesh<float>();
     const auto points = points_in(mesh, 20, 2);
     const auto normals = random_directions<float, 3>(20, 2), fewer = random_directions<float, 3>(19, 2);
@@ -257,7 +257,7 @@ TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[fig
     CHECK(refused.report.points.status == Status::resolution_not_supported);
     CHECK(refused.report.points.points == 1);
 
-    // A bad point or normal is listed, and is no reason to refuse the others.
+    // Invalid points and normals are listed; the others are bound.
     auto with_bad = points;
     with_bad[3][0] = std::numeric_limits<float>::infinity();
     auto bad_normals = normals;
@@ -268,7 +268,7 @@ TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[fig
     CHECK(listed.report.vectors.not_finite == std::vector<std::size_t>{3, 5});
 }
 
-TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") {
+TEST_CASE("the progress of a figure rises from 0 to 1", "[figure][progress]") {
     const auto mesh = sphere(1).mesh<float>();
     const auto points = points_in(mesh, 400, 2), normals = random_directions<float, 3>(400, 2);
     std::vector<double> told;
@@ -291,8 +291,7 @@ TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") 
     check();
 }
 
-TEST_CASE("tangents keep a tolerance of their own, with points that have one or none",
-          "[figure][tolerance]") {
+TEST_CASE("tangents meet their own tolerance, with and without one for points", "[figure][tolerance]") {
     const auto figure = small_figure(3);
     for (const double of_points : {0.0, 0.02}) {
         const auto [packed, report] =
@@ -302,7 +301,7 @@ TEST_CASE("tangents keep a tolerance of their own, with points that have one or 
         CHECK(report.points.distance.value <= (of_points == 0 ? 1e-6 : of_points));
         for (const auto& part : report.vectors) {
             CHECK(part.distance.value <= 0.01);
-            CHECK(part.distance.value > 0.001); // or nothing was dropped
+            CHECK(part.distance.value > 0.001); // weights were dropped
         }
     }
     for (const double none : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
@@ -312,7 +311,7 @@ TEST_CASE("tangents keep a tolerance of their own, with points that have one or 
     }
 }
 
-TEST_CASE("a figure of one point, or of one place, is packed by a distance", "[figure][tolerance]") {
+TEST_CASE("figures of one point or one position can be packed with a tolerance", "[figure][tolerance]") {
     const auto mesh = random_mesh(5).mesh<float>();
     const auto place = points_in(mesh, 1, 5);
     for (const std::size_t count : {1u, 20u}) {
@@ -326,7 +325,7 @@ TEST_CASE("a figure of one point, or of one place, is packed by a distance", "[f
     }
 }
 
-TEST_CASE("a figure put together of parts of different sizes is refused", "[figure][status]") {
+TEST_CASE("a figure with parts of different sizes is rejected", "[figure][status]") {
     auto figure = small_figure(4);
     const std::size_t points = figure.points.point_count(), handles = figure.points.handle_count();
     const std::vector<std::string> labels(handles, "one of many");
@@ -360,7 +359,7 @@ TEST_CASE("a figure put together of parts of different sizes is refused", "[figu
     refused(of_another_cage, Status::bindings_differ, FigureTags::bitangents);
 }
 
-TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][labels]") {
+TEST_CASE("a packed figure keeps labels and parts of the user", "[figure][labels]") {
     const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {2, 1, 3}};
     const std::array notes{std::byte{7}, std::byte{8}, std::byte{9}};
     const cageform::FigurePartData parts[] = {
@@ -403,19 +402,18 @@ TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][label
     const std::vector<cageform::FigurePartData> many(300);
     CHECK(cageform::pack(figure, {.parts = many}).report.status == Status::too_many_parts);
     CHECK(FigureTags::tangents.text() == std::array{'T', 'A', 'N', '1', '\0'});
-    const auto few = cageform::pack(figure, {.weights = {.largest = 2}}); // with the part
+    const auto few = cageform::pack(figure, {.weights = {.largest = 2}}); // with the part of the user
     CHECK(few.report.status == Status::too_few_weights);
     CHECK(few.report.culprit == FigureTags::points);
 }
 
-TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its labels",
-          "[figure][rebind][labels]") {
+TEST_CASE("rebind_cage equals bind and keeps the labels", "[figure][rebind][labels]") {
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
     const auto mesh = sphere(1).mesh<float>();
     const auto points = points_in(mesh, 40, seed), normals = random_directions<float, 3>(40, seed);
     const auto tangents = signed_tangents<float>(40, seed);
-    const auto inside = [&points] { // so that no edit loses a point
+    const auto inside = [&points] { // so that points stay inside after every edit
         auto smaller = points;
         for (auto& p : smaller) p = 0.5f * p;
         return smaller;
@@ -439,7 +437,7 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
         REQUIRE(clone(anew.value, pose, FigureOutput{out_anew, up_anew, along_anew}) == Status::ok);
         CHECK(out == out_anew);
         CHECK(again.report.points.partition_error.value == anew.report.points.partition_error.value);
-        for (std::size_t i = 0; i < 40; ++i) { // unit tangents are made of unit ones, to rounding
+        for (std::size_t i = 0; i < 40; ++i) { // unit tangents stay equal up to rounding
             CHECK(distance(up[i], up_anew[i]) <= 1e-6);
             CHECK(along[i] == along_anew[i]);
         }
@@ -452,7 +450,7 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
     const auto moved = shaken(mesh.vertices(), 0.05, seed);
     check(Mean3<float>(moved, mesh.faces()), {}, same);
 
-    // A vertex more, in the middle of the first face, and all numbers the other way round.
+    // A new vertex in the centre of the first face, and reversed indices.
     Points3<float> more(mesh.vertices().rbegin(), mesh.vertices().rend());
     const auto last = std::uint32_t(mesh.size() - 1);
     std::vector<std::array<std::uint32_t, 3>> faces;
@@ -479,7 +477,7 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
     CHECK(faulty.value.points.point_count() == 0);
 }
 
-TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure][status]") {
+TEST_CASE("clones of a figure reject invalid input without writing", "[figure][status]") {
     const auto mesh = random_mesh(1).mesh<float>();
     const auto figure = small_figure();
     const auto points = points_in(mesh, 37, 1);
@@ -496,7 +494,7 @@ TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure]
         CHECK(tangents == Points3<float>(37));
     };
     refused(bare, pose, Status::vectors_missing);
-    refused(of_normals, pose, Status::vectors_missing); // of its own, it has no tangents
+    refused(of_normals, pose, Status::vectors_missing); // it has no tangents of its own
     auto bad = pose;
     bad[2][1] = std::numeric_limits<float>::infinity();
     refused(figure, bad, Status::pose_not_finite);
@@ -515,7 +513,7 @@ TEST_CASE("clones of a figure refuse by name, and write nothing then", "[figure]
     STATIC_REQUIRE(noexcept(clone(figure, pose, FigureOutput{out, normals, tangents})));
 }
 
-TEST_CASE("a figure of another kind, cage or figure is refused by name", "[figure][status]") {
+TEST_CASE("a figure of another kind, cage or figure is rejected with its status", "[figure][status]") {
     const auto packed = small_packed();
     const auto bytes = packed.bytes();
     const auto opened = cageform::open<float, 3>(bytes);
@@ -530,7 +528,7 @@ TEST_CASE("a figure of another kind, cage or figure is refused by name", "[figur
     CHECK(status_of({}) == Status::not_a_figure);
     CHECK(status_of(bytes.subspan(8)) == Status::not_a_figure);
     const auto single = cageform::open<float, 3>(opened.value.part(FigureTags::points));
-    REQUIRE(single.status() == Status::ok); // a single binding is a figure of points alone
+    REQUIRE(single.status() == Status::ok); // a single binding is a figure with only points
     CHECK(single.value.point_count() == opened.value.point_count());
     CHECK(!single.value.has_normals());
     CHECK(single.report.bytes == opened.value.part(FigureTags::points).size());
@@ -547,11 +545,11 @@ TEST_CASE("a figure of another kind, cage or figure is refused by name", "[figur
     CHECK(status_of(tag.bytes()) == Status::blob_version_differs);
 }
 
-TEST_CASE("a figure cut off or with any bit flipped is refused", "[figure][status]") {
+TEST_CASE("a truncated figure or one with any bit flipped is rejected", "[figure][status]") {
     const auto packed = small_packed();
     const auto bytes = packed.bytes();
     for (std::size_t size = 0; size < bytes.size(); size += size < 256 ? 1 : 89) {
-        Aligned memory(bytes.first(size)); // exactly as long: a sanitizer sees what is read beyond
+        Aligned memory(bytes.first(size)); // of the exact size, so that sanitizers detect reads past the end
         CAPTURE(size);
         const Status status = cageform::open<float, 3>(memory.bytes()).status();
         CHECK(status == (size < 16 ? Status::not_a_figure : Status::blob_truncated));
@@ -569,7 +567,7 @@ TEST_CASE("a figure cut off or with any bit flipped is refused", "[figure][statu
     CHECK(status_of(memory.bytes()) == Status::ok);
 }
 
-TEST_CASE("parts of a figure that do not belong together are refused", "[figure][status]") {
+TEST_CASE("parts of a figure that do not match are rejected", "[figure][status]") {
     const auto figure = small_figure();
     const cageform::PackOptions sparse{.format = WeightFormat::int16, .largest = 4};
     const auto points = cageform::pack(figure.points, sparse);
@@ -587,7 +585,7 @@ TEST_CASE("parts of a figure that do not belong together are refused", "[figure]
         return opened.status();
     };
     CHECK(refused(points, first, second, FigureTag{}) == Status::ok);
-    // An order of its own: each part by itself is sound.
+    // Another order: each part is valid by itself.
     const auto astray = cageform::pack(figure.tangents[1], sparse);
     CHECK(refused(points, first, astray, FigureTags::bitangents) == Status::bindings_differ);
     const auto dense = cageform::pack(figure.tangents[0]);
@@ -596,7 +594,7 @@ TEST_CASE("parts of a figure that do not belong together are refused", "[figure]
     CHECK(refused(points, fewer, second, FigureTags::tangents) == Status::bindings_differ);
     const auto elsewhere = cageform::pack(small_figure(5).tangents[0], in_order);
     CHECK(refused(points, elsewhere, second, FigureTags::tangents) == Status::bindings_differ);
-    // Handles that are as many and stand elsewhere, under a hash that hides it.
+    // As many handles at other positions, with the same hash.
     auto moved = random_binding<float, 3>(37, figure.points.handle_count(), 3);
     in_order.cage_hash = cageform::open<float, 3>(small_packed().bytes()).report.cage_hash;
     const auto other_cage = cageform::pack(moved, in_order);
@@ -612,11 +610,11 @@ TEST_CASE("parts of a figure that do not belong together are refused", "[figure]
                                             {FigureTags::points, points.value.bytes()},
                                             {FigureTags::handedness, std::as_bytes(std::span("x"))}};
     CHECK(tag_of_bad(std::span(all).first(1)) == FigureTags::points);       // no points
-    CHECK(tag_of_bad(std::span(all).first(2)) == FigureTags::bitangents);   // one tangent in space
-    CHECK(tag_of_bad(std::span(all).subspan(1)) == FigureTags::handedness); // of no tangents
+    CHECK(tag_of_bad(std::span(all).first(2)) == FigureTags::bitangents);   // one tangent in 3D
+    CHECK(tag_of_bad(std::span(all).subspan(1)) == FigureTags::handedness); // handedness without tangents
 }
 
-TEST_CASE("every contradiction in a figure is found though its checksum is right", "[figure][status]") {
+TEST_CASE("every inconsistency in a figure with a valid checksum is found", "[figure][status]") {
     const auto packed = small_packed();
     const Aligned sound(packed.bytes());
     const auto refused = [&](auto change) {
@@ -661,7 +659,7 @@ TEST_CASE("every contradiction in a figure is found though its checksum is right
                                   .bytes()) == Status::ok);
 }
 
-TEST_CASE("a hostile figure neither crashes nor leads a clone out of bounds", "[figure][hostile]") {
+TEST_CASE("hostile figures never cause access out of bounds", "[figure][hostile]") {
     const std::array sound{Aligned(small_packed().bytes()), Aligned(small_packed({}).bytes())};
     Random random{std::uint64_t(GENERATE(range(0, 2)))};
     std::size_t opened_count = 0;

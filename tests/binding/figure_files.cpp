@@ -41,7 +41,7 @@ const cageform::TriangleMesh<float>& cage() {
     return mesh;
 }
 
-/// A figure with all that there is, well inside the cage.
+/// A figure with all parts, well inside the cage.
 struct Parts {
     Points3<float> points, normals;
     std::vector<std::array<float, 4>> tangents;
@@ -99,7 +99,7 @@ std::uint32_t version_of(std::span<const std::byte> bytes) {
     return header.version;
 }
 
-/// Where a part begins.
+/// The offset of a part.
 std::size_t offset_of(Aligned& memory, FigureTag tag) {
     for (std::size_t at = sizeof(FigureHeader);; at += sizeof(FigurePart)) {
         FigurePart part;
@@ -112,7 +112,7 @@ bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
 }
 
-/// Packed in full precision, which is all that there is of a figure.
+/// Packed without loss.
 bool same_figure(const FigureBinding<float, 3>& a, const FigureBinding<float, 3>& b) {
     const auto packed_a = cageform::pack(a), packed_b = cageform::pack(b);
     REQUIRE(packed_a.report.status == Status::ok);
@@ -122,7 +122,7 @@ bool same_figure(const FigureBinding<float, 3>& a, const FigureBinding<float, 3>
 
 } // namespace
 
-TEST_CASE("one file ships a figure and its clips, found by name, played without an allocation",
+TEST_CASE("a file contains a figure and its clips, found by name and played without allocation",
           "[figure][clips]") {
     const auto& figure = small_figure();
     const std::size_t handles = figure.points.handle_count();
@@ -165,7 +165,7 @@ TEST_CASE("one file ships a figure and its clips, found by name, played without 
         CHECK(status_of(Aligned(made.value.bytes().first(size)).bytes()) != Status::ok);
 }
 
-TEST_CASE("clips of another cage, or of one name, are refused when packed and when opened",
+TEST_CASE("clips of another cage or with equal names are rejected by pack and open",
           "[figure][clips][status]") {
     const auto& figure = small_figure();
     const std::size_t handles = figure.points.handle_count();
@@ -187,7 +187,7 @@ TEST_CASE("clips of another cage, or of one name, are refused when packed and wh
     refused({}, "none", Status::not_a_clip);
     refused(sound.bytes().first(128), "short", Status::blob_truncated);
 
-    // Under the tag of clips in a file: each by itself is sound.
+    // In the part of clips in a file: each is valid by itself.
     const FigureClipData named[] = {{"a", sound.bytes()}, {"b", sound.bytes()}};
     const auto made = cageform::pack(figure, {.clips = named});
     REQUIRE(made.report.status == Status::ok);
@@ -223,7 +223,7 @@ TEST_CASE("clips of another cage, or of one name, are refused when packed and wh
     }
 }
 
-TEST_CASE("a clip of a cage whose handles are also vectors is of its vertices", "[figure][clips][green]") {
+TEST_CASE("clips pose only the vertices if some handles are vectors", "[figure][clips][green]") {
     const Parts parts(20, 3);
     const cageform::GreenCoordinates<float, 3> coordinates(cage());
     const auto bound = cageform::bind(coordinates, FigurePoints{parts.points});
@@ -238,7 +238,7 @@ TEST_CASE("a clip of a cage whose handles are also vectors is of its vertices", 
     }
 }
 
-TEST_CASE("figures without clips and levels are of version 1, parts of its users keep their tags",
+TEST_CASE("figures without clips and levels have version 1, and parts of the user keep their tags",
           "[figure][clips][version]") {
     const auto& figure = small_figure();
     const auto bare = cageform::pack(figure);
@@ -248,7 +248,7 @@ TEST_CASE("figures without clips and levels are of version 1, parts of its users
     CHECK(cageform::pack(figure, {.parts = taken}).report.status == Status::duplicate_tag);
     const FigurePartData level[] = {{FigureTags::level(3), note}};
     CHECK(cageform::pack(figure, {.parts = level}).report.status == Status::duplicate_tag);
-    // As it may have been written before there were clips.
+    // As written before clips existed.
     const auto points = cageform::pack(figure.points).value;
     const FigurePartData parts[] = {{FigureTags::points, points.bytes()}, {FigureTags::clips, note}};
     Aligned file(cageform::PackedFigure<float, 3>(parts).bytes());
@@ -270,8 +270,8 @@ TEST_CASE("figures without clips and levels are of version 1, parts of its users
     CHECK(open_level(opened_older.value, 1).status() == Status::not_a_figure);
 }
 
-// Else a small file could ask for the same clip to be read a thousand times.
-TEST_CASE("clips of a figure lie one after the other", "[figure][clips][refused]") {
+// Otherwise a small file could have the same clip read a thousand times.
+TEST_CASE("overlapping clips of a figure are rejected", "[figure][clips][refused]") {
     const auto& figure = small_figure();
     const auto clip = pack_clip(random_clip(figure.points.handle_count(), 1)).value;
     const FigureClipData named[] = {{"walk", clip.bytes()}, {"run", clip.bytes()}};
@@ -288,14 +288,14 @@ TEST_CASE("clips of a figure lie one after the other", "[figure][clips][refused]
     CHECK(status_of(file.bytes()) == Status::blob_malformed);
 }
 
-TEST_CASE("a figure with a handedness for other points is not bound anew", "[figure][rebind][refused]") {
+TEST_CASE("rebind_cage rejects a handedness of another size", "[figure][rebind][refused]") {
     auto figure = small_figure();
     figure.handedness.push_back(1);
     CHECK(rebind_cage(figure, Mean3(cage())).report.status == Status::vectors_do_not_match);
 }
 
-// The vector of an edge may have the numbers of a vertex.
-TEST_CASE("after an edit points are matched with points and vectors with vectors", "[figure][rebind]") {
+// The vector of an edge may equal a vertex.
+TEST_CASE("match_handles matches points with points and vectors with vectors", "[figure][rebind]") {
     using Point = Vec<double, 2>;
     const std::vector<Point> before{{0, 0}, {1, 0}, {0, 1}, {1, 0}},
         after{{0, 0}, {1, 0}, {0, 1}, {2, 2}, {1, 0}};
@@ -309,7 +309,7 @@ TEST_CASE("after an edit points are matched with points and vectors with vectors
     CHECK(matched == std::vector<std::size_t>{0, 1, 2, cageform::new_handle, 3});
 }
 
-TEST_CASE("levels of less detail follow one pose", "[figure][levels]") {
+TEST_CASE("one pose applies to all levels of detail", "[figure][levels]") {
     const Mean3 coordinates(cage());
     const Parts detailed(60, 4), coarse(15, 5), coarsest(6, 6);
     std::vector<cageform::PackedFigure<float, 3>> made;
@@ -345,7 +345,7 @@ TEST_CASE("levels of less detail follow one pose", "[figure][levels]") {
     const std::vector<std::span<const std::byte>> many(10, made[0].bytes());
     CHECK(cageform::pack(detailed.bind(coordinates), {.levels = many}).report.status ==
           Status::too_many_parts);
-    // In a file made by hand.
+    // In a hand-made file.
     const auto points = cageform::pack(detailed.bind(coordinates).points).value;
     for (const auto& [bytes, status] :
          {std::pair(made[0].bytes(), Status::ok), std::pair(packed.bytes(), Status::blob_malformed),
@@ -359,8 +359,7 @@ TEST_CASE("levels of less detail follow one pose", "[figure][levels]") {
     CHECK(status_of(cageform::PackedFigure<float, 3>(gap).bytes()) == Status::blob_malformed);
 }
 
-TEST_CASE("an editor's figure is saved, opened and bound anew to the bits of what was never saved",
-          "[figure][unpack][rebind]") {
+TEST_CASE("a saved, opened and rebound figure has the bits of the original", "[figure][unpack][rebind]") {
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
     const Parts parts(45, seed);
@@ -379,7 +378,7 @@ TEST_CASE("an editor's figure is saved, opened and bound anew to the bits of wha
             CHECK(unpacked.value.points.weight(i, h) == figure.points.weight(i, h));
     }
 
-    // An edit of the cage: from the file, from memory, and of the points bound anew.
+    // An edited cage: from the file, from memory, and bound from points.
     const Mean3 edited(shaken(cage().vertices(), 0.05, seed), cage().faces());
     const auto from_file = rebind_cage(opened.value, edited), from_memory = rebind_cage(figure, edited);
     REQUIRE(from_file.report.status == Status::ok);
@@ -388,7 +387,7 @@ TEST_CASE("an editor's figure is saved, opened and bound anew to the bits of wha
     CHECK(same_bytes(cageform::pack(anew.value).value.bytes(),
                      cageform::pack(from_file.value.points).value.bytes()));
 
-    // A figure as a game has it keeps its points at rest: it too can be bound anew.
+    // A figure packed with loss keeps its points at rest, so it can be rebound too.
     for (const auto& weights : {cageform::PackOptions{.tolerance = 0.01},
                                 {.format = WeightFormat::int8},
                                 {.format = WeightFormat::half, .largest = 5}}) {
@@ -404,8 +403,7 @@ TEST_CASE("an editor's figure is saved, opened and bound anew to the bits of wha
     }
 }
 
-TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bindings are",
-          "[figure][compose]") {
+TEST_CASE("compose of a figure equals compose of its bindings", "[figure][compose]") {
     const Parts parts(30, 8);
     const Mean3 coordinates(cage());
     const auto fine = parts.bind(coordinates);

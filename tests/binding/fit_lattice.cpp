@@ -1,4 +1,4 @@
-// Poses of lattices by least squares: reference values, what must come back, and faults by name.
+// fit_lattice: reference values, round trips and invalid input.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 
@@ -141,8 +141,8 @@ TEST_CASE("fitted lattices have the handles and residuals of the reference", "[b
     }
 }
 
-TEMPLATE_TEST_CASE("displacements of a pose give the pose back", "[binding][lattice][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("fitting the displacements of a pose returns the pose", "[binding][lattice][property]",
+                   float, double) {
     using T = TestType;
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
@@ -151,7 +151,7 @@ TEMPLATE_TEST_CASE("displacements of a pose give the pose back", "[binding][latt
         const auto fit = cageform::fit_lattice(figure.lattice, figure.binding, figure.displacements(pose),
                                                {.smoothness = 0});
         REQUIRE(fit);
-        // In float the displacements themselves are rounded, by the size of the points.
+        // In float the displacements are rounded relative to the size of the points.
         const double rounding = std::is_same_v<T, float> ? 1e-6 : 1e-14;
         CHECK(farthest_apart(fit.value, pose) <= rounding / fit.report.pivot_ratio);
         if constexpr (std::is_same_v<T, double>) CHECK(farthest_apart(fit.value, pose) <= 1e-10);
@@ -162,7 +162,7 @@ TEMPLATE_TEST_CASE("displacements of a pose give the pose back", "[binding][latt
     check(RandomFigure<T, 3>(seed, 1000, T(0.5)));
 }
 
-TEST_CASE("affine displacements come back for every smoothness, from few points too",
+TEST_CASE("affine displacements are reproduced for every smoothness, also from few points",
           "[binding][lattice][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
@@ -187,7 +187,7 @@ TEST_CASE("affine displacements come back for every smoothness, from few points 
     }
 }
 
-TEST_CASE("no other pose follows better, frozen handles stay", "[binding][lattice][property]") {
+TEST_CASE("no other pose fits better, and frozen handles do not move", "[binding][lattice][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
     RandomFigure<double, 2> figure(seed, 200);
@@ -226,7 +226,7 @@ TEST_CASE("no other pose follows better, frozen handles stay", "[binding][lattic
         CHECK(error(other) >= fit.report.rms * (1 - 1e-12));
     }
     double before = fit.report.rms;
-    for (const double smoothness : {1e-6, 1e-3, 1.0}) { // a smoother pose follows no better
+    for (const double smoothness : {1e-6, 1e-3, 1.0}) { // a smoother pose does not fit better
         auto smoother = options;
         smoother.smoothness = smoothness;
         const auto next = cageform::fit_lattice(figure.lattice, figure.binding, displacements, smoother);
@@ -236,7 +236,7 @@ TEST_CASE("no other pose follows better, frozen handles stay", "[binding][lattic
     }
 }
 
-TEST_CASE("a sparse matrix gives what a dense one gives", "[binding][lattice]") {
+TEST_CASE("sparse and dense matrices give the same fit", "[binding][lattice]") {
     std::mt19937_64 random(7);
     const auto uniform = [&] { return double(random() >> 11) * 0x1p-52 - 1; };
     cageform::detail::LeastSquares dense(60, 3), sparse(60, 3, 10);
@@ -257,7 +257,7 @@ TEST_CASE("a sparse matrix gives what a dense one gives", "[binding][lattice]") 
     for (std::size_t i = 0; i < 180; ++i) CHECK(std::fabs(a.values[i] - b.values[i]) <= 1e-11);
 }
 
-TEST_CASE("a lattice of more than a thousand handles is fitted", "[binding][lattice]") {
+TEST_CASE("a lattice of more than a thousand handles can be fitted", "[binding][lattice]") {
     const std::size_t side = effort<std::size_t>(36, 33);
     const LatticeCoordinates<float, 2> lattice({LatticeAxis{side, 2, {}}, LatticeAxis{side, 3, {}}},
                                                {{Vec<float, 2>{1, 0}, Vec<float, 2>{0, 1}}, {0, 0}});
@@ -283,7 +283,7 @@ TEST_CASE("a lattice of more than a thousand handles is fitted", "[binding][latt
     }
 }
 
-TEST_CASE("handles without points are listed, and placed by smoothness alone", "[binding][lattice]") {
+TEST_CASE("handles without points are listed and determined by smoothness", "[binding][lattice]") {
     const Transform<double, 2> box{{Vec<double, 2>{1, 0}, Vec<double, 2>{0, 1}}, {0, 0}};
     const LatticeCoordinates<double, 2> lattice({LatticeAxis{5, 1, {}}, LatticeAxis{2, 1, {}}}, box);
     const std::vector<Vec<double, 2>> points{{0.1, 0.2}, {0.2, 0.9}, {0.05, 0.6}, {0.15, 0.4}, {0.24, 0.1}};
@@ -301,7 +301,7 @@ TEST_CASE("handles without points are listed, and placed by smoothness alone", "
     const auto refused = cageform::fit_lattice(lattice, bound.value, same, {.smoothness = 0});
     CHECK(refused.status() == Status::fit_not_determined);
     CHECK(refused.value.empty());
-    // With those frozen it is determined; with all frozen there is nothing to find.
+    // Determined if these are frozen; trivial if all are.
     const auto freed =
         cageform::fit_lattice(lattice, bound.value, same, {.smoothness = 0, .frozen = fit.report.idle});
     REQUIRE(freed);
@@ -312,14 +312,14 @@ TEST_CASE("handles without points are listed, and placed by smoothness alone", "
     REQUIRE(none);
     CHECK(std::equal(none.value.begin(), none.value.end(), lattice.handles().begin()));
     CHECK(std::fabs(none.report.rms - std::sqrt(1.25)) <= 1e-12);
-    // One point alone leaves all affine motions that hold it.
+    // One point leaves the affine motions that fix it undetermined.
     const auto one = cageform::bind(lattice, std::vector<Vec<double, 2>>{{0.1, 0.2}});
     REQUIRE(one);
     CHECK(cageform::fit_lattice(lattice, one.value, std::vector<Vec<double, 2>>{{1, 1}}).status() ==
           Status::fit_not_determined);
 }
 
-TEST_CASE("input that a fit cannot use is refused by name, points that are not finite are skipped",
+TEST_CASE("invalid input of a fit is rejected with its status, points that are not finite are ignored",
           "[binding][lattice][faults]") {
     RandomFigure<double, 2> figure(3, 50);
     const auto displacements = figure.displacements(figure.random_pose());
@@ -370,14 +370,14 @@ TEST_CASE("input that a fit cannot use is refused by name, points that are not f
     CHECK(skipped.report.unreached == 0);
 }
 
-TEST_CASE("points that no handle moves have no residual, and are counted", "[binding][lattice]") {
+TEST_CASE("points without weights have no residual and are counted", "[binding][lattice]") {
     RandomFigure<double, 2> figure(4, 50);
     auto targets = figure.displacements(figure.random_pose());
     const auto without = cageform::fit_lattice(figure.lattice, figure.binding, targets);
     REQUIRE(without);
     CHECK(without.report.unreached == 0);
     for (const Vec<double, 2>& p : {Vec<double, 2>{1e17, 0}, Vec<double, 2>{40, 40}}) {
-        figure.points.push_back(p); // not reached at all; outside, where it is kept in place
+        figure.points.push_back(p); // unreached; outside and kept in place
         targets.push_back({7, 8});
     }
     const auto bound =
@@ -391,7 +391,7 @@ TEST_CASE("points that no handle moves have no residual, and are counted", "[bin
     CHECK(fit.value == without.value);
     CHECK(fit.report.rms == without.report.rms);
     CHECK(fit.report.largest == without.report.largest);
-    // A figure of nothing else.
+    // A figure of only such points.
     const std::vector<Vec<double, 2>> lost{{1e17, 0}}, target{{1, 1}};
     const auto none = cageform::bind(figure.lattice, lost);
     REQUIRE(none);

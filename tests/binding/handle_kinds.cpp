@@ -1,4 +1,4 @@
-// Handles that are vectors, through everything that takes a binding: bound, packed, shipped, rebound, played.
+// Vector handles in all functions of bindings.
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 #include "../support/packed.hpp"
@@ -31,13 +31,13 @@ template <class T>
 cageform::Polygon<T> l_shape() {
     return cageform::Polygon<T>(Points2<T>{{0, 0}, {4, 0}, {4, 1}, {1.5, 1.5}, {1, 3}, {0, 3}});
 }
-/// Clockwise, and not far from the other.
+/// Clockwise, similar to the other.
 template <class T>
 cageform::Polygon<T> diamond() {
     return cageform::Polygon<T>(Points2<T>{{3, 0.5}, {1, -2}, {-1, 0.5}, {1, 2}});
 }
 
-/// A coordinate type with faces, its vertices, and points that it binds.
+/// A coordinate type with faces, its vertices, and points to bind.
 template <class Scalar, std::size_t Dimension>
 struct Case {
     using T = Scalar;
@@ -57,7 +57,7 @@ struct Case {
         return result;
     }
     static std::vector<Vec<T, D>> points(std::uint64_t seed, std::size_t count = 70) {
-        Random random(seed << 20); // seeds side by side have numbers in common
+        Random random(seed << 20); // adjacent seeds share numbers
         std::vector<Vec<T, D>> result;
         while (result.size() < count) {
             if constexpr (D == 2)
@@ -80,7 +80,7 @@ AffineMap<D> random_similarity(std::uint64_t seed) {
         map.rows[k][k] = 1;
         map.shift[k] = random.uniform(-3, 3);
     }
-    for (std::size_t turn = 0; turn < 2 * D; ++turn) { // in the planes of two axes, one after the other
+    for (std::size_t turn = 0; turn < 2 * D; ++turn) { // in coordinate planes, in turn
         const double angle = random.uniform(0, 6), c = std::cos(angle), s = std::sin(angle);
         auto &a = map.rows[turn % D], &b = map.rows[(turn + 1) % D];
         const auto turned = c * a - s * b;
@@ -108,7 +108,7 @@ auto cloned_view(const cageform::PackedBindingView<T, D>& view, const std::vecto
     return out;
 }
 
-/// That a binding returns its points to the bit at rest, and is exact in similarity poses.
+/// Checks that a binding is exact at rest bit for bit and in similarity poses.
 template <class T, std::size_t D>
 void check_poses(const cageform::PackedBindingView<T, D>& view, const std::vector<Vec<T, D>>& vertices,
                  const std::vector<Vec<T, D>>& points) {
@@ -127,8 +127,8 @@ void check_poses(const cageform::PackedBindingView<T, D>& view, const std::vecto
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a type with normals is bound as it is, by adding a file", "[handle_kinds][bind]", Double2,
-                   Float3) {
+TEMPLATE_TEST_CASE("a coordinate type with normals is bound without changes of the library",
+                   "[handle_kinds][bind]", Double2, Float3) {
     using T = typename TestType::T;
     const auto coordinates = TestType::coordinates();
     const auto points = TestType::points(1);
@@ -151,8 +151,7 @@ TEMPLATE_TEST_CASE("a type with normals is bound as it is, by adding a file", "[
     check_poses<T, TestType::D>(view, TestType::vertices(binding.handle_view()), points);
 }
 
-TEST_CASE("weights that miss linear precision are restored with vectors among the handles",
-          "[handle_kinds][bind]") {
+TEST_CASE("linear precision is restored with vector handles", "[handle_kinds][bind]") {
     const GreenCoordinates<double, 2> green(l_shape<double>());
     const auto handles = cageform::handle_view(green);
     const cageform::detail::LinearRestorer<double, 2> restorer(handles);
@@ -181,7 +180,7 @@ TEST_CASE("weights that miss linear precision are restored with vectors among th
     }
 }
 
-TEMPLATE_TEST_CASE("bindings by normals are packed in every format, exact at rest and in similarity poses",
+TEMPLATE_TEST_CASE("packed bindings with normals are exact at rest and in similarity poses in every format",
                    "[handle_kinds][pack]", Double2, Float3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -202,7 +201,7 @@ TEMPLATE_TEST_CASE("bindings by normals are packed in every format, exact at res
     }
 }
 
-TEMPLATE_TEST_CASE("vectors bound by normals turn with similarity poses, packed too",
+TEMPLATE_TEST_CASE("vectors bound with normals follow similarity poses, also packed",
                    "[handle_kinds][bind_vectors]", Double2, Float3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -232,14 +231,14 @@ TEMPLATE_TEST_CASE("vectors bound by normals turn with similarity poses, packed 
     }
 }
 
-TEST_CASE("a skin has points for joints, and refuses vectors", "[handle_kinds][skin_weights][status]") {
+TEST_CASE("a skin rejects vector handles", "[handle_kinds][skin_weights][status]") {
     const auto bound = bind(GreenCoordinates<double, 2>(l_shape<double>()), Double2::points(7));
     const auto made = cageform::skin_weights(bound.value);
     CHECK(made.report.status == Status::handles_not_points);
     CHECK(made.value.joints.empty());
 }
 
-TEST_CASE("several cages with normals: handles of a cage stand together", "[handle_kinds][blended]") {
+TEST_CASE("blended cages with normals: handles of a cage are consecutive", "[handle_kinds][blended]") {
     using Green = GreenCoordinates<double, 2>;
     const BlendedCoordinates<Green> coordinates({Green(l_shape<double>()), Green(diamond<double>())});
     const auto points = Double2::points(8);
@@ -248,12 +247,12 @@ TEST_CASE("several cages with normals: handles of a cage stand together", "[hand
     CHECK(report.partition_error.value < 1e-14);
     const auto handles = binding.handle_view();
     CHECK(handles.vector_count() == 10);
-    CHECK(handles.faces[6][0] >= 12); // corners by the numbers of all handles
+    CHECK(handles.faces[6][0] >= 12); // corners are indices of all handles
     check_poses<double, 2>(binding.view(), Double2::vertices(handles), points);
     const auto packed = pack(binding, {.format = WeightFormat::int16, .largest = 8}).value;
     check_poses(packed.view(), Double2::vertices(handles), points);
 
-    // In place: points move on to their handles.
+    // In place.
     const auto vertices = Double2::vertices(handles);
     std::vector<Vec<double, 2>> place(vertices);
     place.resize(handles.count);
@@ -262,7 +261,7 @@ TEST_CASE("several cages with normals: handles of a cage stand together", "[hand
     CHECK(place == std::vector(handles.rest, handles.rest + handles.count));
 }
 
-TEMPLATE_TEST_CASE("linear blend skinning is a clone by bones", "[handle_kinds][bones]", Double2, Float3) {
+TEMPLATE_TEST_CASE("a clone by bones is linear blend skinning", "[handle_kinds][bones]", Double2, Float3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
     using Bone = cageform::Transform<T, D>;
@@ -319,7 +318,7 @@ TEMPLATE_TEST_CASE("linear blend skinning is a clone by bones", "[handle_kinds][
     CHECK(cageform::pose_bones(faces, std::span<const Bone>(still), handles) == Status::handles_not_bones);
 }
 
-TEST_CASE("a point skinned by two bones is that of exact arithmetic", "[handle_kinds][bones][oracle]") {
+TEST_CASE("a point skinned by two bones equals exact arithmetic", "[handle_kinds][bones][oracle]") {
     const auto json = read_json("bone_handles");
     const auto number = [](const nlohmann::json& text) {
         const auto fraction = text.get<std::string>();
@@ -356,7 +355,7 @@ TEST_CASE("a point skinned by two bones is that of exact arithmetic", "[handle_k
     CHECK(distance(cloned(binding, handles)[0], place(json["clone"])) <= 1e-15);
 }
 
-/// Frames of random axes, and shares of them for some points: none negative, some zero, the last bone's all.
+/// Frames with random axes, and non-negative weights of points, some zero, all zero for the last bone.
 template <class T, std::size_t D>
 struct RandomSkin {
     std::vector<Transform<T, D>> bones;
@@ -411,7 +410,7 @@ TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[h
             }
         }
     }
-    auto uneven = skin.shares; // the same but for their sums, which are restored
+    auto uneven = skin.shares; // differ only by their sums, which are restored
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double factor = random.uniform(0.5, 1.5);
         for (std::size_t b = 0; b < 4; ++b) uneven[4 * i + b] *= factor;
@@ -430,7 +429,7 @@ TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[h
         };
         const auto packed = pack(binding, {.format = WeightFormat::int16}).value;
         const auto skinned = cloned(binding, pose(own)), moved = cloned_view(packed.view(), pose(common));
-        std::vector<Vec<T, D>> frames; // when posed, a pose of the handles too
+        std::vector<Vec<T, D>> frames; // the posed frames are also a pose of the handles
         for (std::size_t b = 0; b < 4; ++b) {
             frames.push_back(maps[b](skin.bones[b].translation));
             for (const auto& axis : skin.bones[b].columns) frames.push_back(own[b].map_vector(axis));
@@ -451,8 +450,8 @@ TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[h
     }
 }
 
-TEMPLATE_TEST_CASE("bones that cannot be bound are refused by number", "[handle_kinds][bones][status]",
-                   Double2, Float3) {
+TEMPLATE_TEST_CASE("invalid bones are rejected with their index", "[handle_kinds][bones][status]", Double2,
+                   Float3) {
     using T = typename TestType::T;
     using Kind = cageform::CageFaultKind;
     constexpr std::size_t D = TestType::D;
@@ -501,7 +500,7 @@ TEMPLATE_TEST_CASE("bones that cannot be bound are refused by number", "[handle_
     CHECK(sound.bind(sound.shares, {}, running).report.status == Status::cancelled);
 }
 
-TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone, collapsed faces are counted",
+TEMPLATE_TEST_CASE("an invalid pose does not change the output, and collapsed faces are counted",
                    "[handle_kinds][status]", Double2, Float3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -524,7 +523,7 @@ TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone, collaps
     CHECK(handles == std::vector<Vec<T, D>>(before.begin(), before.end() - 1));
 
     handles = before;
-    auto large = vertices; // as far as can be represented
+    auto large = vertices; // near the largest number
     for (auto& p : large) p = (std::numeric_limits<T>::max() * epsilon<T> / 8) * p;
     CHECK(status(large) == Status::ok);
     for (const auto& handle : handles) CHECK(cageform::is_finite(handle));
@@ -537,7 +536,7 @@ TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone, collaps
     CHECK(handles.back() == Vec<T, D>{});
 }
 
-TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds][face_handle]",
+TEMPLATE_TEST_CASE("the vector of a posed face follows the formula", "[handle_kinds][face_handle]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     using Long = Vec<long double, 3>;
@@ -558,7 +557,8 @@ TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds
             (std::sqrt(8.0L) * area);
         const Long expected = (std::sqrt(area) * s / std::sqrt(dot(n, n))) * n;
         const double size = double(std::sqrt(dot(expected, expected)));
-        const double sine = double(std::sqrt(dot(n, n) / (dot(U, U) * dot(V, V)))); // thin faces turn easily
+        const double sine =
+            double(std::sqrt(dot(n, n) / (dot(U, U) * dot(V, V)))); // thin faces are ill-conditioned
         CHECK(distance(cageform::detail::face_handle(rest, pose), expected) <=
               16 * double(epsilon<T>) * size / sine);
         const T power = T(0x1p40);
@@ -569,8 +569,8 @@ TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds
     }
 }
 
-TEMPLATE_TEST_CASE("the vector of a face is a number, however thin it is or becomes",
-                   "[handle_kinds][face_handle]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("the vector of a face is finite for any thin face", "[handle_kinds][face_handle]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     using Face = std::array<Vec<T, 3>, 3>;
     std::size_t count = 0;

@@ -1,4 +1,4 @@
-// Laws of all types in the list of coordinates/types.hpp: a new type is tested here without a line of its own.
+// Laws of all types in coordinates/types.hpp; new types are tested without changes.
 #include <cageform/binding/make_coordinates.hpp>
 
 #include "../catch.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t seed = 63;
 
-/// Binds random points within a box inside the cage, by all types; counts for each type the cages that it takes.
+/// Binds random points inside the cage by all types; counts the supported cages per type.
 template <class Cage>
 void check_cage(const Cage& cage, double low, double high, std::vector<int>& taken) {
     using T = typename Cage::scalar;
@@ -105,7 +105,7 @@ void check_cages() {
 
 } // namespace
 
-TEST_CASE("every coordinate type takes the cages that its list says, and keeps rest and moves", "[bind]") {
+TEST_CASE("every coordinate type supports the listed cages and reproduces rest and translations", "[bind]") {
     check_cages<float>();
     check_cages<double>();
 }

@@ -1,4 +1,4 @@
-// Every allocation of every call failing in turn is a status: nothing throws, nothing is half made.
+// Every failing allocation gives a status: no exception, no partial result.
 #include "catch.hpp"
 #include "support/allocations.hpp"
 #include "support/cages.hpp"
@@ -21,8 +21,8 @@ using cageform::Status;
 
 namespace {
 
-/// Runs call() with its first, second, … allocation failing, until all succeed. Where one fails
-/// the status is out_of_memory, or ok where the standard library does without it.
+/// Runs call() with its first, second, … allocation failing, until all succeed. After a failure
+/// the status is out_of_memory, or ok if the standard library needs no memory.
 template <class Call>
 void fail_in_turn(const char* name, const Call& call) {
     CAPTURE(name);
@@ -54,8 +54,8 @@ void fail_in_turn(const char* name, const Call& call) {
 
 } // namespace
 
-TEST_CASE("every allocation that fails is a status, whichever call makes it", "[binding][status][memory]") {
-    // A collinear vertex, so that the report of the cage has something to say.
+TEST_CASE("every failing allocation gives a status in each call", "[binding][status][memory]") {
+    // A collinear vertex, so that the report of the cage is not empty.
     const Points2<double> square{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}};
     const Points2<double> points{{0.5, 0.5}, {1.5, 0.7}, {1, 0}, {3, 1}, {0.5, 1.5}};
     const cageform::MeanValueCoordinates<double, 2> mean_value(square);
@@ -95,7 +95,7 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
     fail_in_turn("skin_to_binding", [&] { return skin_to_binding(binding, skin).status(); });
 }
 
-TEST_CASE("every allocation that fails in space is a status", "[binding][status][memory]") {
+TEST_CASE("every failing allocation gives a status in 3D", "[binding][status][memory]") {
     using Point = Vec<float, 3>;
     const std::vector<Point> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 5, 5}}; // one unused
     const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -108,8 +108,7 @@ TEST_CASE("every allocation that fails in space is a status", "[binding][status]
     fail_in_turn("bind harmonic", [&] { return bind(harmonic, points).report.status; });
 }
 
-TEST_CASE("a cage or coordinates without the memory for them are empty and say so",
-          "[cage][status][memory]") {
+TEST_CASE("cages and coordinates without memory are empty and have a status", "[cage][status][memory]") {
     const Points2<double> square{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}}, triangle{{0, 0}, {1, 0}, {0, 1}};
     const std::vector<std::size_t> sizes{5};
     using cageform::Polygon;
@@ -170,7 +169,7 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
     });
 }
 
-TEMPLATE_TEST_CASE("coordinates that were moved from bind nothing, and say so, or go on", "[binding][status]",
+TEMPLATE_TEST_CASE("moved-from coordinates give a status or stay valid", "[binding][status]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const Points2<T> square{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, points{{T(0.5), T(0.5)}};

@@ -1,5 +1,5 @@
-// Packing: what must stay (rest, affine poses, the largest weights), and that the report tells what did
-// not.
+// Packing: rest, affine poses and the largest weights are preserved, and the report has all
+// losses.
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/packed.hpp"
@@ -25,8 +25,8 @@ namespace {
 
 const auto formats = {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8};
 
-/// A random cage with points inside and about it, bound by mean value coordinates. With `most` above 1, random
-/// points are there up to `most` times, and one 50 times.
+/// A random cage with points in and around it, bound by mean value coordinates. With `most` > 1, random
+/// points are repeated up to `most` times, and one 50 times.
 template <class T, std::size_t D>
 struct Bound {
     std::vector<Vec<T, D>> handles, points;
@@ -112,8 +112,8 @@ struct Double3 {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("packed bindings keep rest and affine poses, whatever is dropped or rounded",
-                   "[pack][affine]", Float2, Double2, Float3, Double3) {
+TEMPLATE_TEST_CASE("packed bindings preserve rest and affine poses", "[pack][affine]", Float2, Double2,
+                   Float3, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
     const auto seed = GENERATE(range(0, 12));
@@ -128,7 +128,7 @@ TEMPLATE_TEST_CASE("packed bindings keep rest and affine poses, whatever is drop
         REQUIRE(report.status == Status::ok);
         CHECK(cloned(packed, bound.handles) == bound.points);
         const auto moved = cloned(packed, pose);
-        // As for a plain binding, times what kept weights grow to where they were changed.
+        // As for a dense binding, times the growth of changed weights.
         const double size = std::max(size_of(bound.handles), size_of(pose));
         const double bound_of_error = 32 * double(epsilon<T>) * size * (1 + report.error.value);
         for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -139,7 +139,7 @@ TEMPLATE_TEST_CASE("packed bindings keep rest and affine poses, whatever is drop
     }
 }
 
-TEMPLATE_TEST_CASE("the report's errors are those of the weights in effect, and bound those of poses",
+TEMPLATE_TEST_CASE("reported errors are those of the effective weights, and bound those in poses",
                    "[pack][report]", Float2, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -185,7 +185,7 @@ TEMPLATE_TEST_CASE("the report's errors are those of the weights in effect, and 
     }
 }
 
-TEMPLATE_TEST_CASE("every point keeps its largest weights, within what restoring changes", "[pack][sparse]",
+TEMPLATE_TEST_CASE("every point keeps its largest weights, up to the change by restoring", "[pack][sparse]",
                    Float2, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -219,13 +219,13 @@ TEMPLATE_TEST_CASE("every point keeps its largest weights, within what restoring
             ++seen;
         }
     }
-    CHECK(seen >= view.points); // or nothing was looked at
+    CHECK(seen >= view.points); // the check is not vacuous
     std::vector<char> there(view.points, 0);
     for (std::size_t place = 0; place < view.points; ++place) there[view.order[place]] = 1;
     CHECK(std::count(there.begin(), there.end(), 1) == std::ptrdiff_t(view.points));
 }
 
-TEMPLATE_TEST_CASE("seams stay closed: points at one place keep equal weights, whatever their blocks",
+TEMPLATE_TEST_CASE("seams stay closed: points with equal positions keep equal weights",
                    "[pack][sparse][property]", Float2, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -257,7 +257,7 @@ TEMPLATE_TEST_CASE("seams stay closed: points at one place keep equal weights, w
     }
 }
 
-TEMPLATE_TEST_CASE("more weights, and finer ones, make smaller errors", "[pack][report]", Float3, Double3) {
+TEMPLATE_TEST_CASE("more weights and finer formats give smaller errors", "[pack][report]", Float3, Double3) {
     using T = typename TestType::T;
     const auto seed = GENERATE(range(60, 64));
     const Bound<T, 3> bound{std::uint64_t(seed)};
@@ -268,7 +268,7 @@ TEMPLATE_TEST_CASE("more weights, and finer ones, make smaller errors", "[pack][
     CHECK(error({.largest = 8}) <= error({.largest = 4}));
     CHECK(error({.largest = 16}) <= error({.largest = 8}));
     CHECK(error({}) == 0);
-    // One rounding a weight: half a step of its format.
+    // One rounding per weight: half a step of its format.
     double largest_weight = 0;
     for (std::size_t i = 0; i < bound.points.size(); ++i) {
         for (const double w : bound.row(i))
@@ -284,17 +284,16 @@ TEMPLATE_TEST_CASE("more weights, and finer ones, make smaller errors", "[pack][
               4 * std::ldexp(1.0, -11) * absolute_sum(bound.row(i)));
 }
 
-TEST_CASE("sixteen bits take half the memory of single precision weights, and sparse ones a fraction",
-          "[pack]") {
+TEST_CASE("16-bit weights need half the memory of float, sparse ones a fraction", "[pack]") {
     const auto binding = random_binding<float, 3>(16000, 112, 1);
     const auto size = [&](const PackOptions& options) { return double(pack(binding, options).report.bytes); };
     const double dense = double(pack(binding).report.dense_bytes);
-    // Beside the weights: the points at rest and four numbers of what is missing.
+    // In addition: the points at rest and four numbers for residuals.
     CHECK(size({.format = WeightFormat::int16}) <= (0.5 * 112 + 3 + 4 + 1) / (112 + 3) * dense);
     CHECK(size({.format = WeightFormat::int8}) <= (0.25 * 112 + 3 + 4 + 1) / (112 + 3) * dense);
 }
 
-TEST_CASE("halves round to nearest, ties to even, and tiny ones to zero", "[pack][half]") {
+TEST_CASE("to_half rounds to nearest, ties to even, and flushes subnormals", "[pack][half]") {
     using cageform::detail::from_half;
     using cageform::detail::to_half;
     for (std::uint32_t bits = 0; bits < 0x7C00; ++bits) {
@@ -313,7 +312,7 @@ TEST_CASE("halves round to nearest, ties to even, and tiny ones to zero", "[pack
     CHECK(plain_half(to_half(-1.5)) == -1.5);
 }
 
-TEST_CASE("packing does not depend on threads, tells its progress, and can be cancelled", "[pack][threads]") {
+TEST_CASE("packing does not depend on threads, reports progress and can be cancelled", "[pack][threads]") {
     const auto binding = random_binding<float, 3>(3000, 40, 2);
     PackOptions options{.format = WeightFormat::int16, .largest = 8};
     const auto alone = pack(binding, options);
@@ -340,7 +339,7 @@ TEST_CASE("packing does not depend on threads, tells its progress, and can be ca
     CHECK(stopped.value.bytes().empty());
 }
 
-TEST_CASE("an order of one's own is kept, as vectors need that of their points", "[pack][sparse]") {
+TEST_CASE("a given order is kept, as vectors need that of their points", "[pack][sparse]") {
     const auto points = random_binding<float, 3>(100, 30, 6), vectors = random_binding<float, 3>(100, 30, 7);
     const auto packed = pack(points, {.largest = 8}).value;
     const std::span<const std::uint32_t> order(packed.view().order, 100);
@@ -356,7 +355,7 @@ TEST_CASE("an order of one's own is kept, as vectors need that of their points",
           Status::order_not_a_permutation);
 }
 
-TEST_CASE("what cannot be packed is refused by name", "[pack][status]") {
+TEST_CASE("invalid input of pack is rejected with its status", "[pack][status]") {
     const auto binding = random_binding<float, 3>(40, 20, 3);
     CHECK(pack(binding, {.largest = 3}).report.status == Status::too_few_weights);
     CHECK(pack(binding, {.largest = 4}).report.status == Status::ok);
@@ -380,7 +379,7 @@ TEST_CASE("what cannot be packed is refused by name", "[pack][status]") {
     CHECK(empty.value.view().point_count() == 0);
 }
 
-TEST_CASE("points kept in place stay there in every pose", "[pack]") {
+TEST_CASE("packed points kept in place do not move in any pose", "[pack]") {
     const std::vector<Vec<double, 2>> cage{{0, 0}, {4, 0}, {4, 2}, {0, 2}, {-1, 1}};
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<Vec<double, 2>> points{{1, 1}, {50, 50}, {nan, 1}, {3, 1}};
@@ -400,7 +399,7 @@ TEST_CASE("points kept in place stay there in every pose", "[pack]") {
 
 namespace {
 
-/// Poses of the handles that bend: affine images of them, each with a smooth wave added.
+/// Bending poses of the handles: affine images with a smooth wave added.
 template <class T, std::size_t D>
 std::vector<std::vector<Vec<T, D>>> bent_poses(const std::vector<Vec<T, D>>& handles, std::size_t count,
                                                std::uint64_t seed) {
@@ -420,7 +419,7 @@ std::vector<std::vector<Vec<T, D>>> bent_poses(const std::vector<Vec<T, D>>& han
     return poses;
 }
 
-/// By the definition: the distances of two clones, the largest of each point.
+/// By definition: the largest distance of each point between two clones.
 template <class T, std::size_t D>
 std::vector<double> distances(const Binding<T, D>& binding, const cageform::PackedBinding<T, D>& packed,
                               const std::vector<std::vector<Vec<T, D>>>& poses) {
@@ -448,7 +447,7 @@ const auto all_formats = {std::optional<WeightFormat>{}, std::optional(WeightFor
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every format or by name",
+TEMPLATE_TEST_CASE("clones meet the tolerance over poses in every format, or the format is rejected",
                    "[pack][tolerance]", Float2, Double2, Float3, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
@@ -467,7 +466,7 @@ TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every forma
         const auto [packed, report] = pack(bound.binding, options);
         CHECK(report.poses == poses.size());
         if (format && *format != WeightFormat::scalar && report.status != Status::ok) {
-            // The distance reported as reachable can be reached.
+            // The reported reachable distance can be met.
             REQUIRE(report.status == Status::format_too_coarse);
             CHECK(packed.bytes().empty());
             CHECK(report.distance.value > tolerance);
@@ -495,12 +494,12 @@ TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every forma
         }
         CHECK(report.distance.value == Approx(largest).epsilon(1e-6));
         CHECK(report.mean_distance == Approx(sum / double(measured.size())).margin(1e-300));
-        // The point and the pose are those of the largest distance.
+        // Point and pose are those of the largest distance.
         REQUIRE(report.distance.point < measured.size());
         REQUIRE(report.distance_pose < poses.size());
         const auto in_that_pose = distances(bound.binding, packed, {poses[report.distance_pose]});
         CHECK(std::fabs(in_that_pose[report.distance.point] - report.distance.value) <= rounding);
-        // As ever.
+        // Rest and affine poses are preserved.
         CHECK(cloned(packed, bound.handles) == bound.points);
         Random random(std::uint64_t(seed) + 1);
         const auto map = random_affine<D>(random, size_of(bound.handles));
@@ -511,15 +510,15 @@ TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every forma
             CHECK(distance(moved[i], map(cageform::vec_cast<long double>(bound.points[i]))) <=
                   affine_rounding);
     }
-    CHECK(open_bytes == least_bytes); // the cheapest format that does
+    CHECK(open_bytes == least_bytes); // the smallest such format
 }
 
-TEMPLATE_TEST_CASE("without poses a tolerance holds for all that bend no farther than the reach",
-                   "[pack][tolerance]", Float2, Double3) {
+TEMPLATE_TEST_CASE("without poses a tolerance holds for all poses within the reach", "[pack][tolerance]",
+                   Float2, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
     const auto seed = GENERATE(range(90, 93));
-    const double share = GENERATE(0.0, 0.02); // of the cage's size; 0: a tenth of it
+    const double share = GENERATE(0.0, 0.02); // relative to the cage's size; 0: a tenth
     CAPTURE(seed, share);
     const Bound<T, D> bound{std::uint64_t(seed)};
     const double size = cageform::bounds_of(std::span<const Vec<T, D>>(bound.handles)).diagonal();
@@ -531,7 +530,7 @@ TEMPLATE_TEST_CASE("without poses a tolerance holds for all that bend no farther
     CHECK(report.distance_pose == cageform::Extreme::none);
     CHECK(report.distance.value <= options.tolerance);
     CHECK(report.distance.value == Approx(report.reach * report.error.value));
-    CHECK(report.distance.value >= 0.1 * options.tolerance); // or nothing was dropped
+    CHECK(report.distance.value >= 0.1 * options.tolerance); // weights were dropped
     Random random{std::uint64_t(seed)};
     std::vector<std::vector<Vec<T, D>>> poses;
     for (int n = 0; n < 20; ++n) {
@@ -585,8 +584,8 @@ TEST_CASE(
     CHECK(kept.report.bytes <= eight.report.bytes);
 }
 
-TEMPLATE_TEST_CASE("of vectors, a tolerance is the length of their change", "[pack][tolerance]", Float2,
-                   Double3) {
+TEMPLATE_TEST_CASE("for vectors, the tolerance limits the length of their change", "[pack][tolerance]",
+                   Float2, Double3) {
     using T = typename TestType::T;
     constexpr std::size_t D = TestType::D;
     const auto seed = GENERATE(range(95, 97));
@@ -606,7 +605,7 @@ TEMPLATE_TEST_CASE("of vectors, a tolerance is the length of their change", "[pa
         CHECK(distance <= 0.01 + rounding_of_clones(bound.handles, poses, report.error.value));
 }
 
-TEST_CASE("rows that are asked for are kept beside those that a tolerance takes", "[pack][tolerance]") {
+TEST_CASE("required rows are kept in addition to those of the tolerance", "[pack][tolerance]") {
     const Bound<float, 3> bound(99);
     const auto poses = bent_poses(bound.handles, 3, 99);
     std::vector<double> numbers;
@@ -635,7 +634,7 @@ TEST_CASE("a tolerance does not depend on threads, and can be cancelled", "[pack
     CHECK(pack(binding, options, running).report.status == Status::cancelled);
 }
 
-TEST_CASE("poses and tolerances that are none are refused by name", "[pack][tolerance][status]") {
+TEST_CASE("invalid poses and tolerances are rejected with their status", "[pack][tolerance][status]") {
     const auto binding = random_binding<float, 2>(40, 7, 3);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> poses(3 * 7 * 2);
@@ -650,7 +649,7 @@ TEST_CASE("poses and tolerances that are none are refused by name", "[pack][tole
     CHECK(status({.tolerance = 0.1, .reach = -1}) == Status::value_not_finite);
     CHECK(status({.reach = nan}) == Status::value_not_finite);
     CHECK(status({.tolerance = 0.1, .poses = std::span(poses).first(41)}) == Status::pose_size_differs);
-    poses[2 * 14 + 5] = 1e39; // no float
+    poses[2 * 14 + 5] = 1e39; // overflows float
     const auto refused = pack(binding, {.poses = poses});
     CHECK(refused.report.status == Status::pose_not_finite);
     CHECK(refused.report.culprit == 2);
@@ -658,7 +657,7 @@ TEST_CASE("poses and tolerances that are none are refused by name", "[pack][tole
           Status::too_many_handles);
 }
 
-TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
+TEST_CASE("a tolerance for trivial bindings", "[pack][tolerance]") {
     for (const auto& format : all_formats) {
         CHECK(pack(Binding<float, 3>{}, {.format = format, .tolerance = 1}).report.status == Status::ok);
         for (const std::size_t handles : {1u, 2u, 3u, 4u}) {
@@ -668,7 +667,7 @@ TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
             CHECK(packed.view().point_count() == 5);
         }
     }
-    // Points kept in place need no rows; others of their block do.
+    // Points kept in place need no rows; other points of their block do.
     const std::vector<Vec<double, 2>> cage{{0, 0}, {4, 0}, {4, 2}, {0, 2}, {-1, 1}};
     std::vector<Vec<double, 2>> points{{50, 50}, {60, 50}};
     const auto bind = [&] {
@@ -686,7 +685,7 @@ TEST_CASE("a tolerance for bindings of next to nothing", "[pack][tolerance]") {
     CHECK(cloned(packed.value, pose)[0] == points[0]);
 }
 
-TEST_CASE("rows that are kept restore the sums of all, and lose the least square", "[pack][property]") {
+TEST_CASE("kept rows restore all sums with the least square loss", "[pack][property]") {
     constexpr std::size_t D = 2, L = 4;
     using cageform::detail::GreedyRowSelection;
     const auto seed = GENERATE(seeds(20));
@@ -730,7 +729,7 @@ TEST_CASE("rows that are kept restore the sums of all, and lose the least square
             Vec<double, D + 1> missing{};
             for (std::size_t h = 0; h < handles; ++h) missing = missing + change[h] * moments[h];
             for (const double x : missing.v) CHECK(std::fabs(x) <= 1e-9);
-            // Another choice of the same rows with the same sums: a random step without its affine part.
+            // Other weights of the same rows with the same sums: a random step without its affine part.
             std::vector<double> step(handles);
             for (std::size_t j = 0; j < count; ++j) step[pursuit.order()[j]] = random.uniform(-1, 1);
             Vec<double, D + 1> sums{};

@@ -1,4 +1,4 @@
-// Tests the progress that functions that bind report.
+// The progress of binding functions.
 #include "../support/progress.hpp"
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
@@ -33,7 +33,7 @@ void check_bind(const char* what, const C& coordinates, const Points& points) {
                    [&](const Running& r) { return cageform::bind(coordinates, Points{}, {}, r); });
 }
 
-/// All that can be done with points in a cage.
+/// All functions with points in a cage.
 template <class C, class Points>
 void check_binds(const char* what, const C& coordinates, const Points& points) {
     check_bind(what, coordinates, points);
@@ -57,7 +57,7 @@ void check_binds(const char* what, const C& coordinates, const Points& points) {
 
 } // namespace
 
-TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[core][running][progress]") {
+TEST_CASE("progress never decreases and ends with 1: coordinates and bindings", "[core][running][progress]") {
     Random random(1);
     const auto star = random_star<double>(3);
     const cageform::Polygon<double> polygon(star);
@@ -100,7 +100,7 @@ TEST_CASE("progress never falls and ends with 1: coordinates and bindings", "[co
     });
 }
 
-TEST_CASE("progress never falls and ends with 1: in space", "[core][running][progress]") {
+TEST_CASE("progress never decreases and ends with 1: 3D", "[core][running][progress]") {
     const auto data = sphere(1);
     const auto mesh = data.mesh<double>();
     const auto points = points_in(mesh, 100, 4);

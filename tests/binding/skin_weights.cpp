@@ -1,5 +1,5 @@
-// Skins of bindings: what every skin keeps to, that it is the nearest, and whether the report tells the
-// truth.
+// Skins of bindings: laws of every skin, optimality, and the correctness of
+// reports.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -31,7 +31,7 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-/// A random cage of 3 to 258 vertices in the plane or in space, and points in it.
+/// A random cage of 3 to 258 vertices in 2D or 3D, and points in it.
 template <class T, std::size_t D>
 Binding<T, D> random_binding(std::uint64_t seed) {
     Random random(seed);
@@ -76,7 +76,7 @@ bool contains(const Indices& list, std::size_t i) {
     return std::find(list.begin(), list.end(), i) != list.end();
 }
 
-/// Checks laws of every skin, and computes the numbers of its report again.
+/// Checks the laws of every skin and recomputes the numbers of its report.
 template <class T, std::size_t D>
 void check_skin(const Binding<T, D>& binding, const SkinWeights& skin, const SkinWeightsReport& report,
                 std::size_t influences) {
@@ -152,16 +152,15 @@ const Points2<double> square{{0, 0}, {4, 0}, {4, 4}, {0, 4}};
 
 } // namespace
 
-TEST_CASE("skins of random cages in the plane keep to the laws", "[binding][skin_weights][property]") {
+TEST_CASE("skins of random 2D cages satisfy the laws", "[binding][skin_weights][property]") {
     check_random_skins<double, 2>();
 }
 
-TEST_CASE("skins of random cages in space keep to the laws", "[binding][skin_weights][property]") {
+TEST_CASE("skins of random 3D cages satisfy the laws", "[binding][skin_weights][property]") {
     check_random_skins<float, 3>();
 }
 
-TEST_CASE("with a place for every handle the weights are the nearest of all",
-          "[binding][skin_weights][property]") {
+TEST_CASE("with as many influences as handles the weights are optimal", "[binding][skin_weights][property]") {
     const auto seed = GENERATE(range(0, 24));
     CAPTURE(seed);
     const auto binding = random_binding<double, 2>(std::uint64_t(seed));
@@ -173,7 +172,7 @@ TEST_CASE("with a place for every handle the weights are the nearest of all",
         std::vector<double> w(handles, 0.0);
         for (std::size_t k = 0; k < handles; ++k)
             w[skin.joints[i * handles + k]] += double(skin.weights[i * handles + k]);
-        // The conditions of a minimum: w = w0 + an affine function of the handle, or that is negative and w
+        // The optimality conditions: w = w0 + an affine function of the handle, or this is negative and w
         // = 0.
         std::vector<std::size_t> positive;
         for (std::size_t h = 0; h < handles; ++h) {
@@ -197,14 +196,14 @@ TEST_CASE("with a place for every handle the weights are the nearest of all",
         const double scale = 1 + std::sqrt(dot(y, y));
         const auto nearest = [&](std::size_t h) { return binding.weight(i, h) + dot(row(h), y); };
         for (const std::size_t h : positive) CHECK(std::fabs(w[h] - nearest(h)) <= 1e-5 * scale);
-        if (positive.size() <= 3) continue; // the function is not known then
+        if (positive.size() <= 3) continue; // the function is not determined
         for (std::size_t h = 0; h < handles; ++h) {
             if (w[h] <= 1e-6) CHECK(nearest(h) <= 1e-4 * scale);
         }
     }
 }
 
-TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
+TEST_CASE("the skin of a valid skin is the same", "[binding][skin_weights]") {
     const Points2<double> triangle{{0, 0}, {5, 1}, {2, 6}};
     const Points2<double> points{{2, 2}, {3, 1.5}, {0, 0}, {2.5, 0.5}};
     const auto binding = cageform::bind(cageform::BarycentricCoordinates<double, 2>(triangle), points).value;
@@ -212,7 +211,7 @@ TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
     check_skin(binding, skin, report, 4);
     CHECK(report.weight_error.value <= 1e-7);
     CHECK(report.weight_added.value <= 1e-7);
-    CHECK(skin.weights[8] == 1); // the vertex alone
+    CHECK(skin.weights[8] == 1); // only the vertex
     CHECK(skin.joints[8] == 0);
     CHECK(skin.weights[9] == 0);
 
@@ -250,7 +249,8 @@ TEST_CASE("points on vertices, edges and faces are in the hull", "[binding][skin
     }
 }
 
-TEST_CASE("outside the hull the skin is at the nearest place, and says so", "[binding][skin_weights]") {
+TEST_CASE("outside the hull the skin reproduces the nearest point and lists the point",
+          "[binding][skin_weights]") {
     const Points2<double> points{{1, 1}, {6, 1}, {-1, -2}, {2, 5}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points);
     const auto [skin, report] = cageform::skin_weights(bound.value, {.influences = 3});
@@ -265,7 +265,7 @@ TEST_CASE("outside the hull the skin is at the nearest place, and says so", "[bi
     CHECK(std::fabs(report.reproduction_error.value - std::sqrt(5.0)) <= 1e-4);
 }
 
-TEST_CASE("points that follow the boundary are reproduced where they follow", "[binding][skin_weights]") {
+TEST_CASE("points with nearest_boundary are reproduced at the boundary", "[binding][skin_weights]") {
     const Points2<double> points{{6, 1}, {-1, -2}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points,
                                       {.outside = cageform::OutsidePoints::nearest_boundary});
@@ -277,7 +277,7 @@ TEST_CASE("points that follow the boundary are reproduced where they follow", "[
     CHECK(skin.weights[4] == 1);
 }
 
-TEST_CASE("points that fade are listed, and have the skin that they would have if they did not",
+TEST_CASE("points with falloff are listed and have the skin without falloff",
           "[binding][skin_weights][falloff]") {
     const Points2<double> points{{1, 1}, {6, 1}, {-1, -2}, {4, 4.5}, {2, 9}};
     for (const auto outside : {cageform::OutsidePoints::extend, cageform::OutsidePoints::nearest_boundary}) {
@@ -310,7 +310,7 @@ TEST_CASE("with too few influences the point is listed", "[binding][skin_weights
     CHECK(one.value.joints[2] == 2);
     const auto two = cageform::skin_weights(bound.value, {.influences = 2});
     check_skin(bound.value, two.value, two.report, 2);
-    CHECK(two.report.not_reproduced.empty()); // the middle lies between opposite vertices
+    CHECK(two.report.not_reproduced.empty()); // the centre lies between opposite vertices
 }
 
 TEST_CASE("points kept in place and points that are not finite have no weights", "[binding][skin_weights]") {
@@ -333,7 +333,7 @@ TEST_CASE("points kept in place and points that are not finite have no weights",
     CHECK(out[0][0] > 1);
 }
 
-TEST_CASE("lesser weights than the threshold are left out where that can be", "[binding][skin_weights]") {
+TEST_CASE("weights below the threshold are dropped where possible", "[binding][skin_weights]") {
     const auto binding = random_binding<double, 2>(6);
     const auto plain = cageform::skin_weights(binding, {.influences = 16});
     const auto [skin, report] = cageform::skin_weights(binding, {.influences = 16, .threshold = 0.05});
@@ -342,10 +342,10 @@ TEST_CASE("lesser weights than the threshold are left out where that can be", "[
     CHECK(report.mean_influences < 0.8 * plain.report.mean_influences);
     std::size_t least = 0;
     for (const float w : skin.weights) least += w > 0 && w < 0.05F ? 1 : 0;
-    CHECK(least <= 2 * binding.point_count()); // only where the hull needs them: next to an edge, say
+    CHECK(least <= 2 * binding.point_count()); // only where the hull needs them, for instance near an edge
 }
 
-TEMPLATE_TEST_CASE("a skin rests bit for bit and keeps affine poses", "[binding][skin_weights][property]",
+TEMPLATE_TEST_CASE("a skin preserves rest bit for bit and affine poses", "[binding][skin_weights][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(range(0, 12));
@@ -374,8 +374,8 @@ TEMPLATE_TEST_CASE("a skin rests bit for bit and keeps affine poses", "[binding]
     }
 }
 
-TEMPLATE_TEST_CASE("integers sum exactly and still fall", "[binding][skin_weights][property]", std::uint8_t,
-                   std::uint16_t) {
+TEMPLATE_TEST_CASE("normalised integers have the exact sum and descend", "[binding][skin_weights][property]",
+                   std::uint8_t, std::uint16_t) {
     constexpr int most = std::numeric_limits<TestType>::max();
     const auto seed = GENERATE(range(0, 12));
     CAPTURE(seed);
@@ -403,8 +403,8 @@ TEMPLATE_TEST_CASE("integers sum exactly and still fall", "[binding][skin_weight
           std::vector<TestType>{TestType(most / 2 + 1), TestType(most / 2)});
 }
 
-TEMPLATE_TEST_CASE("skins of given weights keep the largest, which sum to one",
-                   "[binding][skin_weights][bones]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("skins of given weights keep the largest, normalised", "[binding][skin_weights][bones]",
+                   CAGEFORM_SCALARS) {
     using W = TestType;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
@@ -467,7 +467,7 @@ TEMPLATE_TEST_CASE("skins of given weights keep the largest, which sum to one",
     CHECK(refused(bones, {.threshold = std::numeric_limits<double>::infinity()}) == Status::value_not_finite);
 }
 
-TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") {
+TEST_CASE("invalid input of skin_weights is rejected", "[binding][skin_weights]") {
     const auto binding = random_binding<double, 2>(1);
     const auto status = [&](const cageform::SkinWeightsOptions& options) {
         const auto [skin, report] = cageform::skin_weights(binding, options);
@@ -489,7 +489,7 @@ TEST_CASE("a skin of what cannot be one is refused", "[binding][skin_weights]") 
     CHECK(nothing.value.point_count() == 0);
 }
 
-TEST_CASE("a skin does not depend on the threads", "[binding][skin_weights]") {
+TEST_CASE("a skin does not depend on threads", "[binding][skin_weights]") {
     const auto binding = random_binding<float, 3>(2);
     const auto one = cageform::skin_weights(binding),
                some = cageform::skin_weights(binding, {}, {.parallel = cageform::ThreadedFor{3}});

@@ -1,4 +1,4 @@
-// Skins chosen over a mesh: they keep to what every skin does, and neighbours lose alike.
+// Smooth skins: the laws of every skin, and smooth losses.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -23,7 +23,7 @@ using Place = Vec<double, 3>;
 
 namespace {
 
-/// A bumpy figure in a cage of 66 vertices, both of random sizes along the axes.
+/// A bumpy figure in a cage of 66 vertices, both with random sizes along the axes.
 struct Scene {
     MeshData figure = sphere(3), cage = sphere(2);
     Binding binding;
@@ -39,7 +39,7 @@ struct Scene {
         for (Place& p : cage.vertices) {
             for (std::size_t k = 0; k < 3; ++k) p[k] *= random.uniform(1.05, 1.25) * sizes[k];
         }
-        if (with_seam) { // every triangle has vertices of its own
+        if (with_seam) { // every triangle has its own vertices
             MeshData apart;
             for (const auto& face : figure.faces) {
                 const auto first = int(apart.vertices.size());
@@ -63,7 +63,7 @@ struct Scene {
         REQUIRE(clone(of_skin, pose, moved) == Status::ok);
         return moved;
     }
-    /// The largest difference between an edge as a skin has it and as all weights have it, in a pose.
+    /// The largest difference of a posed edge between a skin and the binding.
     double edge_loss(const SkinWeights& skin, const Points3<double>& pose) const {
         Points3<double> right(figure.vertices.size());
         REQUIRE(clone(binding, pose, right) == Status::ok);
@@ -93,7 +93,7 @@ Points3<double> twisted(const Points3<double>& rest) {
 
 } // namespace
 
-TEST_CASE("a smooth skin keeps to what a skin promises", "[binding][smooth_skin_weights][property]") {
+TEST_CASE("a smooth skin satisfies the laws of skins", "[binding][smooth_skin_weights][property]") {
     const auto seed = GENERATE(range(0, effort(6, 1)));
     CAPTURE(seed);
     const Scene scene(seed);
@@ -127,15 +127,15 @@ TEST_CASE("a smooth skin keeps to what a skin promises", "[binding][smooth_skin_
     }
 }
 
-TEST_CASE("a skin of all handles is the binding", "[binding][smooth_skin_weights]") {
+TEST_CASE("a smooth skin of all handles equals the binding", "[binding][smooth_skin_weights]") {
     const Scene scene(1);
     const auto [skin, report] = scene.smooth({.influences = scene.cage.vertices.size()});
     REQUIRE(report.status == Status::ok);
-    CHECK(report.weight_error.value <= 0.02); // as far as the passes come, of a sum of 1
+    CHECK(report.weight_error.value <= 0.02); // the convergence of the passes, relative to a sum of 1
     CHECK(report.mean_weight_error <= 0.005);
 }
 
-TEST_CASE("edges lose less by smooth skins than by those of each point alone",
+TEST_CASE("smooth skins have smaller edge errors than pointwise skins",
           "[binding][smooth_skin_weights][property]") {
     const auto seed = GENERATE(range(0, effort(6, 2)));
     CAPTURE(seed);
@@ -150,7 +150,7 @@ TEST_CASE("edges lose less by smooth skins than by those of each point alone",
     }
 }
 
-TEST_CASE("affine poses stay, and seams stay closed", "[binding][smooth_skin_weights][property]") {
+TEST_CASE("smooth skins preserve affine poses and closed seams", "[binding][smooth_skin_weights][property]") {
     const auto seed = GENERATE(range(0, effort(3, 1)));
     CAPTURE(seed);
     const Scene scene(seed, true);
@@ -178,7 +178,7 @@ TEST_CASE("affine poses stay, and seams stay closed", "[binding][smooth_skin_wei
     }
 }
 
-TEST_CASE("points that the binding keeps have no weights, and edges to them count for nothing",
+TEST_CASE("points kept in place have no weights, and their edges are ignored",
           "[binding][smooth_skin_weights]") {
     Scene scene(2);
     scene.figure.vertices[7] = {50, 0, 0};
@@ -192,8 +192,7 @@ TEST_CASE("points that the binding keeps have no weights, and edges to them coun
     for (std::size_t k = 0; k < 8; ++k) CHECK(skin.weights[7 * 8 + k] == 0);
 }
 
-TEST_CASE("lesser weights than the threshold are left out of a smooth skin",
-          "[binding][smooth_skin_weights]") {
+TEST_CASE("weights below the threshold are dropped from a smooth skin", "[binding][smooth_skin_weights]") {
     const Scene scene(3);
     const auto [skin, report] = scene.smooth({.influences = 16, .threshold = 0.04});
     REQUIRE(report.status == Status::ok);
@@ -201,7 +200,7 @@ TEST_CASE("lesser weights than the threshold are left out of a smooth skin",
     CHECK(report.mean_influences < scene.smooth({.influences = 16}).report.mean_influences);
 }
 
-TEST_CASE("threads do not change a smooth skin", "[binding][smooth_skin_weights]") {
+TEST_CASE("a smooth skin does not depend on threads", "[binding][smooth_skin_weights]") {
     const Scene scene(4);
     const auto serial = scene.smooth({.influences = 8});
     const auto parallel = scene.smooth({.influences = 8}, {.parallel = cageform::ThreadedFor{3}});
@@ -209,7 +208,7 @@ TEST_CASE("threads do not change a smooth skin", "[binding][smooth_skin_weights]
     CHECK(serial.value.weights == parallel.value.weights);
 }
 
-TEST_CASE("a smooth skin of what cannot be one is refused", "[binding][smooth_skin_weights]") {
+TEST_CASE("invalid input of smooth_skin_weights is rejected", "[binding][smooth_skin_weights]") {
     Scene scene(5);
     const auto status = [&](const SkinWeightsOptions& options) {
         const auto result = scene.smooth(options);

@@ -1,10 +1,10 @@
-// The C interface: its statuses, its bits beside those of C++, hostile calls, and memory that runs out.
+// The C interface: statuses, equality with C++, invalid calls, and failing allocations.
 #include "../catch.hpp"
 #include "../support/allocations.hpp"
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 
-#if !defined(CAGEFORM_COMPILED) // else the library has it
+#if !defined(CAGEFORM_COMPILED) // else it is in the library
 #define CAGEFORM_C_IMPLEMENTATION
 #endif
 #include <cageform/binding/pack.hpp>
@@ -64,7 +64,7 @@ struct Owned {
     ~Owned() { cageform_free(object); }
 };
 
-/// A bar in space and points in and around it, bound by both interfaces.
+/// A bar in 3D and points in and around it, bound by both interfaces.
 template <class T>
 struct Bar {
     MeshData cage = divided_box({1, 1, 3}, 1);
@@ -102,7 +102,7 @@ struct Bar {
     }
 };
 
-/// A bar that bends and twists by turns that differ in every frame.
+/// A bar that bends and twists differently in every frame.
 template <class T>
 struct Motion {
     MeshData figure = divided_box({1, 1, 3}, 2);
@@ -237,19 +237,19 @@ TEST_CASE("every status has a code, a name and its text", "[c]") {
     CHECK(std::string(cageform_status_text(CAGEFORM_STATUS_END)) == "unknown status");
 }
 
-TEST_CASE("bindings, packed bytes and clones have the bits of C++", "[c]") {
+TEST_CASE("bindings, packed bytes and clones equal those of C++ bit for bit", "[c]") {
     const auto box = divided_box({1, 1, 3}, 1);
     check_bits<float>(CAGEFORM_MEAN_VALUE, cageform::MeanValueCoordinates(box.mesh<float>()));
     check_bits<double>(CAGEFORM_MEAN_VALUE, cageform::MeanValueCoordinates(box.mesh<double>()));
     check_bits<double>(CAGEFORM_HARMONIC, cageform::HarmonicCoordinates<double, 3>(box.mesh<double>()));
 }
 
-TEST_CASE("skeletons have the bits of C++", "[c]") {
+TEST_CASE("skeletons equal those of C++ bit for bit", "[c]") {
     check_skeleton_bits<float>(20261127);
     check_skeleton_bits<double>(20261128);
 }
 
-TEST_CASE("memory that runs out is a status, and nothing leaks", "[c]") {
+TEST_CASE("failing allocations give a status, without leaks", "[c]") {
     Bar<double> bar(CAGEFORM_MEAN_VALUE, 20);
     const auto fails = [&](auto call) {
         std::size_t failures = 0;
@@ -291,7 +291,7 @@ TEST_CASE("memory that runs out is a status, and nothing leaks", "[c]") {
           }) == 1);
 }
 
-TEST_CASE("hostile calls end with a status", "[c]") {
+TEST_CASE("invalid calls give a status", "[c]") {
     Bar<float> space(CAGEFORM_MEAN_VALUE, 30);
     Owned<cageform_figure> figure;
     Owned<cageform_samples> samples;
@@ -332,7 +332,7 @@ TEST_CASE("hostile calls end with a status", "[c]") {
             0, 1, 2, 3, 4, 7, 30, 31, 4096, std::size_t(-1), std::size_t(-1) / 2, 64};
         return odd[pick(odd.size())];
     };
-    // Objects of every kind, or none, behind a pointer of any type.
+    // Objects of every kind, or null, as a pointer of any type.
     const std::array<void*, 9> objects{nullptr,
                                        space.coordinates.object,
                                        space.binding.object,
@@ -346,7 +346,7 @@ TEST_CASE("hostile calls end with a status", "[c]") {
         using X = std::remove_pointer_t<decltype(own)>;
         return pick(3) != 0 ? own : static_cast<X*>(objects[pick(objects.size())]);
     };
-    // Views of memory that is there, with anything else in their members.
+    // Views of existing memory, with arbitrary other members.
     const auto view = [&]() -> cageform_output {
         const std::size_t from = pick(3) != 0 ? 0 : pick(64);
         return {pick(10) == 0 ? nullptr : memory.data() + from,
@@ -360,7 +360,7 @@ TEST_CASE("hostile calls end with a status", "[c]") {
         const auto its = view();
         return cageform_points{its.data, its.count, its.stride, its.bytes, its.scalar, its.dimension};
     };
-    const auto spoil = [&](auto its) { // members become anything; the sizes of pointers' memory stay
+    const auto spoil = [&](auto its) { // sets members to arbitrary values, except sizes of memory
         if (pick(6) == 0) its.size = number();
         return its;
     };

@@ -27,7 +27,8 @@ TEMPLATE_TEST_CASE("a row of a block is one cache line", "[core][blocks]", CAGEF
     CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % 64 == 0);
 }
 
-TEMPLATE_TEST_CASE("blocks hold all points and none too many", "[core][blocks]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("blocks hold all points, and the last one is not empty", "[core][blocks]",
+                   CAGEFORM_SCALARS) {
     constexpr std::size_t lanes = lane_count<TestType>;
     STATIC_REQUIRE(block_count<TestType>(0) == 0);
     for (std::size_t points = 1; points < 5 * lanes; ++points) {
@@ -38,7 +39,7 @@ TEMPLATE_TEST_CASE("blocks hold all points and none too many", "[core][blocks]",
     }
 }
 
-TEMPLATE_TEST_CASE("a block view puts rows of a block side by side", "[core][blocks][property]",
+TEMPLATE_TEST_CASE("the rows of a block are contiguous in a block view", "[core][blocks][property]",
                    CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
@@ -56,7 +57,7 @@ TEMPLATE_TEST_CASE("a block view puts rows of a block side by side", "[core][blo
     for (std::size_t i = 0; i < points; ++i) {
         for (std::size_t row = 0; row < rows; ++row) view(i, row) = TestType(i * rows + row);
     }
-    // The slow way round: walk the memory in order, and count what stands where.
+    // The reference: walks the memory in order.
     std::size_t untouched = 0;
     for (std::size_t block = 0; block < view.blocks(); ++block) {
         for (std::size_t row = 0; row < rows; ++row) {
@@ -90,7 +91,7 @@ TEMPLATE_TEST_CASE("block_point gathers the axes", "[core][blocks]", CAGEFORM_SC
     }
 }
 
-TEST_CASE("block views give up constness, never gain it", "[core][blocks]") {
+TEST_CASE("block views convert to const, not from const", "[core][blocks]") {
     STATIC_REQUIRE(std::is_convertible_v<BlockView<float>, BlockView<const float>>);
     STATIC_REQUIRE(!std::is_convertible_v<BlockView<const float>, BlockView<float>>);
     STATIC_REQUIRE(!std::is_convertible_v<BlockView<float>, BlockView<const double>>);
@@ -98,8 +99,8 @@ TEST_CASE("block views give up constness, never gain it", "[core][blocks]") {
     CHECK((empty.data == nullptr && empty.points == 0 && empty.blocks() == 0));
 }
 
-TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buffer][property]") {
-    struct Element { // of a size that is no power of two
+TEST_CASE("a buffer equals a vector after the same operations", "[core][buffer][property]") {
+    struct Element { // its size is no power of two
         int value[3];
     };
     using Vector = std::vector<Element>;
@@ -134,7 +135,7 @@ TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buff
             buffer.erase_from(buffer.begin() + std::ptrdiff_t(buffer.size() / 2));
             expected.resize(expected.size() / 2);
             break;
-        case 5: { // a copy, given back by a move
+        case 5: { // a copy and a move
             cageform::Buffer<Element> copy = buffer;
             buffer.clear();
             CHECK(copy.size() == expected.size());
@@ -148,7 +149,7 @@ TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buff
             CHECK(other.size() <= count + expected.size()); // NOLINT(bugprone-use-after-move): valid still
             break;
         }
-        case 7: // an element of its own, when there is no room left
+        case 7: // its own element, during a reallocation
             if (buffer.empty()) break;
             buffer.shrink_to_fit();
             expected.push_back(expected.front());
@@ -163,8 +164,7 @@ TEST_CASE("a buffer holds what a vector of the same changes holds", "[core][buff
     }
 }
 
-TEST_CASE("large buffers, whose pages are huge where the system has such, hold what is written",
-          "[core][buffer]") {
+TEST_CASE("large buffers, with huge pages if available, hold the written values", "[core][buffer]") {
     constexpr std::size_t huge_page = (std::size_t{1} << 21) / sizeof(int);
     for (const std::size_t size : {2 * huge_page - 1, 2 * huge_page, 3 * huge_page + 12345}) {
         CAPTURE(size);
@@ -177,10 +177,10 @@ TEST_CASE("large buffers, whose pages are huge where the system has such, hold w
     }
 }
 
-TEST_CASE("a buffer aligns its elements and refuses what no memory holds", "[core][buffer]") {
+TEST_CASE("a buffer aligns its elements and rejects impossible sizes", "[core][buffer]") {
     cageform::Buffer<Lanes<float>> rows(3);
     CHECK(reinterpret_cast<std::uintptr_t>(rows.data()) % alignof(Lanes<float>) == 0);
-#if !defined(CAGEFORM_SANITIZED) // sanitizers end a program that asks for so much
+#if !defined(CAGEFORM_SANITIZED) // sanitizers abort such an allocation
     constexpr std::size_t most = ~std::size_t{0};
     CHECK_THROWS_AS(rows.reserve(most / 2), std::bad_alloc);
     CHECK_THROWS_AS(rows.resize(most), std::bad_alloc);

@@ -23,7 +23,7 @@ namespace {
 
 using Range = std::pair<std::size_t, std::size_t>;
 
-/// The ranges a loop hands out, in order, and how many threads took part.
+/// The ranges of a loop, in order, and the number of threads that ran them.
 template <class Loop>
 std::pair<std::vector<Range>, std::size_t> ranges_of(const Loop& loop, std::size_t count, std::size_t grain) {
     std::mutex mutex;
@@ -38,7 +38,7 @@ std::pair<std::vector<Range>, std::size_t> ranges_of(const Loop& loop, std::size
     return {ranges, threads.size()};
 }
 
-/// Every index once: the ranges in order follow each other without gap or overlap, and none is empty.
+/// Whether the sorted ranges are not empty and partition the indices.
 void check_cover(const std::vector<Range>& ranges, std::size_t count) {
     std::size_t next = 0;
     for (const auto& [begin, end] : ranges) {
@@ -57,7 +57,7 @@ struct Counter {
 
 } // namespace
 
-TEST_CASE("the serial loop calls once for everything", "[core][parallel]") {
+TEST_CASE("the serial loop makes one call", "[core][parallel]") {
     CHECK(ranges_of(SerialFor{}, 0, 1).first.empty());
     for (const std::size_t count : {1u, 2u, 1000u}) {
         for (const std::size_t grain : {0u, 1u, 7u, 5000u}) {
@@ -75,7 +75,7 @@ TEST_CASE("the threaded loop covers every index once", "[core][parallel]") {
                 check_cover(ranges, count);
                 if (threads != 0) CHECK(used <= threads);
                 if (ranges.size() > 1) {
-                    // A piece is a grain long, the last one perhaps shorter.
+                    // A piece has `grain` indices, the last one possibly fewer.
                     for (const auto& [begin, end] : ranges)
                         CHECK((end - begin == std::max<std::size_t>(grain, 1) || end == count));
                 }
@@ -84,7 +84,7 @@ TEST_CASE("the threaded loop covers every index once", "[core][parallel]") {
     }
 }
 
-TEST_CASE("the threaded loop covers random loops", "[core][parallel][property]") {
+TEST_CASE("the threaded loop covers every index of random loops once", "[core][parallel][property]") {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -99,7 +99,7 @@ TEST_CASE("the threaded loop covers random loops", "[core][parallel][property]")
     CHECK(std::count(visits.begin(), visits.end(), 1) == std::ptrdiff_t(count));
 }
 
-TEST_CASE("the threaded loop takes no more threads than it was given", "[core][parallel]") {
+TEST_CASE("the threaded loop uses at most the given threads", "[core][parallel]") {
     for (const unsigned threads : {1u, 2u, 3u}) {
         std::mutex mutex;
         std::set<std::thread::id> used;
@@ -108,13 +108,13 @@ TEST_CASE("the threaded loop takes no more threads than it was given", "[core][p
                 const std::lock_guard guard(mutex);
                 used.insert(std::this_thread::get_id());
             }
-            std::this_thread::sleep_for(std::chrono::milliseconds(1)); // leaves work for the others
+            std::this_thread::sleep_for(std::chrono::milliseconds(1)); // leaves work for other threads
         });
         CHECK(used.size() <= threads);
     }
 }
 
-TEST_CASE("a grain beyond every count is one piece", "[core][parallel]") {
+TEST_CASE("a grain larger than the count gives one piece", "[core][parallel]") {
     constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
     for (const std::size_t grain : {most, most - 1, most / 2}) {
         CAPTURE(grain);
@@ -122,12 +122,12 @@ TEST_CASE("a grain beyond every count is one piece", "[core][parallel]") {
     }
 }
 
-TEST_CASE("a loop refers to its body", "[core][parallel]") {
+TEST_CASE("a loop does not copy its body", "[core][parallel]") {
     Counter counter;
     SerialFor{}(100, 1, counter);
     ThreadedFor{3}(1000, 10, counter);
     CHECK(counter.total == 1100);
-    ThreadedFor{3}(1000, 10, Counter{}); // a temporary lives long enough
+    ThreadedFor{3}(1000, 10, Counter{}); // a temporary
 }
 
 TEST_CASE("an exception in a threaded loop reaches the caller", "[core][parallel]") {

@@ -8,11 +8,11 @@
 
 namespace my {
 
-/// An engine's vector: named components, nothing else.
+/// A vector of an engine: only named components.
 struct Position {
     float x, y, z;
 };
-/// Read only: a key of a table.
+/// Read only: a table index.
 struct FixedPosition {
     double x, y;
 };
@@ -84,7 +84,7 @@ using cageform::PointTraits;
 using cageform::to_vec;
 using cageform::Vec;
 
-TEST_CASE("points are what a complete trait describes", "[core][point]") {
+TEST_CASE("a type with a complete trait is a point", "[core][point]") {
     STATIC_REQUIRE(Point<Vec<double, 2>>);
     STATIC_REQUIRE(Point<Vec<float, 7>>);
     STATIC_REQUIRE(Point<std::array<float, 3>>);
@@ -106,7 +106,7 @@ TEST_CASE("points are what a complete trait describes", "[core][point]") {
     STATIC_REQUIRE(!Point<std::array<float, 0>>);
 }
 
-TEST_CASE("points can be set where the trait says how", "[core][point]") {
+TEST_CASE("points whose trait has `set` are mutable", "[core][point]") {
     STATIC_REQUIRE(MutablePoint<Vec<float, 2>>);
     STATIC_REQUIRE(MutablePoint<std::array<double, 3>>);
     STATIC_REQUIRE(MutablePoint<float[3]>);
@@ -125,14 +125,14 @@ TEST_CASE("to_vec reads every component in order", "[core][point]") {
     CHECK(to_vec<double>(raw) == Vec<double, 3>{1, 2, 3});
 }
 
-TEST_CASE("to_vec rounds to the scalar asked for", "[core][point]") {
+TEST_CASE("to_vec converts to the requested scalar", "[core][point]") {
     const std::array<double, 2> p{1.0 / 3, 1e-9};
     CHECK(to_vec<float>(p) == Vec<float, 2>{float(1.0 / 3), float(1e-9)});
     CHECK(to_vec<double>(std::array<float, 2>{0.1f, 0.2f}) == Vec<double, 2>{double(0.1f), double(0.2f)});
 }
 
-TEMPLATE_TEST_CASE("what is set is got, and nothing else changes", "[core][point]", my::Position,
-                   (Vec<float, 3>), (std::array<float, 3>)) {
+TEMPLATE_TEST_CASE("get returns the value of set, and other components are unchanged", "[core][point]",
+                   my::Position, (Vec<float, 3>), (std::array<float, 3>)) {
     using Traits = PointTraits<TestType>;
     STATIC_REQUIRE(Traits::dimension == 3);
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -17,7 +17,7 @@ using cageform_tests::Random;
 
 namespace {
 
-/// Ordinary numbers, and now and then one that needs care.
+/// Mostly ordinary numbers, some special values.
 template <class T>
 Lanes<T> random_lanes(Random& random) {
     using limits = std::numeric_limits<T>;
@@ -39,7 +39,7 @@ Lanes<T> random_lanes(Random& random) {
     return lanes;
 }
 
-/// Tests whether both have equal bits, or both are not a number.
+/// Whether both have equal bits or both are NaN.
 template <class T>
 bool same(T a, T b) {
     using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
@@ -58,7 +58,8 @@ void check_lanes(const Simd<T>& pack, const Scalars& expected) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("register arithmetic equals that of its lanes", "[core][simd][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -75,7 +76,7 @@ TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][pro
     check_lanes<T>(sqrt(x), [&](std::size_t i) { return std::sqrt(a[i]); });
     check_lanes<T>(max(x, y), [&](std::size_t i) { return a[i] < b[i] ? b[i] : a[i]; });
     check_lanes<T>(min(x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
-    // For abs only the value is promised: the sign of a zero may stay.
+    // abs may keep the sign of a zero.
     const Simd<T> size = abs(x) + Simd<T>(T(0));
     check_lanes<T>(size, [&](std::size_t i) { return std::fabs(a[i]); });
     check_lanes<T>(sqrt(size), [&](std::size_t i) { return std::sqrt(std::fabs(a[i])); });
@@ -106,8 +107,7 @@ TEMPLATE_TEST_CASE("register comparisons select lane by lane", "[core][simd][pro
     check_lanes<T>(select<T>(x < y, x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
 }
 
-TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scalars", "[core][simd][property]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("functions of registers and scalars agree", "[core][simd][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     namespace number = cageform::detail;
     const auto seed = GENERATE(seeds(20));
@@ -129,14 +129,14 @@ TEMPLATE_TEST_CASE("formulas find the same functions for registers and for scala
     CHECK(number::any(x < y) == some);
 }
 
-TEMPLATE_TEST_CASE("angles of registers", "[core][simd][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("angle of registers is accurate", "[core][simd][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     Lanes<T> sine, cosine, angles;
     for (std::size_t i = 0; i < lane_count<T>; ++i) {
-        // Values have all sizes, and some are next to the directions where the formula changes:
+        // Values of all magnitudes, some near the directions where the formula changes:
         // multiples of π/8.
         const double around = random.below(2) == 0 ? random.uniform(0, 3.14159265358979)
                                                    : 0.39269908169872414 * double(random.below(9)) +
@@ -159,7 +159,8 @@ TEMPLATE_TEST_CASE("angles of registers", "[core][simd][property]", CAGEFORM_SCA
     }
 }
 
-TEMPLATE_TEST_CASE("roots by estimates, and their inverses", "[core][simd][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("roots and inverse roots from estimates are accurate", "[core][simd][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     if constexpr (cageform::detail::estimates_roots<Simd<T>>) {
         using limits = std::numeric_limits<T>;
@@ -185,7 +186,7 @@ TEMPLATE_TEST_CASE("roots by estimates, and their inverses", "[core][simd][prope
     }
 }
 
-TEMPLATE_TEST_CASE("logarithms of registers", "[core][simd][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("log of registers is accurate", "[core][simd][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     using limits = std::numeric_limits<T>;
     const auto seed = GENERATE(seeds(50));
@@ -193,7 +194,7 @@ TEMPLATE_TEST_CASE("logarithms of registers", "[core][simd][property]", CAGEFORM
     Random random{std::uint64_t(seed)};
     Lanes<T> numbers, logs;
     for (T& x : numbers.v) {
-        // Values have all sizes, and some are next to 1, and next to the point where the mantissa is
+        // Values of all magnitudes, some near 1 and near the point where the mantissa is
         // halved.
         const double size = std::pow(2.0, random.uniform(limits::min_exponent, limits::max_exponent - 1));
         x = T(random.below(2) == 0 ? size
@@ -213,8 +214,7 @@ TEMPLATE_TEST_CASE("logarithms of registers", "[core][simd][property]", CAGEFORM
     }
 }
 
-TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[core][simd]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("any() is true if one lane is", "[core][simd]", CAGEFORM_SCALARS) {
     using T = TestType;
     for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
         Lanes<T> numbers;
@@ -225,7 +225,7 @@ TEMPLATE_TEST_CASE("a comparison that holds in one lane alone holds in any", "[c
     }
 }
 
-TEMPLATE_TEST_CASE("a register of one number holds it in every lane", "[core][simd]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a register from a scalar holds it in every lane", "[core][simd]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     for (const TestType x : {TestType(1.5), TestType(0), TestType(-0.0), limits::infinity(),
                              limits::quiet_NaN(), limits::denorm_min()}) {

@@ -30,15 +30,15 @@ void check_names(Enum last, const std::string& unknown) {
 
 } // namespace
 
-TEST_CASE("every status has a sentence of its own", "[core][status]") {
+TEST_CASE("every status has its own text", "[core][status]") {
     check_names(Status::influences_not_supported, "unknown status");
 }
 
-TEST_CASE("every point state has a name of its own", "[core][status]") {
+TEST_CASE("every point state has its own name", "[core][status]") {
     check_names(PointState::unreached, "unknown");
 }
 
-TEST_CASE("ok is what a status begins with, and names are known to the compiler", "[core][status]") {
+TEST_CASE("the first status is ok, and to_string is constexpr", "[core][status]") {
     STATIC_REQUIRE(Status{} == Status::ok);
     STATIC_REQUIRE(to_string(Status::ok)[0] == 'o');
     STATIC_REQUIRE(to_string(PointState::inside)[0] == 'i');

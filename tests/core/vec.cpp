@@ -41,7 +41,7 @@ void check_arithmetic(Random& random) {
         product += a.v[k] * b.v[k];
         absolute += std::fabs(a.v[k] * b.v[k]);
     }
-    // Equal but for the rounding of D products and sums: a compiler may fuse either side.
+    // Equal up to the rounding of D products and sums: compilers may fuse either side.
     CHECK(std::fabs(dot(a, b) - product) <= T(D) * epsilon<T> * absolute);
     CHECK(dot(a, b) == dot(b, a));
     CHECK(a == a);
@@ -54,7 +54,7 @@ void check_arithmetic(Random& random) {
     }
 }
 
-/// x is not a number or infinite exactly when its exponent is all ones.
+/// x is NaN or infinite if and only if all exponent bits are 1.
 template <class T, class Bits>
 void check_is_finite(unsigned exponent_bits, unsigned mantissa_bits, Random& random) {
     const Bits all_exponents = (Bits(1) << exponent_bits) - 1;
@@ -115,13 +115,13 @@ TEST_CASE("vec_cast rounds each component once", "[core][vec]") {
     STATIC_REQUIRE(cageform::vec_cast<float>(Vec<double, 2>{1, 2}) == Vec<float, 2>{1, 2});
 }
 
-TEST_CASE("is_finite looks at the exponent", "[core][vec]") {
+TEST_CASE("is_finite tests the exponent", "[core][vec]") {
     Random random{1};
     check_is_finite<float, std::uint32_t>(8, 23, random);
     check_is_finite<double, std::uint64_t>(11, 52, random);
 }
 
-TEMPLATE_TEST_CASE("a vec is finite when all its components are", "[core][vec]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a vec is finite if all components are", "[core][vec]", CAGEFORM_SCALARS) {
     using limits = std::numeric_limits<TestType>;
     const Vec<TestType, 3> good{limits::max(), limits::lowest(), limits::denorm_min()};
     CHECK(is_finite(good));
@@ -137,7 +137,7 @@ TEMPLATE_TEST_CASE("a vec is finite when all its components are", "[core][vec]",
     STATIC_REQUIRE(!is_finite(limits::infinity()));
 }
 
-TEMPLATE_TEST_CASE("a vec is nothing but its components", "[core][vec]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("a vec has the layout of its components", "[core][vec]", CAGEFORM_SCALARS) {
     using V = Vec<TestType, 3>;
     STATIC_REQUIRE(std::is_aggregate_v<V>);
     STATIC_REQUIRE(std::is_trivially_copyable_v<V>);

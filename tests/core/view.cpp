@@ -29,7 +29,7 @@ struct Vertex {
 
 template <class T, std::size_t D>
 void check_against_index_arithmetic(Random& random) {
-    // Strides that keep all components apart: axes within points, or points within axes, with gaps.
+    // Strides without overlap: axes within points, or points within axes, with gaps.
     const std::size_t size = 1 + random.below(9);
     const bool points_outside = random.below(2) == 0;
     const std::size_t inner = 1 + random.below(3);
@@ -56,14 +56,15 @@ void check_against_index_arithmetic(Random& random) {
             p[k] = expected[first + i * point_step + k * axis_step] = T(random.uniform(2, 3));
         }
         writes.store(i, p);
-        CHECK(reads[i] == p); // both views see one memory
+        CHECK(reads[i] == p); // both views share memory
     }
     CHECK(buffer == expected);
 }
 
 } // namespace
 
-TEMPLATE_TEST_CASE("strided points are index arithmetic", "[core][view][property]", CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("strided points read and write the computed addresses", "[core][view][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(100));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -133,7 +134,7 @@ TEST_CASE("ranges of points", "[core][view]") {
 TEST_CASE("ranges of points that can be written", "[core][view]") {
     STATIC_REQUIRE(MutablePointRange<std::vector<Vec<double, 2>>>);
     STATIC_REQUIRE(MutablePointRange<std::span<Vec<double, 2>>>);
-    STATIC_REQUIRE(MutablePointRange<const std::span<Vec<double, 2>>>); // a view's const is not its points'
+    STATIC_REQUIRE(MutablePointRange<const std::span<Vec<double, 2>>>); // a const view has mutable points
     STATIC_REQUIRE(MutablePointRange<std::array<std::array<float, 3>, 4>>);
     STATIC_REQUIRE(MutablePointRange<double[4][2]>);
     STATIC_REQUIRE(MutablePointRange<StridedPoints<double, 3>>);

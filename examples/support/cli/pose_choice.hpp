@@ -32,7 +32,7 @@ struct PoseChoice {
     posed(const std::vector<cageform::Vec<double, D>>& rest, const std::optional<LatticeBox<D>>& lattice,
           const CageFile* curves = nullptr, const cageform::CageParts* parts = nullptr) const;
 
-    /// The vertices that no pose moves: frozen and still handles of a lattice. Fails if --freeze is given for
+    /// The vertices that no pose moves: frozen and frame handles of a lattice. Fails if --freeze is given for
     /// another cage, or leaves nothing to move.
     template <std::size_t D>
     Expected<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;

@@ -21,7 +21,7 @@ struct LatticeBox {
     cageform::Transform<double, D> frame{}; // of the box, the image of [0, 1]^D
     double falloff = 0;                     // in units of the figure
 
-    std::size_t points() const { ///< number of control points, without still handles
+    std::size_t points() const { ///< number of control points, without frame handles
         std::size_t count = 1;
         for (const auto& axis : axes) count *= axis.points;
         return count;

@@ -75,7 +75,7 @@ struct ObjFile {
     std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in file order
     std::vector<std::uint32_t> triangle_faces;           // #triangles: index of the face
     std::vector<std::size_t> folded;      // faces without a triangulation of consistent orientation
-    std::optional<LatticeBox<3>> lattice; // vertices: control points, then still handles
+    std::optional<LatticeBox<3>> lattice; // vertices: control points, then frame handles
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
     std::vector<int> face_parts; // #faces: N of the group part_N, else 0; empty if there is no such group
 };

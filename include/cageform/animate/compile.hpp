@@ -75,12 +75,12 @@ Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOption
             const std::size_t count = (std::min)(step, keys.size() - begin);
             detail::in_parallel(running, count, 1, [&](std::size_t b, std::size_t e) {
                 for (std::size_t k = begin + b; k < begin + e; ++k) {
-                    std::vector<Key> counted(keys[k].begin(), keys[k].end());
-                    for (Key& key : counted) {
+                    std::vector<Key> shifted(keys[k].begin(), keys[k].end());
+                    for (Key& key : shifted) {
                         for (double* time : {&key.time, &key.in_handle[0], &key.out_handle[0]})
                             *time -= origin;
                     }
-                    tracks[k] = compile<T>(counted, of_tracks);
+                    tracks[k] = compile<T>(shifted, of_tracks);
                 }
             });
             if (!running.keep_going(double(begin + count) / double(keys.size()))) return Status::cancelled;

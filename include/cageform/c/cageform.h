@@ -319,7 +319,7 @@ typedef struct cageform_report {
     size_t bones, frame;
     size_t beyond; /* number of vertices over options.max_distance */
     double rms, max_distance;
-    double turn; /* 99th percentile of the angle between fitted and given face normals, in degrees */
+    double turn; /* rotation error of the faces: 99th percentile, in degrees */
     double mean_influences;
 } cageform_report;
 

@@ -77,18 +77,18 @@ struct QuantisedBank {
     QuantisedBank(const CurveBankView<T>& from, std::span<const QuantisedCurve<T>> quantised,
                   std::span<const char> chosen)
         : curves(from.curves.begin(), from.curves.end()) {
-        for (const bool in_steps : {false, true}) {
+        for (const bool quantise : {false, true}) {
             for (std::size_t k = 0; k < from.size(); ++k) {
-                if ((chosen[k] != 0) != in_steps) continue;
+                if ((chosen[k] != 0) != quantise) continue;
                 const std::uint32_t first = from.curves[k].first_knot;
                 curves[k].first_knot = std::uint32_t(knots.size());
-                curves[k].low = in_steps ? quantised[k].low : T(0);
-                curves[k].step = in_steps ? quantised[k].step : T(0);
+                curves[k].low = quantise ? quantised[k].low : T(0);
+                curves[k].step = quantise ? quantised[k].step : T(0);
                 for (std::uint32_t n = 0; n < curves[k].knots; ++n) {
                     entries.push_back({std::uint32_t(knots.size()), std::uint32_t(k)});
                     knots.push_back(from.knots[first + n]);
                     const CubicPiece<T> p = from.piece(k, n);
-                    if (!in_steps)
+                    if (!quantise)
                         pieces.push_back({p.c0, p.c1, p.c2, p.c3});
                     else if (n + 1 < curves[k].knots)
                         steps.push_back(quantised[k].pieces[n]);
@@ -160,8 +160,8 @@ template <Scalar T, std::size_t D>
 Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& options,
                       PackedClip<T, D>& packed, ClipPackReport& report) {
     const CurveBankView<T>& bank = clip.bank;
-    for (const double promise : {options.tolerance, options.share}) {
-        if (!is_finite(promise) || promise < 0) return Status::value_not_finite;
+    for (const double limit : {options.tolerance, options.share}) {
+        if (!is_finite(limit) || limit < 0) return Status::value_not_finite;
     }
     report.vertices = clip.vertex_count();
     report.curves = bank.size();

@@ -6,8 +6,6 @@
 #include <cageform/core/types/blocks.hpp>
 #include <cageform/core/vec.hpp>
 
-#include <cmath>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns falloff_not_supported unless the falloff is valid; see BindOptions::falloff.

@@ -33,8 +33,9 @@ public:
             for (const Term& term : row_) is_moving[term.unknown] = 1;
             equations.add(row_, displacements_[j].v, share_of(j));
         }
-        for (std::size_t i = 0; i < number_.size(); ++i) {
-            if (number_[i] != still && is_moving[number_[i]] == 0) report.idle.push_back(std::uint32_t(i));
+        for (std::size_t i = 0; i < unknown_of_.size(); ++i) {
+            if (unknown_of_[i] != fixed && is_moving[unknown_of_[i]] == 0)
+                report.idle.push_back(std::uint32_t(i));
         }
         add_smoothness(equations);
         const auto solution = equations.solve();
@@ -46,8 +47,8 @@ public:
         measure(solution.values, report);
         for (std::size_t i = 0; i < lattice_.handles().size(); ++i) {
             Vec<double, D> place = vec_cast<double>(lattice_.handles()[i]);
-            if (i < number_.size() && number_[i] != still)
-                place = place + value_of(solution.values, number_[i]);
+            if (i < unknown_of_.size() && unknown_of_[i] != fixed)
+                place = place + value_of(solution.values, unknown_of_[i]);
             pose.push_back(vec_cast<T>(place));
             if (!is_finite(pose.back())) return Status::value_not_finite;
         }
@@ -55,7 +56,7 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t still = ~std::uint32_t{0};
+    static constexpr std::uint32_t fixed = ~std::uint32_t{0};
 
     Status check() {
         if (lattice_.cage_report().status != Status::ok) return lattice_.cage_report().status;
@@ -69,17 +70,17 @@ private:
         for (const double weight : given) {
             if (!is_finite(weight)) return Status::value_not_finite;
             if (weight < 0) return Status::weights_not_positive;
-            heaviest_ = (std::max)(heaviest_, weight);
+            largest_weight_ = (std::max)(largest_weight_, weight);
         }
-        if (given.empty()) heaviest_ = 1;
-        if (!(heaviest_ > 0)) return Status::weights_not_positive;
-        counts_.assign(count, 0);
+        if (given.empty()) largest_weight_ = 1;
+        if (!(largest_weight_ > 0)) return Status::weights_not_positive;
+        has_residual_.assign(count, 0);
         for (std::size_t j = 0; j < count; ++j) {
             if (!is_finite(block_point<D>(binding_.rest, j))) continue;
             if (!is_finite(displacements_[j])) return Status::value_not_finite;
-            counts_[j] = has_weights(j) ? 1 : 0;
-            if (counts_[j] == 0) ++unreached_;
-            if (counts_[j] != 0) total_ += relative_weight(j);
+            has_residual_[j] = has_weights(j) ? 1 : 0;
+            if (has_residual_[j] == 0) ++unreached_;
+            if (has_residual_[j] != 0) total_ += relative_weight(j);
         }
         if (!(total_ > 0)) return Status::fit_not_determined;
         for (const std::uint32_t i : options_.frozen) {
@@ -88,12 +89,12 @@ private:
         return Status::ok;
     }
     void number_unknowns() {
-        number_.assign(lattice_.handles().size() - lattice_.frame_handles(), 0);
+        unknown_of_.assign(lattice_.handles().size() - lattice_.frame_handles(), 0);
         for (const std::uint32_t i : options_.frozen) {
-            if (i < number_.size()) number_[i] = still;
+            if (i < unknown_of_.size()) unknown_of_[i] = fixed;
         }
-        for (auto& number : number_) {
-            if (number != still) number = std::uint32_t(unknowns_++);
+        for (auto& number : unknown_of_) {
+            if (number != fixed) number = std::uint32_t(unknowns_++);
         }
     }
 
@@ -104,20 +105,20 @@ private:
     }
     /// Returns the weight of a point divided by the largest one, so that sums do not overflow.
     double relative_weight(std::size_t j) const noexcept {
-        return options_.point_weights.empty() ? 1 : options_.point_weights[j] / heaviest_;
+        return options_.point_weights.empty() ? 1 : options_.point_weights[j] / largest_weight_;
     }
     double share_of(std::size_t j) const noexcept {
-        return counts_[j] != 0 ? relative_weight(j) / total_ : 0;
+        return has_residual_[j] != 0 ? relative_weight(j) / total_ : 0;
     }
     void read_row(std::size_t j) {
         row_.clear();
-        for (std::size_t i = 0; i < number_.size(); ++i) {
+        for (std::size_t i = 0; i < unknown_of_.size(); ++i) {
             const auto weight = double(binding_.weights(j, i));
             if (weight != 0) add_term(i, weight);
         }
     }
     void add_term(std::size_t handle, double coefficient) {
-        if (number_[handle] != still) row_.push_back({number_[handle], coefficient});
+        if (unknown_of_[handle] != fixed) row_.push_back({unknown_of_[handle], coefficient});
     }
     static Vec<double, D> value_of(const std::vector<double>& values, std::size_t unknown) noexcept {
         Vec<double, D> x;
@@ -194,10 +195,10 @@ private:
     const BindingView<T, D>& binding_;
     const std::vector<Vec<double, D>>& displacements_;
     const LatticeFitOptions& options_;
-    double heaviest_ = 0, total_ = 0; ///< the largest weight of a point; the sum of the relative weights
-    std::vector<char> counts_;        ///< whether a point has a residual
+    double largest_weight_ = 0, total_ = 0; ///< of a point; the sum of the relative weights
+    std::vector<char> has_residual_;        ///< whether a point has a residual
     std::size_t unreached_ = 0, unknowns_ = 0;
-    std::vector<std::uint32_t> number_; ///< the unknown of each control point, or `still`
+    std::vector<std::uint32_t> unknown_of_; ///< the unknown of each control point, or `fixed`
     std::vector<Term> row_;
 };
 

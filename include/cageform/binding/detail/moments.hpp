@@ -20,7 +20,7 @@ public:
     explicit Moments(const HandleView<T, D>& handles)
         : columns_(handles.count) {
         AffineFrame<double, D> frame; // centred at the mean of the points
-        const double points = double(handles.count - handles.vector_count());
+        const double points = double(handles.point_count());
         for (std::size_t i = 0; i < handles.count; ++i) {
             for (std::size_t k = 0; k < D && handles.is_point(i); ++k)
                 frame.centre[k] += double(handles.rest[i][k]) / points;

@@ -5,7 +5,6 @@
 #include <cageform/core/affine/affine_rows.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>

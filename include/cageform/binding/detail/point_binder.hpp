@@ -36,13 +36,10 @@ protected:
         , count_(input.points.size)
         , states_(count_, PointState::unreached)
         , missed_(count_)
-        , beyond_(options.falloff > 0 ? count_ : 0)
+        , faded_out_(options.falloff > 0 ? count_ : 0)
         , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {
-        std::vector<Vec<T, D>> corners;
-        for (std::size_t i = 0; i < handles_.count && !beyond_.empty() && input.is_within_handles; ++i) {
-            if (handles_.is_point(i)) corners.push_back(handles_.rest[i]);
-        }
-        if (!corners.empty()) bounds_ = bounds_of(std::span<const Vec<T, D>>(corners));
+        if (!faded_out_.empty() && input.is_within_handles && handles_.point_count() > 0)
+            bounds_ = bounds_of_points<T>(handles_);
     }
 
     /// Makes the bindings and reuses their memory; fill() computes weights, rest and states.
@@ -90,14 +87,14 @@ protected:
     }
     /// Returns the falloff of point i, which lies outside at `p`. A point with a factor of 0 gets no weights.
     FalloffValue<D> falloff_of(std::size_t i, const Vec<T, D>& p) {
-        if (beyond_.empty()) return {};
+        if (faded_out_.empty()) return {};
         FalloffValue<D> falloff;
         if (is_far(p)) // avoids the search for the nearest boundary point
             falloff.kept = 0;
         else
             falloff = {input_.distance(p), options_.falloff};
         falloff.kept = static_cast<T>(falloff.kept);
-        beyond_[i] = falloff.kept == 0;
+        faded_out_[i] = falloff.kept == 0;
         return falloff;
     }
     /// Whether a point is at least the falloff away from the bounds of the cage, if these are known.
@@ -108,7 +105,7 @@ protected:
             away[k] = double(p[k]) - double(std::clamp(p[k], bounds_->lower[k], bounds_->upper[k]));
         return OutsideDistance<D>(away).distance >= options_.falloff;
     }
-    bool is_beyond(std::size_t i) const noexcept { return !beyond_.empty() && beyond_[i] != 0; }
+    bool is_faded_out(std::size_t i) const noexcept { return !faded_out_.empty() && faded_out_[i] != 0; }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
 
     /// Records the measures of a block. A point whose weights or their sums overflow the scalar becomes
@@ -159,7 +156,7 @@ protected:
             case PointState::on_boundary: report.on_boundary.push_back(i); break;
             case PointState::outside:
                 report.outside.push_back(i);
-                if (!beyond_.empty() && beyond_[i] == 0) report.faded.push_back(i);
+                if (!faded_out_.empty() && faded_out_[i] == 0) report.faded.push_back(i);
                 break;
             case PointState::not_finite: report.not_finite.push_back(i); break;
             case PointState::unreached: report.unreached.push_back(i); break;
@@ -178,7 +175,7 @@ protected:
     std::vector<BlockView<T>> weights_, rest_; // of each binding
     std::vector<PointState> states_;
     std::vector<char> missed_;           // linear precision is not restored
-    std::vector<char> beyond_;           // outside with a falloff factor of 0; empty without a falloff
+    std::vector<char> faded_out_;        // outside with a falloff factor of 0; empty without a falloff
     std::optional<Bounds<T, D>> bounds_; // of the cage; only with a falloff
     std::vector<BindPiece> pieces_;
 };

@@ -123,7 +123,7 @@ public:
     /// A point of the binding, and the offset of the point that its weights reproduce.
     struct SkinPoint {
         Vec<double, D> p, offset{}; ///< to the reproduced point, in units of the size
-        double whole = 0;           ///< Σ|w|
+        double abs_sum = 0;         ///< Σ|w|
         double sum = 1;             ///< Σw of a point with falloff; its weights are divided by it
         bool is_bound = false;
     };
@@ -134,16 +134,16 @@ public:
         for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
             const double w = binding_.weights(i, h);
             sum += w;
-            point.whole += std::fabs(w);
+            point.abs_sum += std::fabs(w);
             point.offset = point.offset + w * from(point.p, h);
         }
         if (sum > 0 && sum < 1 - 1e-4) { // more than a solver's residual
             point.sum = sum;
-            point.whole /= sum;
+            point.abs_sum /= sum;
             point.offset = (1 / sum) * point.offset;
         }
         point.is_bound =
-            is_finite(point.p) && is_finite(point.whole) && is_finite(point.offset) && point.whole != 0;
+            is_finite(point.p) && is_finite(point.abs_sum) && is_finite(point.offset) && point.abs_sum != 0;
         // With nearest_boundary, the weights reproduce the boundary point. Smaller offsets are
         // residuals or rounding errors and are ignored.
         if (dot(point.offset, point.offset) < 1e-8) point.offset = {};
@@ -182,7 +182,7 @@ public:
         }
         absorb_rounding(joints.first(result.used), weights.first(result.used));
         Vec<double, D> missed = -1.0 * point.offset;
-        result.error = point.whole;
+        result.error = point.abs_sum;
         result.partition = -1;
         for (std::size_t k = 0; k < result.used; ++k) {
             const double w = weights[k], w0 = unfaded_weight(i, point, joints[k]);

@@ -96,13 +96,13 @@ private:
     // The best of several values for a head and a lamp.
     static constexpr double alpha = 0.02, beta = 100;
     // σ relative to the cage's diagonal: handles closer than this move similarly.
-    static constexpr double together = 0.2;
+    static constexpr double sigma = 0.2;
     // The number of handles per round, relative to K.
     static constexpr std::array<double, 10> rounds{4, 3, 2.5, 2, 1.75, 1.5, 1.375, 1.25, 1.125, 1};
 
     struct Entry {
         std::uint32_t handle = 0;
-        double weight = 0, ahead = 0; // at the end of a pass, and at the start of the next one
+        double weight = 0, extrapolated = 0; // at the end of a pass, and at the start of the next one
     };
     struct Neighbour {
         std::size_t node;
@@ -133,7 +133,7 @@ private:
     void factorise(const std::vector<Vec<double, D>>& handles) {
         constexpr std::size_t most_columns = 64;
         const auto covariance = [&](std::size_t a, std::size_t b) {
-            const auto d = (1 / (together * size_)) * (handles[a] - handles[b]);
+            const auto d = (1 / (sigma * size_)) * (handles[a] - handles[b]);
             return std::exp(-0.5 * dot(d, d));
         };
         std::vector<std::vector<double>> found; // columns
@@ -161,7 +161,7 @@ private:
             double sum = 0;
             for (std::size_t r = 0; r < rank_; ++r) columns_[h * width_ + r] = found[r][h];
             for (std::size_t other = 0; other < handle_count_; ++other) sum += covariance(h, other);
-            of_moves_ = (std::max)(of_moves_, sum);
+            covariance_bound_ = (std::max)(covariance_bound_, sum);
         }
     }
 
@@ -208,7 +208,7 @@ private:
         kept_ = handle_count_of(rounds[round]);
         if (round > 0) {
             if (kept_ == before) {
-                for (Entry& entry : rows_) entry.ahead = entry.weight;
+                for (Entry& entry : rows_) entry.extrapolated = entry.weight;
                 return true;
             }
             std::fill(smoothed_.begin(), smoothed_.end(), 0.0F);
@@ -219,21 +219,9 @@ private:
                 }
             }
         }
-        std::vector<float> rough = smoothed_;
+        std::vector<float> unsmoothed = smoothed_;
         for (int times = 0; times < 3; ++times) {
-            std::vector<float> other(smoothed_.size());
-            for_each_node(running, [&](std::size_t n) {
-                const auto around = neighbours_of(n);
-                for (std::size_t h = 0; h < handle_count_; ++h) {
-                    float sum = 0;
-                    for (const Neighbour& neighbour : around)
-                        sum += smoothed_[neighbour.node * handle_count_ + h];
-                    const float own = smoothed_[n * handle_count_ + h];
-                    other[n * handle_count_ + h] =
-                        around.empty() ? own : 0.5F * own + 0.5F * sum / float(around.size());
-                }
-            });
-            smoothed_.swap(other);
+            smooth(running);
             if (!running.keep_going(double(round) / double(rounds.size() + 2))) return false;
         }
         std::vector<Entry> kept(positions_.size() * kept_);
@@ -247,43 +235,61 @@ private:
             std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(kept_), order.end(), is_heavier);
             for (std::size_t k = 0; k < kept_; ++k)
                 kept[n * kept_ + k] = {order[k].handle, 0,
-                                       double(rough[n * handle_count_ + order[k].handle])};
+                                       double(unsmoothed[n * handle_count_ + order[k].handle])};
             project(std::span(kept).subspan(n * kept_, kept_));
             double stiffness = 2 * alpha;
             for (const Neighbour& neighbour : neighbours_of(n)) stiffness += 2 * neighbour.weight;
             // Upper bounds of the largest eigenvalues. Positions are relative to the node, since the
             // sum of weights is 1.
-            double of_positions = 0;
+            double position_bound = 0;
             for (std::size_t k = 0; k < kept_; ++k) {
                 for (std::size_t r = rank_; r < width_; ++r) {
                     const double d =
                         columns_[kept[n * kept_ + k].handle * width_ + r] - target_[n * width_ + r];
-                    of_positions += d * d;
+                    position_bound += d * d;
                 }
             }
-            step_[n] = 1 / (stiffness * (std::min)(of_moves_, double(kept_)) + beta * of_positions);
+            step_[n] = 1 / (stiffness * (std::min)(covariance_bound_, double(kept_)) + beta * position_bound);
         });
         rows_.swap(kept);
         return true;
     }
 
-    /// Sets both fields to the projection of `ahead` to the weights that are non-negative and have the sum 1.
+    /// Averages the smoothed weights of each node with the mean of its neighbours.
+    void smooth(const Running& running) {
+        std::vector<float> other(smoothed_.size());
+        for_each_node(running, [&](std::size_t n) {
+            const auto around = neighbours_of(n);
+            for (std::size_t h = 0; h < handle_count_; ++h) {
+                float sum = 0;
+                for (const Neighbour& neighbour : around)
+                    sum += smoothed_[neighbour.node * handle_count_ + h];
+                const float own = smoothed_[n * handle_count_ + h];
+                other[n * handle_count_ + h] =
+                    around.empty() ? own : 0.5F * own + 0.5F * sum / float(around.size());
+            }
+        });
+        smoothed_.swap(other);
+    }
+
+    /// Projects `extrapolated` to non-negative weights with the sum 1; sets both fields.
     static void project(std::span<Entry> row) {
         // Michelot, J. Optim. Theory Appl. 50 (1986): subtracts the mean surplus of the entries above it.
         double sum = -1, shift = -std::numeric_limits<double>::infinity();
-        for (const Entry& entry : row) sum += entry.ahead;
+        for (const Entry& entry : row) sum += entry.extrapolated;
         for (std::size_t count = row.size(), before = 0; count != before;) {
             before = count;
             shift = sum / double(count);
             sum = -1;
             count = 0;
             for (const Entry& entry : row) {
-                if (!(entry.ahead > shift)) continue;
-                sum += entry.ahead;
+                if (!(entry.extrapolated > shift)) continue;
+                sum += entry.extrapolated;
                 ++count;
             }
         }
-        for (Entry& entry : row) entry.weight = entry.ahead = (std::max)(entry.ahead - shift, 0.0);
+        for (Entry& entry : row)
+            entry.weight = entry.extrapolated = (std::max)(entry.extrapolated - shift, 0.0);
     }
 
     /// Makes one pass over all rows.
@@ -294,11 +300,11 @@ private:
             for (std::size_t k = 0; k < kept_; ++k) {
                 const Entry& entry = rows_[n * kept_ + k];
                 const double* const column = &columns_[entry.handle * width_];
-                for (std::size_t r = 0; r < width_; ++r) loss[r] += entry.ahead * column[r];
+                for (std::size_t r = 0; r < width_; ++r) loss[r] += entry.extrapolated * column[r];
             }
         });
         const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum_ * momentum_));
-        const double further = (momentum_ - 1) / next;
+        const double factor = (momentum_ - 1) / next;
         momentum_ = next;
         for_each_node(running, [&](std::size_t n) {
             std::array<double, 64 + D> force{};
@@ -319,16 +325,16 @@ private:
                 double slope = 0;
                 for (std::size_t r = 0; r < width_; ++r) slope += force[r] * column[r];
                 old[k] = entry.weight;
-                entry.ahead -= step_[n] * slope;
+                entry.extrapolated -= step_[n] * slope;
             }
             project(row);
             for (std::size_t k = 0; k < kept_; ++k)
-                row[k].ahead = row[k].weight + further * (row[k].weight - old[k]);
+                row[k].extrapolated = row[k].weight + factor * (row[k].weight - old[k]);
         });
     }
 
     std::size_t handle_count_, most_, kept_ = 0, rank_ = 0, width_ = D;
-    double size_ = 1, of_moves_ = 0, momentum_ = 1;
+    double size_ = 1, covariance_bound_ = 0, momentum_ = 1;
     Vec<double, D> middle_{};
     std::vector<double> columns_;              // #handles · width: B, then positions
     std::vector<Vec<double, D>> positions_;    // #nodes

@@ -122,14 +122,14 @@ private:
         BlobHeader header = header_of(batches_[0]);
         header.points = points_.size();
         header.rows = rows;
-        PackedBinding<T, D> whole(header);
-        copy_of_handles(whole);
+        PackedBinding<T, D> joined(header);
+        copy_handles(joined);
         std::size_t row = 0;
-        for (std::size_t b = 0; b < sequence_.size(); ++b) row = copy_block(sequence_[b], b, row, whole);
+        for (std::size_t b = 0; b < sequence_.size(); ++b) row = copy_block(sequence_[b], b, row, joined);
         batches_.clear();
-        whole.seal();
-        summarise(whole, result);
-        result.value = std::move(whole);
+        joined.seal();
+        summarise(joined, result);
+        result.value = std::move(joined);
     }
 
     Status set_order() {
@@ -151,7 +151,7 @@ private:
     // ---- reports ------------------------------------------------------------------------------------
 
     /// Converts the index of the point in a batch that begins at `first` to its index among all points.
-    Extreme whole(Extreme extreme, std::size_t first) const noexcept {
+    Extreme with_global_point(Extreme extreme, std::size_t first) const noexcept {
         if (extreme.point != Extreme::none) extreme.point = order_[first + extreme.point];
         return extreme;
     }
@@ -167,12 +167,12 @@ private:
         for (const auto& [from, to] : lists) {
             for (const std::size_t i : from) to.push_back(order_[first + i]);
         }
-        all.partition_error.raise(whole(batch.partition_error, first));
-        all.reproduction_error.raise(whole(batch.reproduction_error, first));
-        all.weight_change.raise(whole(batch.weight_change, first));
-        all.residual_restored.raise(whole(batch.residual_restored, first));
-        all.least_weight.lower(whole(batch.least_weight, first));
-        all.amplification.raise(whole(batch.amplification, first));
+        all.partition_error.raise(with_global_point(batch.partition_error, first));
+        all.reproduction_error.raise(with_global_point(batch.reproduction_error, first));
+        all.weight_change.raise(with_global_point(batch.weight_change, first));
+        all.residual_restored.raise(with_global_point(batch.residual_restored, first));
+        all.least_weight.lower(with_global_point(batch.least_weight, first));
+        all.amplification.raise(with_global_point(batch.amplification, first));
     }
     void add(const PackReport& batch, std::size_t first, PackReport& all) const {
         for (std::size_t k = 0; k < batch.errors.size(); ++k) {
@@ -182,8 +182,8 @@ private:
         if (batch.distance.point != Extreme::none &&
             (all.distance.point == Extreme::none || batch.distance.value > all.distance.value))
             all.distance_pose = batch.distance_pose;
-        all.distance.raise(whole(batch.distance, first));
-        all.weight_change.raise(whole(batch.weight_change, first));
+        all.distance.raise(with_global_point(batch.distance, first));
+        all.weight_change.raise(with_global_point(batch.weight_change, first));
         all.rows_added += batch.rows_added;
         all.format = batch.format;
         all.poses = batch.poses;
@@ -242,10 +242,10 @@ private:
             return rows_of(a) < rows_of(b);
         });
     }
-    void copy_of_handles(PackedBinding<T, D>& whole) const {
-        const auto from = batches_[0].view(), to = whole.view();
+    void copy_handles(PackedBinding<T, D>& joined) const {
+        const auto from = batches_[0].view(), to = joined.view();
         const auto copy = [&](const auto* source, const auto* target, std::size_t count) {
-            if (source != nullptr) std::copy_n(source, count, whole.writable(target));
+            if (source != nullptr) std::copy_n(source, count, joined.writable(target));
         };
         copy(from.rest_handles, to.rest_handles, from.handles);
         copy(from.affine_fit, to.affine_fit, from.handles);
@@ -255,23 +255,23 @@ private:
     }
     /// Copies a block to position `b`, and its rows to rows from `row` on. Returns the end of its rows.
     std::size_t copy_block(const BlockSource& source, std::size_t b, std::size_t row,
-                           PackedBinding<T, D>& whole) const {
-        const auto from = batches_[source.batch].view(), to = whole.view();
+                           PackedBinding<T, D>& joined) const {
+        const auto from = batches_[source.batch].view(), to = joined.view();
         const std::size_t first = from.first_row(source.block), rows = rows_of(source);
         const std::size_t bytes = lanes * weight_bytes<T>(from.format);
-        std::memcpy(whole.writable(to.weights) + row * bytes, from.weights + first * bytes, rows * bytes);
-        std::copy_n(from.rest + source.block * D, D, whole.writable(to.rest) + b * D);
+        std::memcpy(joined.writable(to.weights) + row * bytes, from.weights + first * bytes, rows * bytes);
+        std::copy_n(from.rest + source.block * D, D, joined.writable(to.rest) + b * D);
         if (from.scale != nullptr) {
-            whole.writable(to.scale)[b] = from.scale[source.block];
+            joined.writable(to.scale)[b] = from.scale[source.block];
             std::copy_n(from.residual + source.block * (D + 1), D + 1,
-                        whole.writable(to.residual) + b * (D + 1));
+                        joined.writable(to.residual) + b * (D + 1));
         }
         if (from.row_begin != nullptr) {
-            std::copy_n(from.row_handle + first, rows, whole.writable(to.row_handle) + row);
-            whole.writable(to.row_begin)[b + 1] = std::uint32_t(row + rows);
+            std::copy_n(from.row_handle + first, rows, joined.writable(to.row_handle) + row);
+            joined.writable(to.row_begin)[b + 1] = std::uint32_t(row + rows);
             const std::size_t count = (std::min)(lanes, points_.size() - source.first);
             std::copy_n(order_.begin() + std::ptrdiff_t(source.first), count,
-                        whole.writable(to.order) + b * lanes);
+                        joined.writable(to.order) + b * lanes);
         }
         return row + rows;
     }

@@ -110,7 +110,7 @@ private:
         std::vector<T> row(handles_.count);
         FadedPoints& faded = gradients.faded;
         for (std::size_t i = 0, n = 0; i < states.size(); ++i) {
-            if (states[i] != PointState::outside || this->is_beyond(gradients.first + i)) continue;
+            if (states[i] != PointState::outside || this->is_faded_out(gradients.first + i)) continue;
             outside.push_back(i);
             const auto q = input_.nearest_boundary(block_point<D>(gradients.points, i), row);
             for (std::size_t k = 0; k < D; ++k) gradients.points(i, k) = q[k];
@@ -201,7 +201,8 @@ private:
             Lanes<T> bound;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const std::size_t i = b * lanes + lane;
-                bound[lane] = i < count_ && this->is_bound(states_[i]) && !this->is_beyond(i) ? T(1) : T(0);
+                bound[lane] =
+                    i < count_ && this->is_bound(states_[i]) && !this->is_faded_out(i) ? T(1) : T(0);
             }
             for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, gradients, bound, measures);
             // A point with one unreached vector has no weights for any.

@@ -3,6 +3,7 @@
 
 #include <cageform/binding/types/pack_options.hpp>
 #include <cageform/cage/detail/primitives.hpp>
+#include <cageform/core/affine/affine_rows.hpp>
 
 #include <algorithm>
 #include <array>
@@ -11,16 +12,6 @@
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-/// Returns the size of a cage: the diagonal of the bounds of its point handles.
-template <Scalar T, std::size_t D>
-double size_of_handles(const HandleView<T, D>& handles) {
-    std::vector<Vec<double, D>> points;
-    for (std::size_t h = 0; h < handles.count; ++h) {
-        if (handles.is_point(h)) points.push_back(vec_cast<double>(handles.rest[h]));
-    }
-    return points.empty() ? 0 : bounds_of(std::span<const Vec<double, D>>(points)).diagonal();
-}
 
 /// The distance that a point moves by a change of weights, w' − w: max |Σ (w' − w) d| over the
 /// displacements d of given poses, or Σ |w' − w| · reach without poses.
@@ -36,7 +27,7 @@ public:
     template <Scalar T>
     Status load(const HandleView<T, D>& handles, const PackOptions& options, std::size_t& culprit) {
         handles_ = handles.count;
-        size_ = size_of_handles(handles);
+        size_ = handles.point_count() > 0 ? bounds_of_points<double>(handles).diagonal() : 0;
         if (!(size_ > 0)) size_ = 1;
         if (!is_finite(options.reach) || !is_finite(options.tolerance) || options.reach < 0 ||
             options.tolerance < 0)

@@ -6,6 +6,7 @@
 #include <cageform/binding/pose_samples/sample_lattice.hpp>
 #include <cageform/binding/pose_samples/sample_sums.hpp>
 #include <cageform/binding/types/pose_sample_options.hpp>
+#include <cageform/core/affine/affine_rows.hpp>
 #include <cageform/core/detail/face_handles.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -73,7 +74,7 @@ private:
         to.rest_handles.assign(handles_.rest, handles_.rest + count);
         for (std::size_t i = 0; i < count; ++i)
             to.handle_kinds.push_back(handles_.is_point(i) ? HandleKind::point : HandleKind::vector);
-        const auto box = bounds_of_points(handles_);
+        const auto box = bounds_of_points<double>(handles_);
         to.size = box.diagonal();
         if (count == 0 || !(to.size > 0)) return Status::samples_missing;
         to.centre = 0.5 * (box.lower + box.upper);

@@ -18,16 +18,6 @@ struct SamplePoints {
     std::vector<std::array<std::uint32_t, 2>> neighbours; ///< pairs; empty without a lattice
 };
 
-/// Returns the bounds of the handles that are points.
-template <Scalar T, std::size_t D>
-Bounds<double, D> bounds_of_points(const HandleView<T, D>& handles) {
-    std::vector<Vec<double, D>> points;
-    for (std::size_t i = 0; i < handles.count; ++i) {
-        if (handles.is_point(i)) points.push_back(vec_cast<double>(handles.rest[i]));
-    }
-    return bounds_of(std::span<const Vec<double, D>>(points));
-}
-
 /// Whether coordinates need no solver; AnyCoordinates report it at run time.
 template <class C>
 bool is_closed_form(const C& coordinates) noexcept {

@@ -5,7 +5,6 @@
 #include <cageform/pose/types/pose_samples.hpp>
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -89,7 +89,7 @@ cageform_status cageform_coordinates_describe(const cageform_coordinates* coordi
         const auto handles = any.handles();
         cageform_coordinates_info its{};
         its.handles = handles.count;
-        its.vertices = handles.count - handles.vector_count();
+        its.vertices = handles.point_count();
         its.scalar = c::scalar_code<Any>;
         its.dimension = Any::dimension;
         its.has_weights_outside = any.has_extension() ? 1 : 0;

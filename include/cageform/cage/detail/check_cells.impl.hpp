@@ -9,7 +9,6 @@
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/types/buffer.hpp>
 
-#include <algorithm>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {

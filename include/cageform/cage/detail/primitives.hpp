@@ -10,9 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <span>
-#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -123,7 +123,7 @@ public:
             Register sum[chains][D] = {};
             const auto add_to = [&](std::size_t chain, std::size_t row) CAGEFORM_DETAIL_INLINE {
                 const std::byte* const w = begin + row * row_bytes;
-                if constexpr (Where == WeightsIn::memory && weights_ahead != 0) fetch_ahead(w, weights_ahead);
+                if constexpr (Where == WeightsIn::memory && weights_ahead != 0) prefetch(w, weights_ahead);
                 add_row<1>(w, 0, displacement(row), sum + chain);
             };
             std::size_t row = 0;

@@ -4,8 +4,6 @@
 #include <cageform/coordinates/harmonic/stencil_table.hpp>
 #include <cageform/core/types/blocks.hpp>
 
-#include <functional>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Applies stencil `n` of a table to functions [first_handle, first_handle + count). See CutSamples::sample.

@@ -28,21 +28,26 @@ struct AffineFrame {
     }
 };
 
+/// Returns the bounds of the point handles.
+template <Scalar S, Scalar T, std::size_t D>
+Bounds<S, D> bounds_of_points(const HandleView<T, D>& handles) {
+    std::vector<Vec<S, D>> points;
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) points.push_back(vec_cast<S>(handles.rest[i]));
+    }
+    return bounds_of(std::span<const Vec<S, D>>(points));
+}
+
 /// Returns the centre and diagonal of the points' bounds. If a vector is longer than the diagonal, its
 /// length is the size.
 template <Scalar T, std::size_t D>
 AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
-    std::vector<Vec<T, D>> points;
     T longest = 0;
     for (std::size_t i = 0; i < handles.count; ++i) {
-        if (handles.is_point(i)) {
-            points.push_back(handles.rest[i]);
-        } else {
-            longest = std::fmax(longest, Bounds<T, D>{{}, handles.rest[i]}.diagonal());
-        }
+        if (!handles.is_point(i)) longest = std::fmax(longest, Bounds<T, D>{{}, handles.rest[i]}.diagonal());
     }
-    if (points.empty()) return {{}, longest > 0 ? longest : T(1)};
-    const auto bounds = bounds_of(std::span<const Vec<T, D>>(points));
+    if (handles.point_count() == 0) return {{}, longest > 0 ? longest : T(1)};
+    const auto bounds = bounds_of_points<T>(handles);
     return {T(0.5) * (bounds.lower + bounds.upper), std::fmax(bounds.diagonal(), longest)};
 }
 

@@ -85,6 +85,25 @@ inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
     return p;
 }
 
+/// Returns the root in (0, 1) of a polynomial with one sign change: Newton's method safeguarded by
+/// bisection.
+///
+///   falls  whether the sign changes from positive to negative
+inline double simple_root(const Bernstein& p, bool falls) noexcept {
+    double low = 0, high = 1, u = 0.5;
+    const Bernstein derivative = p.derivative();
+    for (int step = 0; step < 60 && high - low > 1e-12; ++step) {
+        const double value = p(u);
+        ((value > 0) == falls ? low : high) = u;
+        double next = u - value / derivative(u);
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        const bool converged = std::fabs(next - u) < 1e-10;
+        u = next;
+        if (converged) break;
+    }
+    return u;
+}
+
 /// The maximum of |p| on [0, 1] and its position, exact up to rounding. Subdivides until the
 /// coefficients of the derivative change sign at most once; there is then at most one extremum.
 /// Infinite if a coefficient is not finite.
@@ -123,20 +142,7 @@ inline LargestValue largest_absolute(const Bernstein& p) {
         }
         if (changes == 0) continue; // monotone: the maximum is at an end, already visited
         if (changes == 1) {
-            double low = 0, high = 1, u = 0.5;
-            const bool falls = before < 0;
-            const Bernstein second = slope.derivative();
-            for (int step = 0; step < 60 && high - low > 1e-12; ++step) {
-                const double s = slope(u);
-                ((s > 0) == falls ? low : high) = u;
-                double next = u - s / second(u);
-                if (!(next > low && next < high)) next = 0.5 * (low + high);
-                if (std::fabs(next - u) < 1e-10) {
-                    u = next;
-                    break;
-                }
-                u = next;
-            }
+            const double u = simple_root(slope, before < 0);
             consider(piece.p(u), piece.begin + u * piece.length);
             continue;
         }

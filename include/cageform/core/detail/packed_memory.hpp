@@ -38,7 +38,7 @@ inline Status check_prefix(std::span<const std::byte> data, const PackedPrefix& 
                                                                               : Status::ok;
 }
 
-/// Reads the header of packed data, as `check_prefix` does; then checks its scalar and dimension.
+/// Runs `check_prefix`, reads the header, and checks its scalar and dimension.
 template <class Header>
 Status read_header(std::span<const std::byte> data, BlobCheck check, Status none, std::uint32_t scalar_bytes,
                    std::uint32_t dimension, Header& header) noexcept {
@@ -54,13 +54,13 @@ template <std::unsigned_integral N>
 constexpr N whole_lines(N bytes) noexcept {
     return (bytes + 63) / 64 * 64;
 }
-/// Appends an array to packed data that ends at `end`: sets its offset, 0 if it is absent.
+/// Sets the offset of the next array of packed data, or 0 if it is absent, and advances `end`.
 inline void place_array(std::uint64_t& end, std::uint64_t& offset, std::uint64_t bytes,
                         bool is_there) noexcept {
     offset = is_there ? end : 0;
     if (is_there) end += whole_lines(bytes);
 }
-/// Returns whether an array is there if it is `wanted`, and then lies between a header and the end.
+/// Returns whether an array is present as `wanted`, aligned, and between the header and the end.
 template <class Header>
 bool holds_array(const Header& header, std::uint64_t offset, std::uint64_t bytes, bool wanted) noexcept {
     if (offset == 0) return !wanted;

@@ -62,8 +62,8 @@ CAGEFORM_DETAIL_INLINE inline void store_bytes(void* bytes, const R& r) noexcept
 
 /// Prefetches the cache line `ahead` bytes further on into the second-level cache. The address may
 /// lie past the end of the memory.
-CAGEFORM_DETAIL_INLINE inline void fetch_ahead([[maybe_unused]] const void* bytes,
-                                               [[maybe_unused]] std::size_t ahead) noexcept {
+CAGEFORM_DETAIL_INLINE inline void prefetch([[maybe_unused]] const void* bytes,
+                                            [[maybe_unused]] std::size_t ahead) noexcept {
 #if defined(__GNUC__)
     // NOLINTNEXTLINE(performance-no-int-to-ptr): avoids pointer arithmetic past the end
     __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(bytes) + ahead), 0, 2);
@@ -159,7 +159,7 @@ struct Simd {
         for (std::size_t k = 0; k < count; ++k) r[k] = x - Register{};
     }
     static Simd load(const Lanes<T>& lanes) noexcept {
-        Simd p; // one register at a time: GNU would copy the whole in pieces of another width
+        Simd p; // one register at a time, because GCC would copy the whole in pieces of another width
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k)
             p.r[k] = load_bytes<Register>(lanes.v + k * (64 / sizeof(T) / count));
@@ -294,8 +294,8 @@ T ordered_sum(const Simd<T>& x) noexcept {
     return sum;
 }
 
-/// Evaluates a polynomial in x with the coefficients c[last], c[last − 2], …, k + 1 in number, from
-/// the highest power down.
+/// Evaluates a polynomial in x with the k + 1 coefficients c[last], c[last − 2], …, from the highest
+/// power down.
 template <Scalar T, std::size_t n, std::size_t... k>
 CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, std::size_t last,
                                                    const Simd<T>& x, std::index_sequence<k...>) noexcept {
@@ -304,8 +304,8 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, st
     return sum;
 }
 
-/// Evaluates c[0] + c[1] x + c[2] x² + … as independent even and odd halves, which halves the latency. The
-/// terms are expanded by a fold: GNU would keep a loop and reload its constants each time.
+/// Evaluates c[0] + c[1] x + c[2] x² + … as independent even and odd halves, which halves the latency.
+/// Uses a fold expression, because GCC would keep a loop and reload its constants.
 template <Scalar T, std::size_t n>
 CAGEFORM_DETAIL_INLINE inline Simd<T> polynomial(const std::array<T, n>& c, const Simd<T>& x) noexcept {
     static_assert(n >= 3);

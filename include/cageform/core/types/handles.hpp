@@ -79,6 +79,7 @@ struct HandleView {
         for (std::size_t i = 0; i < count; ++i) vectors += is_point(i) ? 0 : 1;
         return vectors;
     }
+    std::size_t point_count() const noexcept { return count - vector_count(); }
     /// Returns the number of elements of `loops`.
     std::size_t loop_numbers() const noexcept { return loops == nullptr ? 0 : loops[loops[0] - 1]; }
 };

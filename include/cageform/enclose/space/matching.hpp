@@ -4,7 +4,6 @@
 #include <cageform/core/status.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>

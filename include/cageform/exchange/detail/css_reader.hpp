@@ -4,11 +4,8 @@
 #include <cageform/exchange/detail/easing.hpp>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 #include <string_view>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

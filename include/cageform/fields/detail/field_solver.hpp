@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

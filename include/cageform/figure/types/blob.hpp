@@ -1,27 +1,27 @@
-// The binary layout of a packed binding: written to a file, mapped, and cloned without copying.
+// The binary layout of a packed binding, which is written to a file, mapped, and cloned in place.
 //
-// Byte order is that of the machine that wrote it, marked by a tag. Every array begins at a multiple
-// of 64 bytes from the beginning; there are offsets, no pointers. L = 64 / sizeof(T) points make a
-// block (16 for float, 8 for double), B = ⌈#points / L⌉.
+// Byte order is that of the machine that wrote the blob; a field records it. Every array begins at a
+// multiple of 64 bytes. Offsets are relative, without pointers. A block has L = 64 / sizeof(T) points
+// (16 for float, 8 for double); B = ⌈#points / L⌉.
 //
 //     BlobHeader
 //     weights       #rows × L of the format: a row holds the weights of a block's points for one
 //                   handle, block by block
 //     row_begin     B + 1 × uint32    only in sparse bindings; else #rows = B · #handles
 //     row_handle    #rows × uint16    with row_begin
-//     order         #points × uint32: the point at each position; only if they are not in order
+//     order         #points × uint32: the point at each position; only if points are reordered
 //     scale         B × T             not with scalar weights
 //     residual      B × (D + 1) × L × T         with scale
 //     affine_fit    #handles × (D + 1) × T      with scale
 //     rest          B × D × L × T
 //     rest_handles  #handles × D × T
 //     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only if some are vectors
-//     handle_faces  #vectors × D × uint32: the handles at a face's corners; only if the vectors
-//                   belong to faces
-//     handle_loops  the loops of HandleView × uint32; only if corners of faces are means
+//     handle_faces  #vectors × D × uint32: the corners of a face (HandleFace); only if the vectors
+//                   have faces
+//     handle_loops  #loop_numbers × uint32: HandleView::loops; only if corners of faces are means
 //
-// Readers that know no loops refuse blobs that have some: a corner is then no handle. Version 1 has no
-// vectors and can be read as well. A GPU can use these bytes as buffers (clone/glsl.hpp).
+// Older readers reject blobs with loops, because their corners are out of range. Version 1 has no
+// vectors and can be opened too. GPUs can use these bytes as buffers (clone/glsl.hpp).
 #pragma once
 
 #include <cageform/core/detail/packed_memory.hpp>
@@ -30,7 +30,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 if an array is absent.
+/// The first 192 bytes of a blob. Offsets are in bytes from the beginning of the blob, 0 if an array is
+/// absent.
 struct BlobHeader {
     static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
     static constexpr std::uint32_t current_version = 2, endian_tag = 0x01020304u;
@@ -41,29 +42,29 @@ struct BlobHeader {
     std::uint64_t bytes = 0;    ///< of the whole blob, a multiple of 64
     std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
     std::uint32_t scalar_bytes = 0, dimension = 0, format = 0;
-    std::uint32_t loop_numbers = 0; ///< of handle_loops; was 0
+    std::uint32_t loop_numbers = 0; ///< of handle_loops; 0 in older blobs
     std::uint64_t handles = 0, points = 0, rows = 0;
     std::uint64_t cage_hash = 0, figure_hash = 0;
     std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, residual = 0,
                   affine_fit = 0, rest = 0, rest_handles = 0;
     std::uint64_t handle_kinds = 0, handle_faces = 0, vectors = 0; ///< since version 2
-    std::uint64_t handle_loops = 0;                                ///< was 0
+    std::uint64_t handle_loops = 0;                                ///< 0 in older blobs
 };
 static_assert(sizeof(BlobHeader) == 192);
 
 struct BlobExpectation {
-    std::uint64_t cage_hash = 0;   ///< refuses blobs of other cages; 0: any
-    std::uint64_t figure_hash = 0; ///< refuses blobs of other figures; 0: any
+    std::uint64_t cage_hash = 0;   ///< the required hash; 0: any
+    std::uint64_t figure_hash = 0; ///< the required hash; 0: any
     BlobCheck check = BlobCheck::all;
 };
 
 struct BlobReport {
     Status status = Status::ok;
     std::uint64_t cage_hash = 0, figure_hash = 0;
-    std::size_t bytes = 0; ///< size of the blob; the next one may begin there
+    std::size_t bytes = 0; ///< size of the blob; other data may follow it
 };
 
-/// Visits the arrays of a blob: visit(offset, size in bytes, whether the array is wanted).
+/// Calls visit(offset, size in bytes, whether the array is required) for each array of a blob.
 template <Scalar T, std::size_t D, class Header, class Visit>
 void for_each_blob_array(Header& header, const Visit& visit) noexcept {
     const std::uint64_t points = header.points, rows = header.rows, handles = header.handles;
@@ -110,7 +111,7 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     return view;
 }
 
-/// Checks that a table of `numbers` numbers holds loops, none of them empty, of handles that are points.
+/// Checks that a table of `numbers` elements contains non-empty loops of point handles.
 template <Scalar T, std::size_t D>
 bool has_valid_loops(const HandleView<T, D>& handles, std::uint64_t numbers) noexcept {
     const std::uint32_t* const table = handles.loops;
@@ -127,8 +128,8 @@ bool has_valid_loops(const HandleView<T, D>& handles, std::uint64_t numbers) noe
     return true;
 }
 
-/// Checks that there are as many vectors among the handles as a blob says, on faces whose corners
-/// are points or means of sound loops.
+/// Checks the number of vector handles, and that the corners of their faces are points or means of
+/// valid loops.
 template <Scalar T, std::size_t D>
 Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
                      std::uint64_t loop_numbers) noexcept {
@@ -148,8 +149,8 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
     return Status::ok;
 }
 
-/// Checks a blob. Counts that fit into 32 bits keep the products of `for_each_blob_array` below
-/// 2^64; the rows of dense blobs are checked by division.
+/// Checks a blob. Counts that fit in 32 bits keep the products in `for_each_blob_array` below 2^64; the
+/// rows of dense blobs are checked by division.
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
@@ -193,15 +194,16 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
 
 } // namespace detail
 
-/// Opens a blob without copying, for instance in a mapped file. `data` must not change while the
-/// binding is used.
+/// Opens a blob in place, for instance in a mapped file. `data` must not change while the binding is
+/// used.
 ///
 ///   data     at least the blob, aligned to 64 bytes; bytes after it are ignored
 ///   returns  not_a_blob, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
-///            blob_malformed, blob_of_another_cage, blob_of_another_figure, or ok. A clone by an opened
-///            blob never reads or writes out of bounds, whatever the bytes; BlobCheck::all also
-///            verifies that the bytes are those that were written.
-///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all everything once
+///            blob_malformed, blob_of_another_cage, blob_of_another_figure, or ok. Clones of an opened
+///            blob never read or write out of bounds, whatever its bytes. BlobCheck::all also detects
+///            changed bytes
+///   cost     no allocation; reads order, row_begin and row_handle; with BlobCheck::all reads every byte
+///            once
 template <Scalar T, std::size_t D>
 Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte> data,
                                                       const BlobExpectation& expected = {}) noexcept {
@@ -227,7 +229,7 @@ Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte>
             {Status::ok, header.cage_hash, header.figure_hash, std::size_t(header.bytes)}};
 }
 
-/// Owns a blob; made by `pack`. Copies and moves are whole bindings.
+/// Owns a blob; made by `pack`. Copying copies all bytes.
 template <Scalar T, std::size_t D>
 class PackedBinding {
 public:
@@ -235,8 +237,9 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedBinding() = default;
-    /// Allocates a blob and sets the offsets and the size in `header`. An offset of `header` that is not zero
-    /// asks for that array. All arrays are zero and `writable` until `seal` is called. Throws std::bad_alloc.
+    /// Allocates a blob and sets the offsets and the size in `header`. A non-zero offset in `header`
+    /// requests that array. All arrays are zero, and `writable` until `seal` is called. Throws
+    /// std::bad_alloc if memory runs out.
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;

@@ -5,8 +5,6 @@
 #include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 
-#include <optional>
-
 namespace cageform::inline CAGEFORM_ABI::grid {
 
 /// The value at a point as a weighted sum of values at nodes and on the boundary, for any function.

@@ -3,7 +3,6 @@
 
 #include <cageform/cage/polygon.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 

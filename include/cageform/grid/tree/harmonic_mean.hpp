@@ -18,7 +18,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <span>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

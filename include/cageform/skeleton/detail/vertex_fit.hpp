@@ -5,8 +5,6 @@
 #include <cageform/skeleton/detail/motion.hpp>
 #include <cageform/skeleton/detail/simplex_weights.hpp>
 
-#include <span>
-
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Products of (x, y, z, 1) with itself: ten numbers, and the index of the product of two entries.
