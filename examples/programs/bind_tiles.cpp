@@ -309,8 +309,7 @@ std::uint64_t hash_of_parameters(const Arguments& given, const ObjFile& cage, co
     const auto& multigrid = c.harmonic.multigrid;
     text << "bind_tiles 1 " << job.piece << ' ' << c.name << ' ' << c.faces << ' ' << c.divisions << ' '
          << c.resolution << ' ' << c.is_uniform << ' ' << c.harmonic.accuracy << ' ' << multigrid.tolerance
-         << ' ' << c.harmonic.averaging.tolerance << ' ' << int(c.harmonic.solver) << ' '
-         << given.outside.word << ' ' << given.outside.falloff << ' '
+         << ' ' << given.outside.word << ' ' << given.outside.falloff << ' '
          << int(job.pack.format.value_or(cageform::WeightFormat::scalar)) << ' ' << job.pack.largest << ' '
          << job.pack.tolerance << ' ' << cage.lattice.has_value() << '\n';
     std::uint64_t hash = cageform::hash_memory(std::span<const char>(text.str()));
