@@ -74,8 +74,8 @@ def test_kinds(page):
     page.click('#rest')
     page.drag_vertex(9, 50, 20)
     polygon = page.pose()
-    page.run('page.ensureBound(2)')
-    green = pairs(page.run('Array.from(page.cloneFigure(2, page.pose))'))
+    page.run("page.ensureBound('green')")
+    green = pairs(page.run('Array.from(page.cloneFigure(\'green\', page.pose))'))
     page.click('[data-cage=curved]')
     check(len(page.pose()) == 3 * len(polygon) and page.pose()[0::6] == polygon[0::2], 'a polygon becomes curves, in its pose')
     error = farthest(places(page)[1], green)
@@ -90,19 +90,19 @@ def test_kinds(page):
     check(page.pose() == lattice, 'so is the lattice')
     for _ in range(2):
         page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == lattice and page.run('page.types[0]') == 4, 'undo goes back through the kinds')
+    check(page.pose() == lattice and page.run('page.types[0]') == 'splines', 'undo goes back through the kinds')
     page.key('z', 'KeyZ', modifiers=2)
     page.key('z', 'KeyZ', modifiers=2)
     check(page.run("page.cage.kind === 'curved' && document.body.dataset.cage === 'curved'"), 'to the curves')
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == polygon and page.run("page.types[0] === Number(document.querySelector('#types .chosen').dataset.type)"), 'and to the polygon')
+    check(page.pose() == polygon and page.run("page.types[0] === document.querySelector('#types .chosen').dataset.type"), 'and to the polygon')
     for _ in range(2):
         page.key('y', 'KeyY', modifiers=2)
     check(page.run('page.cage.kind') == 'lattice', 'redo goes on')
     page.click('[data-figure=biped]')
     check(page.run('page.cage.kind') is None, 'another figure has its polygon')
     page.click('[data-figure=cat]')
-    check(page.run("page.cage.kind === 'lattice' && page.views[0].type === 4"), 'and the cat its lattice again')
+    check(page.run("page.cage.kind === 'lattice' && page.views[0].type === 'splines'"), 'and the cat its lattice again')
 
 
 ANY_ORDER = '''(seed => {
@@ -288,7 +288,7 @@ def test_lattice(page, folder):
     page.click('#edit')
     page.drag_vertex(6, -120, 60)  # the box as a whole
     page.click('#edit')
-    outside = page.run('page.bound[4].outside')
+    outside = page.run('page.bound.splines.outside')
     set_value(page, 'falloff', 0.1)
     check(outside > 50 and 0 < page.run('page.cage.falloff') < page.run('page.figure.size'), 'the box is moved, which leaves %d points outside, where displacements fade' % outside)
     rest, moved = places(page)
@@ -518,7 +518,7 @@ def test_curved(page, folder):
     control = page.run("parsePath('M0 0C0 9 9 9 9 0T18 0')[0].segments[1].control")
     check(control == [9, 0], 'T after a cubic begins with no tangent, as SVG has it')
     lengths = page.run('page.cage.curves[0].map(e => e.length).join("")')
-    check(re.match('34+43$', lengths) and page.run('page.bound[5].outside') == 0, 'a path of Q, A and S is a cage, each edge of its own degree: ' + lengths)
+    check(re.match('34+43$', lengths) and page.run('page.bound[page.types[0]].outside') == 0, 'a path of Q, A and S is a cage, each edge of its own degree: ' + lengths)
     page.click('#fit-view')
     page.drag_vertex(3 * (len(lengths) - 1), 30, -40)
     error = off_integral(page)

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace cageform_page {
@@ -109,78 +108,39 @@ private:
     Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
-/// Calls f(list) for all lists of samples.
-template <class Samples, class F>
-void for_each_list(Samples& samples, const F& f) {
-    f(samples.rest_handles);
-    f(samples.handle_kinds);
-    f(samples.points);
-    f(samples.clusters);
-    f(samples.centres);
-    f(samples.gradients);
-    f(samples.moments);
-    f(samples.stiffness);
-    f(samples.weak_handles);
-}
-constexpr std::size_t numbers_for(std::size_t bytes) {
-    return (bytes + sizeof(double) - 1) / sizeof(double);
-}
-/// Writes samples as numbers, for another instance of this program.
-template <cageform::Scalar T, std::size_t D>
-void write_samples(const cageform::PoseSamples<T, D>& samples, std::vector<double>& to) {
-    to.assign(samples.centre.v, samples.centre.v + D);
-    to.insert(to.end(), {samples.size, double(samples.cluster_count)});
-    for_each_list(samples, [&](const auto& list) {
-        const std::size_t bytes = list.size() * sizeof(list[0]), begin = to.size() + 1;
-        to.push_back(double(list.size()));
-        to.resize(begin + numbers_for(bytes));
-        if (bytes > 0) std::memcpy(to.data() + begin, list.data(), bytes);
-    });
-}
-template <cageform::Scalar T, std::size_t D>
-cageform::PoseSamples<T, D> read_samples(const double* from) {
-    cageform::PoseSamples<T, D> samples;
-    for (double& x : samples.centre.v) x = *from++;
-    samples.size = *from++;
-    samples.cluster_count = std::size_t(*from++);
-    for_each_list(samples, [&](auto& list) {
-        list.resize(std::size_t(*from++));
-        const std::size_t bytes = list.size() * sizeof(list[0]);
-        if (bytes > 0) std::memcpy(static_cast<void*>(list.data()), from, bytes);
-        from += numbers_for(bytes);
-    });
-    return samples;
+/// Returns points from numbers in a row.
+template <class T, std::size_t D>
+std::vector<cageform::Vec<T, D>> points_of(const double* numbers, std::size_t count) {
+    std::vector<cageform::Vec<T, D>> points(count);
+    for (auto& point : points) {
+        for (T& x : point.v) x = static_cast<T>(*numbers++);
+    }
+    return points;
 }
 
-/// The pins of one figure.
+/// The pins of one figure. Poses are of the points of the cage.
 template <cageform::Scalar T, std::size_t D>
 class Pins {
 public:
     using Status = cageform::Status;
     using Point = cageform::Vec<T, D>;
-    using Target = cageform::Vec<double, D>;
-    using Turn = cageform::PoseTurn<D>;
+    using Coordinates = cageform::AnyCoordinates<T, D>;
+    static constexpr std::size_t dimension = D;
 
     /// Takes the samples of solved coordinates; there are no pins then.
-    ///
-    ///   still  how many handles poses leave at rest, the last ones
-    template <class C>
-    Status take(const C& coordinates, std::size_t still, cageform::PoseSamples<T, D> samples) {
+    Status take(const Coordinates& coordinates, cageform::PoseSamples<T, D> samples) {
         solver_ = cageform::PoseSolver<T, D>(std::move(samples));
         if (solver_.status() != Status::ok) return solver_.status();
-        still_ = still;
         binding_ = cageform::bind(coordinates, std::vector<Point>{}).value;
         if constexpr (D == 2) nearest_.begin(solver_.samples(), binding_);
         return set(coordinates, {}, {}, {});
     }
 
     /// Sets the pins by their places at rest, which of them turn, and the points of the cage that are held.
-    template <class C>
-    Status set(const C& coordinates, std::span<const Target> points, std::span<const std::uint8_t> turned,
-               std::span<const std::uint32_t> held) {
+    Status set(const Coordinates& coordinates, std::span<const double> numbers,
+               std::span<const std::uint8_t> turned, std::span<const std::uint32_t> held) {
         culprit_ = none;
-        std::vector<Point> places;
-        for (const Target& p : points) places.push_back(cageform::vec_cast<T>(p));
+        const auto places = points_of<T, D>(numbers.data(), numbers.size() / D);
         auto [binding, report] = cageform::bind(coordinates, places);
         auto [axes, axes_report] = cageform::bind_jacobians(coordinates, places);
         if (report.status != Status::ok) return report.status;
@@ -189,10 +149,7 @@ public:
             if (counts && !left_out->empty()) culprit_ = (*left_out)[0];
         }
         if (culprit_ != none) return Status::pin_without_weights;
-        const auto view = binding.handle_view();
-        std::vector<std::uint32_t> kept(held.begin(), held.end());
-        for (std::size_t i = view.count - still_; i < view.count; ++i) kept.push_back(std::uint32_t(i));
-        Status status = solver_.set_held(kept);
+        Status status = solver_.set_held(held);
         cageform::PosePins<T, D> pins;
         pins.binding = binding.view();
         pins.turned = turned;
@@ -203,45 +160,50 @@ public:
         binding_ = std::move(binding);
         axes_ = std::move(axes);
         turned_.assign(turned.begin(), turned.end());
-        turned_.resize(points.size(), 0);
+        turned_.resize(places.size(), 0);
         if constexpr (D == 2) {
-            if (nearest_.is_needed()) nearest_.set(rows(), kept);
+            if (nearest_.is_needed()) nearest_.set(rows(), held);
         }
         return Status::ok;
     }
 
-    /// Starts from a pose of the points of the cage.
-    Status begin(std::span<const Target> pose) {
-        const Status status = set_handles(pose);
+    /// Starts from a pose.
+    Status begin(const double* pose, std::size_t count) {
+        const Status status = set_handles(pose, count);
         return status == Status::ok ? solver_.set_pose(handles_) : status;
     }
-    /// Moves a pose towards the targets, a frame. Turns count for pins that turn.
-    cageform::PoseSolverReport solve(std::span<const Target> targets, std::span<const Turn> turns,
-                                     std::span<const Target> pose) {
+    /// Moves a pose towards the targets, a frame.
+    ///
+    ///   turns  of pins that turn, or null
+    cageform::PoseSolverReport solve(const double* targets, const double* turns, double* pose,
+                                     std::size_t count) {
         cageform::PoseSolverReport report;
-        report.status = set_handles(pose);
+        report.status = set_handles(pose, count);
         if (report.status != Status::ok) return report;
-        report = solver_.solve(targets, handles_, turns);
+        const auto to = points_of<double, D>(targets, turned_.size());
+        const auto by = points_of < double, D == 2 ? 1 : 3 > (turns, turns == nullptr ? 0 : turned_.size());
+        report = solver_.solve(to, handles_, by);
         if constexpr (D == 2) {
             if (report.status == Status::ok && nearest_.is_needed())
-                nearest_.solve(offsets(targets, turns), solver_.samples().rest_handles, handles_);
+                nearest_.solve(offsets(to, by), solver_.samples().rest_handles, handles_);
+        }
+        for (std::size_t i = 0; i < handles_.size(); ++i) {
+            if (binding_.handle_view().is_point(i)) pose = std::copy_n(handles_[i].v, D, pose);
         }
         return report;
     }
-    /// Calls f(point) for the points of the pose.
-    template <class F>
-    void for_each_point(const F& f) const {
-        const auto view = binding_.handle_view();
-        for (std::size_t i = 0; i + still_ < view.count; ++i) {
-            if (view.is_point(i)) f(handles_[i]);
-        }
-    }
 
-    /// Finds the places of the pins under a pose, and how it changes the space about them.
-    Status locate(std::span<const Target> pose) { return locate(pose, binding_, axes_); }
-    const std::vector<Point>& places() const { return places_; }
-    /// Matrices, column after column.
-    const std::vector<T>& jacobians() const { return jacobians_; }
+    /// Writes the place of each pin under a pose and its Jacobian, column after column.
+    Status locate(const double* pose, std::size_t count, double* out) {
+        Status status = set_handles(pose, count);
+        if (status == Status::ok) status = locate(binding_, axes_);
+        if (status != Status::ok) return status;
+        for (const Located& pin : located_) {
+            out = std::copy_n(pin.place.v, D, out);
+            out = std::copy_n(pin.jacobian, D * D, out);
+        }
+        return status;
+    }
 
     struct Found {
         Point at;    ///< at rest
@@ -249,16 +211,23 @@ public:
     };
     /// Finds the point at rest that a pose takes to `goal`, by Newton's method from `start`, in shorter steps
     /// where whole ones do not come nearer or leave the cage.
-    template <class C>
-    Found find(const C& coordinates, const Point& start, const Point& goal,
-               std::span<const Target> pose) requires(D == 2) {
+    ///
+    ///   ends  the start and the goal
+    Found find(const Coordinates& coordinates, const double* ends, const double* pose,
+               std::size_t count) requires(D == 2) {
+        const Point start{ends[0], ends[1]}, goal{ends[2], ends[3]};
         Found found{start, std::numeric_limits<double>::infinity()};
+        if (set_handles(pose, count) != Status::ok) return found;
         Point at = start, step{};
         for (int n = 0; n < 40; ++n) {
-            const double miss = miss_of(coordinates, at, goal, pose);
-            if (miss < found.miss) {
-                found = {at, miss};
-                step = newton_step(goal - places_[0]);
+            const auto [binding, report] = cageform::bind(coordinates, std::array{at});
+            const auto axes = cageform::bind_jacobians(coordinates, std::array{at});
+            const bool is_inside = report.outside.empty() && report.unreached.empty();
+            if (!is_inside || locate(binding, axes.value) != Status::ok) {
+                step = 0.5 * step;
+            } else if (const Point off = goal - located_[0].place; std::sqrt(dot(off, off)) < found.miss) {
+                found = {at, std::sqrt(dot(off, off))};
+                step = newton_step(located_[0].jacobian, off);
             } else {
                 step = 0.5 * step;
             }
@@ -269,48 +238,35 @@ public:
     }
 
     const cageform::PoseSamples<T, D>& samples() const { return solver_.samples(); }
-    std::size_t count() const { return binding_.point_count(); }
     std::size_t culprit() const { return culprit_; }
 
 private:
+    struct Located {
+        Point place;
+        T jacobian[D * D];
+    };
     static constexpr std::size_t none = cageform::PoseSolverReport::none;
     static constexpr double lever = cageform::turn_lever;
 
-    Status set_handles(std::span<const Target> pose) {
-        const auto view = binding_.handle_view();
-        std::vector<Point> points;
-        for (const Target& p : pose) points.push_back(cageform::vec_cast<T>(p));
-        for (std::size_t i = view.count - still_; i < view.count; ++i) points.push_back(view.rest[i]);
-        handles_.resize(view.count);
-        return pose_handles(binding_, points, handles_).status;
-    }
-    /// Locates a point; how far it is from the goal, infinity outside of the cage.
-    template <class C>
-    double miss_of(const C& coordinates, const Point& at, const Point& goal, std::span<const Target> pose) {
-        const std::array<Point, 1> point{at};
-        const auto [binding, report] = cageform::bind(coordinates, point);
-        const auto [axes, axes_report] = cageform::bind_jacobians(coordinates, point);
-        const bool is_inside = report.outside.empty() && report.unreached.empty();
-        if (!is_inside || locate(pose, binding, axes) != Status::ok)
-            return std::numeric_limits<double>::infinity();
-        return std::sqrt(dot(goal - places_[0], goal - places_[0]));
+    Status set_handles(const double* pose, std::size_t count) {
+        handles_.resize(binding_.handle_count());
+        return pose_handles(binding_, points_of<T, D>(pose, count), handles_).status;
     }
     /// Returns the step at rest by which the point located moves so far; none where the pose turns it over.
-    Point newton_step(const Point& off) const {
-        const auto& j = jacobians_;
+    static Point newton_step(const T* j, const Point& off) {
         const double determinant = j[0] * j[3] - j[1] * j[2];
         if (!(determinant > 0)) return {};
         return {(j[3] * off[0] - j[2] * off[1]) / determinant, (j[0] * off[1] - j[1] * off[0]) / determinant};
     }
-    Status locate(std::span<const Target> pose, const cageform::Binding<T, D>& binding,
+    Status locate(const cageform::Binding<T, D>& binding,
                   const std::array<cageform::Binding<T, D>, D>& axes) {
-        Status status = set_handles(pose);
-        places_.resize(binding.point_count());
-        jacobians_.resize(places_.size() * D * D);
-        if (status == Status::ok) status = cageform::clone(binding, handles_, places_);
-        if (status != Status::ok) return status;
-        const cageform::StridedMatrices<T, D> matrices(jacobians_.data(), places_.size());
-        return clone_jacobians(axes, handles_, matrices);
+        located_.resize(binding.point_count());
+        if (located_.empty()) return Status::ok;
+        constexpr std::ptrdiff_t stride = sizeof(Located);
+        const cageform::StridedPoints<T, D> places(located_[0].place.v, located_.size(), stride);
+        const cageform::StridedMatrices<T, D> jacobians(located_[0].jacobian, located_.size(), stride);
+        const Status status = cageform::clone(binding, handles_, places);
+        return status == Status::ok ? clone_jacobians(axes, handles_, jacobians) : status;
     }
 
     /// Returns the rows of weights of the pins and of the axes of those that turn, which have the lengths of
@@ -330,7 +286,8 @@ private:
         }
         return all;
     }
-    Eigen::VectorXd offsets(std::span<const Target> targets, std::span<const Turn> turns) const {
+    Eigen::VectorXd offsets(const std::vector<cageform::Vec<double, D>>& targets,
+                            const std::vector<cageform::PoseTurn<D>>& turns) const {
         std::vector<double> all;
         for (std::size_t pin = 0; pin < turned_.size(); ++pin) {
             const auto rest = cageform::vec_cast<double>(binding_.rest_point(pin));
@@ -347,9 +304,9 @@ private:
     cageform::Binding<T, D> binding_;
     std::array<cageform::Binding<T, D>, D> axes_;
     std::vector<std::uint8_t> turned_;
-    std::vector<Point> handles_, places_;
-    std::vector<T> jacobians_;
-    std::size_t still_ = 0, culprit_ = none;
+    std::vector<Point> handles_;
+    std::vector<Located> located_;
+    std::size_t culprit_ = none;
 };
 
 } // namespace cageform_page

@@ -185,7 +185,7 @@ def test_held(page):
 
 def test_types(page):
     """Pins at rest give rest to the bit; dragged ones are met, in every type and kind of cage."""
-    for name, choose in [(n, '[data-type="%d"]' % k) for k, n in enumerate(('mean value', 'harmonic', 'Green', 'Sibson'))] + \
+    for name, choose in [(name, '[data-type=%s]' % name) for name in page.run('page.engine.polygonTypes')] + \
             [('lattice', '[data-cage=lattice]'), ('curved', '[data-cage=curved]')]:
         afresh(page)
         page.click(choose)
@@ -200,7 +200,7 @@ def test_types(page):
         miss = max(math.dist(after[0], goal), farthest(after[1:], before[1:])) / size
         check(still and miss < 1e-3, '%s: at rest to the bit, pins miss by %.1e of the size; samples in %.0f ms' % (name, miss, page.run('page.pinDrag.sampleTime')))
         page.click('[data-cage=polygon]')
-    page.click('[data-type="1"]')
+    page.click('[data-type=harmonic]')
 
 
 SETTLE_FULLY = '''(() => {
@@ -220,9 +220,9 @@ SETTLE_FULLY = '''(() => {
 
 def test_native(page, folder):
     """The pose by pins, beside that of deform_svg with the same pins."""
-    for coordinates, kind in (('mean-value', 0), ('harmonic', 1)):
+    for coordinates in ('mean-value', 'harmonic'):
         afresh(page)
-        page.click('[data-type="%d"]' % kind)
+        page.click('[data-type=%s]' % coordinates)
         page.wait('page.pinDrag.isPrepared')
         drag_pin(page, 0, -150, 70)
         drag_pin(page, 3, 20, 30)
@@ -240,7 +240,7 @@ def test_native(page, folder):
         error, coarse = farthest(mine, native) / size, farthest(shown, native) / size
         check(error < 2e-5, '%s: the pose by pins is off that of deform_svg by %.1e of the size' % (coordinates, error))
         check(coarse < 2e-2, 'with the samples of the page by %.1e' % coarse)
-    page.click('[data-type="1"]')
+    page.click('[data-type=harmonic]')
 
 
 def test_modes(page):

@@ -12,7 +12,6 @@ import time
 from browser import Browser
 
 PROGRAMS, DATA, BUILT = 'build/examples/', 'examples/data/', 'build/page/'
-TYPES = {'mean-value': 0, 'harmonic': 1, 'green': 2, 'sibson': 3}
 
 
 class Page(Browser):
@@ -52,9 +51,8 @@ class Page(Browser):
 
     def places(self, coordinates):
         """Bound points, and where the pose takes them."""
-        kind = TYPES[coordinates]
-        self.run('page.ensureBound(%d)' % kind)
-        flat = self.run('[Array.from(page.figure.points), Array.from(page.cloneFigure(%d, page.pose))]' % kind)
+        self.run("page.ensureBound('%s')" % coordinates)
+        flat = self.run("[Array.from(page.figure.points), Array.from(page.cloneFigure('%s', page.pose))]" % coordinates)
         return [list(zip(points[::2], points[1::2])) for points in flat]
 
     def saved(self, selector, name):

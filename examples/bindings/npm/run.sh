@@ -22,11 +22,11 @@ compiled() {
   name=$1
   exports=$2
   shift 2
-  sources="include $npm/cageform.cpp examples/bindings/wasm $made/layout_check.hpp $made/$exports.txt"
+  sources="include $npm/cageform.cpp $npm/compile.sh $made/layout_check.hpp $made/$exports.txt"
   # shellcheck disable=SC2086  # the list is meant to be split
   [ ! -f "$made/$name.wasm" ] || [ -n "$(find $sources -newer "$made/$name.wasm" -type f)" ] || return 0
   echo "$name.wasm"
-  sh examples/bindings/wasm/compile.sh $npm/cageform.cpp $made/"$name".wasm -I$made "@$made/$exports.txt" -Os "$@"
+  sh $npm/compile.sh $npm/cageform.cpp $made/"$name".wasm -I$made "@$made/$exports.txt" -Os "$@"
 }
 compiled runtime exports_runtime -DCAGEFORM_C_RUNTIME_ONLY
 compiled cageform exports # two minutes
@@ -34,7 +34,6 @@ compiled cageform exports # two minutes
 rm -rf $package
 mkdir -p $package
 cp $npm/package/*.js $npm/package/*.d.ts $npm/package/README.md LICENSE $made/layout.js $made/layout.d.ts $made/*.wasm $package
-sh $npm/write_host.sh $package/host.js
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp)
 chmod 644 $package/*
 license=$(sed -n '1s/ License$//p' LICENSE)

@@ -14,7 +14,7 @@ class App {
     this.pinDrag = new PinDrag(this, engine.planePins(() => this.leadType));
     this.history = new History(this);
     this.sessions = new Map(); // of figures shown before, by name
-    this.timings = TYPE_NAMES.map(() => ({ bind: 0, clone: 0, clones: 0 }));
+    this.timings = {}; // by coordinate type
     new ResizeObserver(() => this.redraw()).observe(document.getElementById('views'));
   }
 
@@ -29,13 +29,13 @@ class App {
   show({ figure, cage, pose = cage.rest.slice(), pins = null, clip = new Clip(), kinds = {}, window = null, earlier = [], later = [] }) {
     const before = [this.figure, this.cage, this.pose, this.clip];
     [this.figure, this.cage, this.pose, this.clip] = [figure, cage, pose, clip];
-    this.bound = TYPE_NAMES.map(() => null);
-    this.fields = TYPE_NAMES.map(() => null);
+    this.bound = {};
+    this.fields = {};
     try {
       this.ensureBound(this.types[0]);
     } catch (error) {
       [this.figure, this.cage, this.pose, this.clip] = before;
-      this.bound = TYPE_NAMES.map(() => null);
+      this.bound = {};
       throw error;
     }
     this.kinds = kinds;
@@ -64,7 +64,7 @@ class App {
     this.matchViews();
     this.redraw();
   }
-  get types() { return kindOf(this.cage).types ?? this.chosenTypes ?? [0]; }
+  get types() { return kindOf(this.cage).types ?? this.chosenTypes ?? this.engine.polygonTypes.slice(0, 1); }
   /** Makes the views of the types to show; returns false if they are there. */
   matchViews() {
     const { types } = this;
@@ -98,13 +98,13 @@ class App {
   }
   /** Binds again after the cage was edited. Throws the cage's fault; then nothing is bound. */
   rebind() {
-    this.bound = TYPE_NAMES.map(() => null);
+    this.bound = {};
     for (const type of this.types) this.ensureBound(type);
   }
 
   /** Returns the figure's points, moved by the pose. */
   cloneFigure(type, pose) {
-    const start = performance.now(), places = this.engine.clone(type, 0, pose, this.figure.points.length / 2);
+    const start = performance.now(), places = this.engine.clone(type, 0, pose);
     const timing = this.timings[type];
     timing.clone += performance.now() - start;
     ++timing.clones;
@@ -177,7 +177,7 @@ class App {
   tell() {
     const number = new Intl.NumberFormat('en');
     for (const view of this.views) {
-      const { bind, clone, clones } = this.timings[view.type], name = TYPE_NAMES[view.type];
+      const { bind = 0, clone = 0, clones = 0 } = this.timings[view.type] ?? {}, name = titleOf(view.type);
       view.caption.innerHTML = '';
       const title = document.createElement('b');
       title.textContent = name;
@@ -284,7 +284,7 @@ class App {
   changeAxes(axes) {
     if (JSON.stringify(axes) === JSON.stringify(this.cage.axes)) return;
     this.selection.clear(); // of points that are no more
-    this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeLattice({ ...this.cage, axes })));
+    this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeCoordinates('splines', { ...this.cage, axes })));
   }
 
   /** Shows the figure in a cage of another kind, as it was left or as new; or in a given one, at rest. */
@@ -300,7 +300,7 @@ class App {
       const { cage, rows } = curvesOfPolygon(polygon.cage);
       return this.followedBy({ ...cage, of: polygon.cage }, rows, polygon);
     }
-    const axes = axesOf([4, 4], '3'), frame = this.engine.boxAbout(this.figure.drawnSegments());
+    const axes = axesOf([4, 4], '3'), frame = boxAround(this.figure.drawnSegments());
     const cage = kindOf({ kind: name }).settled(this.engine, { kind: name, axes, frame, falloff: 0, frozen: 0, loops: [] });
     return { cage, pose: cage.rest.slice(), clip: new Clip(polygon.clip.length) };
   }

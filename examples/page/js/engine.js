@@ -1,7 +1,5 @@
-// The library: page.cpp compiled to WebAssembly. Its functions take and return arrays of numbers.
-
-const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson', 'Lattice', 'Curved Green'];
-const LATTICE_TYPE = 4, CURVED_TYPE = 5;
+// The library as the page calls it: the npm package, of which `cageform` has the names, and the functions of page.cpp. Points,
+// poses and places are numbers in a row.
 
 /** Returns the bytes of gzip data; null if there are more than `most`. */
 async function unpacked(packed, most = Infinity) {
@@ -19,185 +17,242 @@ async function unpacked(packed, most = Infinity) {
 /** Returns the bytes of gzip data in base64. */
 const unpack = text => unpacked(Uint8Array.from(atob(text), c => c.charCodeAt(0)));
 
+/** Returns the name of a coordinate type for readers. */
+const titleOf = type => type[0].toUpperCase() + type.slice(1).replaceAll('-', ' ');
+
+/** Coordinates, and points bound by them in batches: the figure's, and the nodes where weights are shown. */
+class Bound {
+  /** The cage moves its first `count` points; the others stay at rest. */
+  constructor(coordinates, count = coordinates.vertices) {
+    coordinates.solve();
+    Object.assign(this, { coordinates, count, rest: coordinates.rest(), batches: [] });
+  }
+  /** Returns the points of the cage that move, at rest. */
+  get points() { return this.rest.slice(0, this.count * this.coordinates.dimension); }
+  /** Returns the numbers of the points that stay. */
+  get still() { return Array.from({ length: this.coordinates.vertices - this.count }, (x, i) => this.count + i); }
+  /** Returns a pose of all points of the cage. */
+  full(pose) {
+    const { coordinates: { vertices, dimension }, rest, count } = this;
+    if (count === vertices) return pose;
+    const all = rest.slice(0, vertices * dimension);
+    all.set(pose);
+    return all;
+  }
+
+  bind(batch, points, outside) {
+    this.#free(this.batches[batch]);
+    const { hasWeightsOutside } = this.coordinates;
+    this.batches[batch] = this.coordinates.bind(points, hasWeightsOutside ? {} : { outside });
+    return this.batches[batch].report;
+  }
+  /** Returns the moved points of a batch; a view that the next call may change. */
+  clone(batch, pose) {
+    const { figure } = this.batches[batch], all = this.full(pose);
+    return figure.cloneView(figure.vertices < figure.handles ? figure.poseHandles(all) : all).points;
+  }
+  free() {
+    this.batches.forEach(this.#free);
+    this.coordinates.free();
+  }
+  #free(binding) {
+    binding?.figure.free();
+    binding?.free();
+  }
+}
+
 class Engine {
   /** The library in an instance of its own; `onProgress` gets the fraction done of long computations. */
   static async start(module, onProgress = () => {}) {
-    const engine = new Engine();
-    const host = wasiHost(() => engine.calls.memory, { progress: onProgress });
-    engine.calls = (await WebAssembly.instantiate(module, importsOf(module, host))).exports;
-    engine.calls._initialize();
-    return engine;
+    await cageform.start(module, null, true);
+    return Object.assign(new Engine(), { library: cageform.started(), progress: onProgress, plane: new Map(), space: null });
   }
 
-  bytes() { return this.calls.memory.buffer.byteLength; }
-  /** Writes numbers to the input, several arrays one after the other. */
-  give(...arrays) {
-    const size = arrays.reduce((sum, a) => sum + a.length, 0);
-    let at = this.calls.page_input(size);
-    for (const array of arrays) {
-      new Float64Array(this.calls.memory.buffer, at, array.length).set(array);
-      at += 8 * array.length;
-    }
-  }
-  /** Returns `size` numbers that the last call wrote; a view that the next call may change. */
-  taken(size, from = 0) { return new Float64Array(this.calls.memory.buffer, this.calls.page_output() + 8 * from, size); }
-  text(at) {
-    const bytes = new Uint8Array(this.calls.memory.buffer, at);
-    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
-  }
-  check(status) {
-    if (status !== 0) throw new Error(this.text(this.calls.page_message()));
+  bytes() { return this.library.buffer.byteLength; }
+  /** Returns the bytes that a function makes; `given` returns its arguments. */
+  made(name, given) {
+    return this.library.scoped(scope => cageform.taken(this.library, scope, this.library.make(scope, name, given(scope)))).buffer;
   }
 
-  /** Makes coordinates of a type on a cage; throws the cage's fault. */
+  // ---- figures in the plane, by coordinate type ----
+
+  /** Returns the types that take any polygon. */
+  get polygonTypes() {
+    const cage = cageform.Cage.polygon([0, 0, 2, 1, 4, 0, 2, 4]); // not convex
+    return cageform.Coordinates.kinds.filter(kind => {
+      try {
+        new cageform.Coordinates(cage, { kind, scalar: 'float64' }).free();
+        return true;
+      } catch {
+        return false;
+      }
+    });
+  }
+  /** Makes coordinates of a type on a cage, and returns the points of the cage that move, at rest; throws the cage's fault. */
   makeCoordinates(type, cage) {
-    if (cage.kind === 'lattice') return this.makeLattice(cage);
-    if (cage.kind === 'curved') return this.makeCurves(cage);
-    this.give(cage.loops, cage.rest);
-    this.check(this.calls.page_cage(type, cage.loops.length, cage.rest.length / 2));
+    const { Cage, Coordinates } = cageform, scalar = 'float64';
+    let made;
+    if (cage.kind === 'lattice') {
+      const { axes, frame: [x, y, ...sides], falloff } = cage, along = name => axes.map(axis => axis[name]);
+      const box = Cage.lattice({ points: along('points'), degree: along('degree'), knots: along('knots'), origin: [x, y],
+        axes: [sides.slice(0, 2), sides.slice(2)], falloff });
+      made = new Bound(new Coordinates(box, { scalar }), axes[0].points * axes[1].points);
+    } else if (cage.kind === 'curved') {
+      const curves = Cage.curves(cage.curves.flat(), cage.curves.map(loop => loop.length));
+      made = new Bound(new Coordinates(curves, { scalar, disk: Array.from(cage.around ?? diskOf(cage)) }));
+    } else {
+      made = new Bound(new Coordinates(Cage.polygon(cage.rest, cage.loops), { kind: type, scalar }));
+    }
+    this.plane.get(type)?.free();
+    this.plane.set(type, made);
+    return made.points;
   }
-  /** Makes the coordinates of a lattice, and returns its points at rest. */
-  makeLattice({ axes, frame, falloff }) {
-    this.give(axes.flatMap(({ points, degree, knots = [] }) => [points, degree, knots.length, ...knots]), frame, [falloff]);
-    this.check(this.calls.page_lattice());
-    return this.taken(2 * axes[0].points * axes[1].points).slice();
-  }
-  /** Makes the coordinates of a curved cage, and returns its points at rest. */
-  makeCurves(cage) {
-    const edges = cage.curves.flat();
-    this.give(cage.curves.map(loop => loop.length), edges.map(edge => edge.length - 1), edges.flat(2), cage.around ?? diskOf(cage));
-    this.check(this.calls.page_curves(cage.curves.length, edges.length));
-    return this.taken(6 * edges.length).slice();
-  }
-  /** Returns origin and columns of a box about segments (ax, ay, bx, by, radius each), for a lattice. */
-  boxAbout(segments) {
-    this.give(segments);
-    this.check(this.calls.page_box(segments.length / 5));
-    return Array.from(this.taken(6));
-  }
+  /** Binds points; those outside stay (of points without a cage), or move with the boundary, as in the programs. */
   bind(type, batch, points) {
-    this.give(points);
-    this.check(this.calls.page_bind(type, batch, points.length / 2));
-    const [outside, unreached, notFinite, leastWeight] = this.taken(4);
-    return { outside, unreached, notFinite, leastWeight };
+    return this.plane.get(type).bind(batch, points, type.startsWith('sibson') && batch === 0 ? 'keep-in-place' : 'nearest-boundary');
   }
-  /** Returns the `count` moved points of a batch; a view that the next call may change. */
-  clone(type, batch, pose, count) {
-    this.give(pose);
-    const at = this.calls.page_clone(type, batch, pose.length / 2);
-    if (at === 0) throw new Error(this.text(this.calls.page_message()));
-    return new Float64Array(this.calls.memory.buffer, at, 2 * count);
+  /** Returns the moved points of a batch; a view that the next call may change. */
+  clone(type, batch, pose) { return this.plane.get(type).clone(batch, pose); }
+  weights(type, batch, vertex) { return this.weightsOf(this.plane.get(type).batches[batch], vertex); }
+  weightsOf(binding, vertex) {
+    return this.library.scoped(scope => {
+      const { members, numbers } = scope.output(binding.points, 1, Float64Array);
+      this.library.check(this.library.call('page_weights', binding._at, vertex, members.data));
+      return numbers().slice();
+    });
   }
-  weights(type, batch, vertex) { return this.taken(this.calls.page_weights(type, batch, vertex)); }
 
   /** Makes a cage for segments (ax, ay, bx, by, radius each). */
   makeCage(segments, vertices) {
-    this.give(segments);
-    this.check(this.calls.page_make_cage(segments.length / 5, vertices));
-    const [loops, clearance, seconds] = this.taken(3);
-    const sizes = Array.from(this.taken(loops, 3));
-    const count = sizes.reduce((sum, n) => sum + n, 0);
-    return { loops: sizes, rest: this.taken(2 * count, 3 + loops).slice(), clearance, seconds };
+    const all = Array.from({ length: segments.length / 5 }, (x, i) => segments.slice(5 * i, 5 * i + 5)), { progress } = this;
+    const points = all.flatMap(([ax, ay, bx, by]) => [ax, ay, bx, by]), radii = all.map(segment => segment[4]);
+    const { cage, report } = cageform.makeCage(points, Uint32Array.from({ length: 2 * all.length }, (x, i) => i),
+      { dimension: 2, vertices, radii, progress });
+    return { loops: Array.from(cage.loops), rest: cage.vertices, clearance: report.clearance, seconds: report.seconds };
   }
   /** Compiles keys (time, value, kind, in-handle, out-handle each) to cubic pieces with a certified error. */
   fit(keys, tolerance) {
-    this.give(keys);
-    const count = this.calls.page_fit(keys.length / 7, tolerance);
-    if (count < 0) throw new Error(this.text(this.calls.page_message()));
-    return { error: this.taken(1)[0], pieces: this.taken(5 * count, 1).slice() };
+    const [error, ...pieces] = new Float64Array(this.made('page_compile', scope => [scope.array(Float64Array.from(keys)), keys.length / 7, tolerance]));
+    return { error, pieces: Float64Array.from(pieces) };
   }
+
+  // ---- the mesh ----
 
   /** Makes a cage for a mesh, which takes a second or two. */
   makeShell(mesh, vertices) {
-    this.give(mesh.vertices, mesh.faces);
-    this.check(this.calls.page_make_shell(mesh.vertices.length / 3, mesh.faces.length / 3, vertices));
-    const [count, faces, clearance] = this.taken(3);
-    return { vertices: this.taken(3 * count, 3).slice(), faces: this.taken(3 * faces, 3 + 3 * count).slice(), clearance };
+    const { cage, report } = cageform.makeCage(mesh.vertices, mesh.faces, { vertices, progress: this.progress });
+    return { vertices: cage.vertices, faces: Uint32Array.from(cage.faces.flat()), clearance: report.clearance };
+  }
+  makeSpace({ vertices, faces }) {
+    const made = new Bound(new cageform.Coordinates(cageform.Cage.mesh(vertices, faces)));
+    this.space?.free();
+    this.space = made;
   }
   bindMesh(mesh, cage) {
-    this.give(cage.vertices, cage.faces, mesh.vertices, mesh.faces);
-    this.check(this.calls.page_mesh(cage.vertices.length / 3, cage.faces.length / 3, mesh.vertices.length / 3,
-                                    mesh.faces.length / 3));
-    return { outside: this.taken(1)[0] };
+    this.makeSpace(cage);
+    return this.space.bind(0, mesh.vertices);
   }
-  cloneMesh(pose, count) {
-    this.give(pose);
-    const at = this.calls.page_mesh_clone(pose.length / 3);
-    if (at === 0) throw new Error(this.text(this.calls.page_message()));
-    return new Float32Array(this.calls.memory.buffer, at, 3 * count);
+  cloneMesh(pose) {
+    const places = this.space.clone(0, pose);
+    this.placesAt = places.byteOffset; // which stays
+    return places;
+  }
+  /** Returns the normals of the mesh where cloneMesh() has moved it. */
+  meshNormals(faces) {
+    const { library, placesAt, space: { batches: [{ points }] } } = this;
+    return library.scoped(scope => {
+      const { members, numbers } = scope.output(points, 3, Float32Array);
+      library.call('page_normals', placesAt, points, scope.array(faces), faces.length, members.data);
+      return numbers().slice();
+    });
   }
   /** Returns the weight of a vertex at every point of the mesh. */
-  meshField(vertex) { return this.taken(this.calls.page_mesh_field(vertex)); }
-  meshNormals(count) { return new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_normals(), 3 * count); }
+  meshField(vertex) { return this.weightsOf(this.space.batches[0], vertex); }
+  /** Returns joints and weights, `influences` for each point. */
   meshSkin(influences, count) {
-    this.check(this.calls.page_mesh_skin(influences));
-    return {
-      joints: new Uint16Array(this.calls.memory.buffer, this.calls.page_mesh_joints(), influences * count).slice(),
-      weights: new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_weights(), influences * count).slice(),
-    };
+    const all = this.made('page_skin', () => [this.space.batches[0]._at, influences]);
+    return { weights: new Float32Array(all, 0, influences * count), joints: new Uint16Array(all, 4 * influences * count) };
   }
+  glsl() { return this.library.text(this.library.call('page_glsl')); }
+
+  // ---- pins ----
 
   /** Returns the calls that a PinDrag makes: of a figure in the plane by coordinates of a type, or in space. */
-  planePins(typeOf) { return pinCalls(this, 2, 'page_pins_', () => [typeOf()], planeTurn); }
-  spacePins() { return pinCalls(this, 3, 'page_mesh_pins_', () => [], spaceTurn); }
-  /** Samples the inside of a cage for pins, of coordinates that are there or are made first; returns the samples as numbers. */
+  planePins(typeOf) { return new PinCalls(this.library, () => this.plane.get(typeOf()), 2, planeTurn); }
+  spacePins() { return new PinCalls(this.library, () => this.space, 3, spaceTurn); }
+  /** Samples the inside of a cage for pins, of coordinates that are there or are made first. */
   samplePins({ type, cage, isMade }, samples) {
-    if (!isMade && cage.faces) this.bindMesh({ vertices: [], faces: [] }, cage);
+    if (!isMade && cage.faces) this.makeSpace(cage);
     else if (!isMade) this.makeCoordinates(type, cage);
-    const size = cage.faces ? this.calls.page_mesh_pins_sample(samples) : this.calls.page_pins_sample(type, samples);
-    this.check(size === 0 ? 1 : 0);
-    return { samples: this.taken(size).slice() };
+    const made = new cageform.Samples((cage.faces ? this.space : this.plane.get(type)).coordinates, { samples });
+    try {
+      return { samples: made.pack() };
+    } finally {
+      made.free();
+    }
   }
-  /** Returns the point at rest that a pose takes to a place, and how far off the place that is. */
-  findUnder(type, start, place, pose) {
-    this.give(start, place, pose);
-    this.calls.page_pins_find(type, pose.length / 2);
-    const [x, y, miss] = this.taken(3);
-    return { found: [x, y], miss };
-  }
-
-  glsl() { return this.text(this.calls.page_glsl()); }
 }
 
-/** The library's calls for the pins of a figure, of so many dimensions. Pins, targets and places are arrays of coordinates. */
-function pinCalls(engine, dimension, prefix, typeOf, turnOf) {
-  const call = (name, ...numbers) => engine.calls[prefix + name](...numbers);
-  return {
-    turnOf, dimension,
-    take({ samples }) {
-      engine.give(samples);
-      engine.check(call('take', ...typeOf()));
-    },
-    /** Returns the pin that no cage holds, -1 if all is well. */
-    set(points, turned, held) {
-      const turns = turned.includes(true);
-      engine.give(points.flat(), turns ? turned.map(Number) : [], held);
-      const status = call('set', ...typeOf(), points.length, held.length, turns), [culprit] = engine.taken(1);
-      if (status !== 0 && culprit < points.length) return culprit;
-      engine.check(status);
+/** The library's calls for the pins of a figure. Pins, targets and places are arrays of coordinates. */
+class PinCalls {
+  constructor(library, boundOf, dimension, turnOf) {
+    Object.assign(this, { library, boundOf, dimension, turnOf, at: 0, count: 0 });
+    for (const name of ['set', 'begin', 'solve', 'locate', 'find']) cageform.CHANGING.add('page_pins_' + name);
+  }
+  /** Calls a function with a pose; `given(scope)` are its other arguments, `size` numbers are read after it. */
+  call(name, pose, given, size) {
+    return this.library.scoped(scope => {
+      const full = Float64Array.from(this.boundOf().full(pose)), at = scope.array(full), out = scope.output(size, 1, Float64Array);
+      this.library.check(this.library.call('page_pins_' + name, this.at, ...given(scope), at, full.length / this.dimension, out.members.data));
+      return { numbers: out.numbers().slice(), pose: this.library.view('f64', at, pose.length).slice() };
+    });
+  }
+  take({ samples }) {
+    const made = cageform.openSamples(samples, { skipChecksum: true });
+    this.library.call('cageform_free', this.at);
+    this.at = this.count = 0;
+    try {
+      this.at = this.library.scoped(scope => this.library.make(scope, 'page_pins_create', [this.boundOf().coordinates._at, made._at]));
+    } finally {
+      made.free();
+    }
+  }
+  /** Returns the pin that no cage holds, -1 if all is well. */
+  set(points, turned, held) {
+    const { library, at } = this, { coordinates, still } = this.boundOf();
+    return library.scoped(scope => {
+      const all = Uint32Array.from([...held, ...still]), culprit = scope.struct(4);
+      const status = library.call('page_pins_set', at, coordinates._at, scope.array(Float64Array.from(points.flat())), points.length,
+        turned.includes(true) ? scope.array(Uint8Array.from(turned)) : 0, scope.array(all), all.length, culprit);
+      const [pin] = library.view('u32', culprit, 1);
+      if (status !== 0 && pin < points.length) return pin;
+      library.check(status);
+      this.count = points.length;
       return -1;
-    },
-    begin(pose) {
-      engine.give(pose);
-      engine.check(call('begin', pose.length / dimension));
-    },
-    solve(targets, turns, pose) {
-      const isTurned = turns.some(turn => turn !== null), none = dimension === 2 ? [0] : [0, 0, 0];
-      engine.give(targets.flat(), isTurned ? turns.flatMap(turn => turn ?? none) : [], pose);
-      engine.check(call('solve', targets.length, pose.length / dimension, isTurned));
-      const [settled, miss, iterations, folded] = engine.taken(4);
-      return { settled: settled !== 0, miss, iterations, folded, pose: engine.taken(pose.length, 4).slice() };
-    },
-    locate(pose) {
-      engine.give(pose);
-      engine.check(call('locate', pose.length / dimension));
-      const each = dimension + dimension * dimension, numbers = Array.from(engine.taken(each * engine.calls[prefix + 'count']()));
-      return Array.from({ length: numbers.length / each }, (x, i) => {
-        const own = numbers.slice(i * each, (i + 1) * each);
-        return { place: own.slice(0, dimension), matrix: own.slice(dimension) };
-      });
-    },
-  };
+    });
+  }
+  begin(pose) { this.call('begin', pose, () => [], 0); }
+  solve(targets, turns, pose) {
+    const none = this.dimension === 2 ? [0] : [0, 0, 0], isTurned = turns.some(turn => turn !== null);
+    const given = scope => [targets.flat(), isTurned ? turns.flatMap(turn => turn ?? none) : null]
+      .map(all => scope.array(all && Float64Array.from(all)));
+    const { numbers: [settled, miss, iterations, folded], pose: moved } = this.call('solve', pose, given, 4);
+    return { settled: settled !== 0, miss, iterations, folded, pose: moved };
+  }
+  /** Returns the place of each pin in a pose, and the matrix of the pose there. */
+  locate(pose) {
+    const each = this.dimension + this.dimension ** 2, numbers = Array.from(this.call('locate', pose, () => [], each * this.count).numbers);
+    return Array.from({ length: this.count }, (x, i) => {
+      const own = numbers.slice(i * each, (i + 1) * each);
+      return { place: own.slice(0, this.dimension), matrix: own.slice(this.dimension) };
+    });
+  }
+  /** Returns the point at rest that a pose takes to a place, and how far off the place that is. */
+  find(start, place, pose) {
+    const given = scope => [this.boundOf().coordinates._at, scope.array(Float64Array.from([...start, ...place]))];
+    const [x, y, miss] = this.call('find', pose, given, 3).numbers;
+    return { found: [x, y], miss };
+  }
 }
 /** Returns the angle of the rotation nearest to a matrix, column after column. */
 const planeTurn = ([a, b, c, d]) => Math.atan2(b - c, a + d);
@@ -209,7 +264,7 @@ class CageMaker {
   /** Calls makeCage() or makeShell() there; throws on a fault, or if it is stopped. */
   make(method, given, vertices, onProgress) {
     this.stop();
-    const text = `${wasiHost}\n${importsOf}\n${Engine}
+    const text = `${cageformPackage}\nconst cageform = cageformPackage();\n${Bound}\n${Engine}
       onmessage = async ({ data: { module, method, given, vertices } }) => {
         try {
           let told = 0;

@@ -54,7 +54,7 @@ const KINDS = {
   },
 
   lattice: {
-    types: [LATTICE_TYPE],
+    types: ['splines'],
     mark: () => 'circle',
     shownPoints: () => () => true,
     isFixed: isFrozen,
@@ -71,14 +71,14 @@ const KINDS = {
       const u = cage.axes[0].points, v = cage.axes[1].points, [o, a, b] = [0, u - 1, u * (v - 1)].map(i => pointAt(cage.rest, i));
       return { ...cage, frame: [...o, a[0] - o[0], a[1] - o[1], b[0] - o[0], b[1] - o[1]] };
     },
-    settled: (engine, cage) => ({ ...cage, rest: engine.makeLattice(cage) }),
+    settled: (engine, cage) => ({ ...cage, rest: engine.makeCoordinates('splines', cage) }),
     nearestEdge: () => null,
     withPoint: refuseToEdit,
     withoutPoints: refuseToEdit,
   },
 
   curved: {
-    types: [CURVED_TYPE],
+    types: ['curved-green'],
     mark: i => i % 3 === 0 ? 'rect' : 'circle',
     shownPoints: shownOfCurves,
     isFixed: () => false,
@@ -93,7 +93,7 @@ const KINDS = {
     },
     move: moveCurves,
     reshaped: cage => ({ ...cage, curves: curvesOf(cage) }),
-    settled: (engine, cage) => ({ ...cage, rest: engine.makeCurves(cage), loops: cage.curves.map(loop => 3 * loop.length) }),
+    settled: (engine, cage) => ({ ...cage, rest: engine.makeCoordinates('curved-green', cage), loops: cage.curves.map(loop => 3 * loop.length) }),
     nearestEdge: nearestCurve,
     withPoint: withNode,
     withoutPoints: withoutNodes,
@@ -129,12 +129,22 @@ const axesOf = (counts, word) => counts.map(points => ({ points, degree: degreeO
 function degreeWord({ axes }) {
   return ['3', '2', '1', 'bernstein'].find(word => axes.every(({ points, degree, knots }) => !knots && degree === degreeOf(word, points))) ?? '';
 }
+/** Returns origin and sides of an axis-parallel box about segments (ax, ay, bx, by, radius each), with a margin as in the programs. */
+function boxAround(segments) {
+  const corners = allOf(segments.length / 5).flatMap(i => {
+    const [ax, ay, bx, by, r] = segments.slice(5 * i, 5 * i + 5);
+    return [[ax - r, ay - r], [ax + r, ay + r], [bx - r, by - r], [bx + r, by + r]];
+  });
+  const [x0, y0, x1, y1] = boundsOf(corners), diagonal = Math.hypot(x1 - x0, y1 - y0);
+  const wider = side => (side < 1e-3 * diagonal ? 0.021 : 0.02) * diagonal, [u, v] = [x1 - x0, y1 - y0].map(side => side + 2 * wider(side));
+  return [x0 - wider(x1 - x0), y0 - wider(y1 - y0), u, 0, 0, v];
+}
 /** Returns for each point of a finer or coarser lattice the shares of the points of this one, by its weights. */
 function latticeRows(engine, cage, rest) {
-  engine.makeLattice(cage);
-  engine.bind(LATTICE_TYPE, 1, rest);
+  engine.makeCoordinates('splines', cage);
+  engine.bind('splines', 1, rest);
   const rows = allOf(rest.length / 2).map(() => []);
-  for (let v = 0; 2 * v < cage.rest.length; ++v) engine.weights(LATTICE_TYPE, 1, v).forEach((w, i) => { if (w !== 0) rows[i].push([v, w]); });
+  for (let v = 0; 2 * v < cage.rest.length; ++v) engine.weights('splines', 1, v).forEach((w, i) => { if (w !== 0) rows[i].push([v, w]); });
   return rows;
 }
 /** Returns the line through a vertex that a pointer moves across rather than along: its row or its column. */

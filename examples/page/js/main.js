@@ -141,7 +141,7 @@ async function chooseFigure(app, key) {
   });
 }
 function chooseTypes(app, word) {
-  app.setTypes(word === 'all' ? [0, 1, 2, 3] : [Number(word)]);
+  app.setTypes(word === 'all' ? app.engine.polygonTypes : [word]);
   for (const button of document.querySelectorAll('#types button')) button.classList.toggle('chosen', button.dataset.type === word);
 }
 /** Shows the figure in a cage of another kind. */
@@ -225,10 +225,18 @@ function toggle(app, id, name) {
   app.mesh.redraw();
 }
 
+/** Adds a button for each coordinate type, with a number, which is its key. */
+function addTypes(app) {
+  [...app.engine.polygonTypes, 'all'].forEach((type, i) => {
+    const button = document.createElement('button');
+    Object.assign(button, { textContent: type === 'all' ? 'Side by side' : titleOf(type), title: i + 1, onclick: () => chooseTypes(app, type) });
+    button.dataset.type = type;
+    byId('types').append(button);
+  });
+}
 function connectButtons(app) {
   for (const button of document.querySelectorAll('#figures button')) button.onclick = () => chooseFigure(app, button.dataset.figure);
   for (const button of document.querySelectorAll('#modes button')) button.onclick = () => setMode(app, button.dataset.drag);
-  for (const button of document.querySelectorAll('#types button')) button.onclick = () => chooseTypes(app, button.dataset.type);
   const actions = {
     undo: () => historyOf(app).undo(),
     redo: () => historyOf(app).redo(),
@@ -368,8 +376,8 @@ function pressInPlane(app, key, event) {
     app.redraw();
   } else if (key === 'l' && app.cage.kind === 'lattice') {
     selectLine(app);
-  } else if (/^[1-5]$/.test(key)) {
-    chooseTypes(app, key === '5' ? 'all' : String(key - 1));
+  } else if (/^[1-9]$/.test(key)) {
+    document.querySelector(`#types [title="${key}"]`)?.click();
   } else if (key === ',' || key === '.') {
     app.timeline.goToKey(key === '.');
   } else if (key === 'PageUp' || key === 'PageDown') {
@@ -443,11 +451,12 @@ async function startPage() {
   for (const key of app.files.keys()) addFileButton(app, key);
   app.hinted = 0; // how many hints have been followed
   app.pinDrag.onMoved = app.mesh.pinDrag.onMoved = () => { ++app.hinted; };
+  addTypes(app);
   connectButtons(app);
   connectKinds(app);
   connectKeys(app);
   connectDrops(app);
-  chooseTypes(app, '1');
+  chooseTypes(app, 'harmonic');
   setMode(app, 'figure');
   await chooseFigure(app, 'cat');
   if (!app.figure) await chooseFigure(app, 'cat'); // without what was kept

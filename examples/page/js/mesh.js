@@ -13,7 +13,7 @@ function parseObj(text, name) {
   }
   if (faces.length === 0 || !faces.every(i => i >= 0 && 3 * i < vertices.length) || !vertices.every(Number.isFinite))
     throw new Error(name + ' is not an OBJ file with faces');
-  return { text, vertices: Float64Array.from(vertices), faces: Float64Array.from(faces) };
+  return { text, vertices: Float64Array.from(vertices), faces: Uint32Array.from(faces) };
 }
 
 /** A dance of the cage: its poses over time (support/files/clip_file.hpp, poses in space). */
@@ -335,10 +335,10 @@ class MeshView {
     else gl.vertexAttribIPointer(at, size, gl.UNSIGNED_SHORT, stride, offset);
   }
   feedPlaces() {
-    const { gl, buffers } = this, count = this.mesh.vertices.length / 3;
+    const { gl, buffers, mesh: { faces }, app: { engine } } = this;
     for (let k = 0; k < gl.getParameter(gl.MAX_VERTEX_ATTRIBS); ++k) gl.disableVertexAttribArray(k);
     this.use(this.program);
-    for (const [name, take] of [['place', () => this.app.engine.cloneMesh(this.pose, count)], ['side', () => this.app.engine.meshNormals(count)]]) {
+    for (const [name, take] of [['place', () => engine.cloneMesh(this.pose)], ['side', () => engine.meshNormals(faces)]]) {
       gl.bindBuffer(gl.ARRAY_BUFFER, buffers[name]);
       gl.bufferData(gl.ARRAY_BUFFER, take(), gl.STREAM_DRAW);
       this.attribute(this.program, name, buffers[name], 3);

@@ -7,7 +7,7 @@ MeshView.prototype.depthOf = function (place) { return this.project(...place, 1,
 /** Returns the vertex of the mesh nearest to the pointer of the face under it; -1 if there is none. */
 function vertexUnder(view, [x, y]) {
   const { mesh: { vertices, faces }, pose, canvas: { clientWidth: width, clientHeight: height } } = view, count = vertices.length / 3;
-  const places = view.app.engine.cloneMesh(pose, count), m = view.toClip, on = new Float32Array(3 * count);
+  const places = view.app.engine.cloneMesh(pose), m = view.toClip, on = new Float32Array(3 * count);
   for (let k = 0; k < 3 * count; k += 3) {
     const [px, py, pz] = [places[k], places[k + 1], places[k + 2]], w = m[3] * px + m[7] * py + m[11] * pz + m[15];
     on[k] = width / 2 * (1 + (m[0] * px + m[4] * py + m[8] * pz + m[12]) / w) - x;

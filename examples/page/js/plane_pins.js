@@ -44,7 +44,7 @@ function nearestPoint(app, type, [x, y], reach = Infinity) {
 /** Returns the point at rest that the pose has at a place, or near it where nothing is there. */
 function pointUnder(app, type, place) {
   const { figure: { points, size }, pose } = app, nearest = pointAt(points, nearestPoint(app, type, place));
-  const { found, miss } = app.engine.findUnder(type, nearest, place, pose);
+  const { found, miss } = app.pinDrag.calls.find(nearest, place, pose);
   return miss < 1e-3 * size ? found : nearest;
 }
 /** Drags a point of the cage, with what follows it, and holds them; a click lets them go. */

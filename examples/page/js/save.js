@@ -174,7 +174,7 @@ function objText(mesh, places) {
     return /^\s*f\s/.test(line) ? line.replace(/(\d)\/(-?\d*)\/-?\d+/g, (all, end, texture) => texture ? `${end}/${texture}` : end) : line;
   }).join('\n');
 }
-function posedPlaces(view) { return view.app.engine.cloneMesh(view.pose, view.mesh.vertices.length / 3).slice(); }
+function posedPlaces(view) { return view.app.engine.cloneMesh(view.pose).slice(); }
 function saveObj(view) { download(view.name + '_posed.obj', [objText(view.mesh, posedPlaces(view)), '\n'], 'model/obj'); }
 
 /** Returns a cage as OBJ. */
@@ -209,6 +209,6 @@ function glbBytes(name, places, normals, faces) {
   return [new Uint32Array([0x46546c67, 2, 12 + 8 + text.length + 8 + size]), chunk(text.length, 0x4e4f534a), text, chunk(size, 0x4e4942), ...parts];
 }
 function saveGlb(view) {
-  const places = posedPlaces(view), normals = view.app.engine.meshNormals(places.length / 3).slice();
+  const places = posedPlaces(view), normals = view.app.engine.meshNormals(view.mesh.faces);
   download(view.name + '_posed.glb', glbBytes(view.name, places, normals, Uint32Array.from(view.mesh.faces)), 'model/gltf-binary');
 }

@@ -113,7 +113,7 @@ class View {
     if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
     const frame = { scale: f.scale * sharp, x: f.x * sharp, y: f.y * sharp }, mesh = app.fieldOf(this.type);
     const weights = Float32Array.from(app.engine.weights(this.type, 1, vertex));
-    const places = app.engine.clone(this.type, 1, pose, mesh.nodes.length / 2);
+    const places = app.engine.clone(this.type, 1, pose);
     const picture = app.painter.paint(mesh, places, weights, frame, width, height);
     const context = canvas.getContext('2d');
     context.setTransform(1, 0, 0, 1, 0, 0);

@@ -500,6 +500,10 @@ typedef struct cageform_cage {
     size_t bone_count;
     const uint32_t* walls; /* 2D: the two ends of each edge; 3D: the corners of each triangle */
     size_t wall_index_count;
+
+    /* LATTICE: points + degree + 1 knots along each axis, ascending from 0 to 1; null: uniform */
+    const double* knots[3];
+    size_t knot_counts[3];
 } cageform_cage;
 
 /* Checks a cage as coordinates do. Writes up to `room` errors and warnings; `count` is their total number. */

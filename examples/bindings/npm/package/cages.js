@@ -102,7 +102,8 @@ export class Cage {
       axes,
       degree = 3,
       falloff = 0,
-    } = options(chosen, ['points', 'origin', 'axes', 'degree', 'falloff']);
+      knots = [],
+    } = options(chosen, ['points', 'origin', 'axes', 'degree', 'falloff', 'knots']);
     if (!Array.isArray(axes) || (axes.length !== 2 && axes.length !== 3))
       refuse('axes: two or three edges of the box are needed');
     const dimension = axes.length;
@@ -118,6 +119,7 @@ export class Cage {
       points: each(along, 'points'),
       degree: each(degree, 'degree'),
       falloff: number(falloff, 'falloff'),
+      knots: Array.from({ length: 3 }, (x, k) => Float64Array.from(knots[k] ?? [], knot => number(knot, 'knots'))),
       origin: padded(numbers(origin, dimension, 'origin')),
       axes: edges,
     });
@@ -155,6 +157,7 @@ export class Cage {
       origin = [],
       axes = [],
       falloff = 0,
+      knots = [],
       dimension,
       cellVertices = 0,
       bones = [],
@@ -183,6 +186,8 @@ export class Cage {
       boneCount: bones.length,
       walls: scope.array(walls),
       wallIndexCount: length(walls),
+      knots: knots.map(list => (list.length > 0 ? scope.array(list) : 0)),
+      knotCounts: knots.map(length),
     });
   }
 }

@@ -30,7 +30,7 @@ class Left {
 
 // Functions that change an object which is there, their first argument. If memory runs out in one, what it has allocated may
 // belong to the object, which is then left alone for ever.
-const CHANGING = new Set([
+export const CHANGING = new Set([
   'cageform_free',
   'cageform_coordinates_solve',
   'cageform_binding_set_labels',
@@ -423,12 +423,12 @@ export function started(bind = false) {
 
 /** Starts the library of a module, unless one that has its functions runs already. */
 export async function start(source, file, bind) {
-  const serves = () => current !== null && !current.ended && (!bind || current.calls.cageform_bind !== undefined);
+  const has = engine => engine.calls[bind ? 'cageform_bind' : 'cageform_open'] !== undefined;
+  const serves = () => current !== null && !current.ended && has(current);
   if (serves()) return;
   const module = await compile(source ?? file);
   const engine = await Engine.start(module).catch(error => refuse('init: the module does not start: ' + error.message));
-  if (engine.calls.cageform_open === undefined || (bind && engine.calls.cageform_bind === undefined))
-    refuse('init: the module is another one');
+  if (!has(engine)) refuse('init: the module is another one');
   if (!serves()) current = engine;
 }
 

@@ -57,13 +57,15 @@ export class Cage {
   ): Cage;
   /** Loops of Bézier curves in the plane, for Green coordinates: 2 to 4 control points an edge; and edges of each loop. */
   static curves(edges: readonly Numbers[], loops?: Indices): Cage;
-  /** A box of splines: control points along each axis, a corner of the box, and its edges. */
+  /** A box of splines: control points along each axis, a corner of the box, and its edges. Knots along each axis are points +
+   *  degree + 1 ascending numbers from 0 to 1; left out, they are uniform. */
   static lattice(options: {
     points?: number | number[];
     origin: number[];
     axes: number[][];
     degree?: number | number[];
     falloff?: number;
+    knots?: readonly (Numbers | null | undefined)[];
   }): Cage;
   /** Points without a cage, for Sibson coordinates. */
   static sites(points: Numbers, options?: { dimension?: 2 | 3 }): Cage;

@@ -722,6 +722,20 @@ export const tests = [
   },
 
   {
+    name: 'knots of a lattice: uniform ones change nothing, others move the points along their axis',
+    run({ cageform }) {
+      const { Cage, Coordinates } = cageform,
+        rest = knots => new Coordinates(Cage.lattice({ ...BOX, points: 5, knots }), { scalar: 'float64' }).rest();
+      const knots = inner => [0, 0, 0, 0, inner, 1, 1, 1, 1],
+        plain = rest(),
+        moved = rest([undefined, knots(0.3)]);
+      sameBits(rest([knots(0.5), knots(0.5), knots(0.5)]), plain, 'uniform knots');
+      plain.forEach((x, n) => equal(moved[n] !== x, n % 3 === 1 && Math.abs(x) < 1, `number ${n} has moved`));
+      refused(cageform, 'lattice_knots_not_supported', () => rest([[0, 1]]));
+    },
+  },
+
+  {
     name: 'memory that runs out is a status, and is given back',
     run({ cageform }) {
       const { Cage, Coordinates } = cageform,

@@ -157,6 +157,7 @@ LatticeCoordinates<T, D> lattice_of(const cageform_cage& cage) {
     for (std::size_t k = 0; k < D; ++k) {
         axes[k].points = cage.points[k] != 0 ? cage.points[k] : 4;
         axes[k].degree = cage.degree[k] != 0 ? cage.degree[k] : 3;
+        if (const double* knots = cage.knots[k]) axes[k].knots.assign(knots, knots + cage.knot_counts[k]);
         box.translation[k] = static_cast<T>(cage.origin[k]);
         for (std::size_t n = 0; n < D; ++n) box.columns[k][n] = static_cast<T>(cage.axes[k][n]);
     }

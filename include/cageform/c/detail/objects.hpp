@@ -54,18 +54,31 @@ void destroy_allocated(Object* object) noexcept {
     delete static_cast<X*>(object);
 }
 
-/// A variant of X for both scalars and both dimensions.
+template <class T, std::size_t D>
+struct Type {};
+template <class... All>
+struct Types {};
+/// The scalars and dimensions that are compiled. A program may define a shorter list before it includes this.
+#if !defined(CAGEFORM_C_TYPES)
+#define CAGEFORM_C_TYPES Type<float, 2>, Type<double, 2>, Type<float, 3>, Type<double, 3>
+#endif
+template <template <class, std::size_t> class X, class... T, std::size_t... D>
+std::variant<X<T, D>...> any_of(Types<Type<T, D>...>);
+
+/// A variant of X for all of these types.
 template <template <class, std::size_t> class X>
-using OfAnyType = std::variant<X<float, 2>, X<double, 2>, X<float, 3>, X<double, 3>>;
+using OfAnyType = decltype(any_of<X>(Types<CAGEFORM_C_TYPES>{}));
 
 /// Calls use(x) with the value of a variant.
 template <class Variant, class Use>
 cageform_status with(Variant& any, const Use& use) {
-    if (auto* x = std::get_if<0>(&any)) return use(*x);
-    if (auto* x = std::get_if<1>(&any)) return use(*x);
-    if (auto* x = std::get_if<2>(&any)) return use(*x);
-    if (auto* x = std::get_if<3>(&any)) return use(*x);
-    return CAGEFORM_FAILED;
+    cageform_status status = CAGEFORM_FAILED;
+    const auto use_if_held = [&](auto* x) { return x != nullptr && (status = use(*x), true); };
+    [&]<std::size_t... N>(std::index_sequence<N...>) {
+        (void)(... || use_if_held(std::get_if<N>(&any)));
+    }
+    (std::make_index_sequence<std::variant_size_v<std::remove_const_t<Variant>>>());
+    return status;
 }
 
 template <class X>
@@ -76,12 +89,13 @@ inline constexpr std::uint32_t scalar_code =
 template <class Make>
 cageform_status with_type(std::uint32_t scalar, std::size_t dimension, const Make& make) {
     if (scalar > CAGEFORM_DOUBLE) return CAGEFORM_CHOICE_UNKNOWN;
-    const bool is_float = scalar == CAGEFORM_FLOAT;
-    if (dimension == 2)
-        return is_float ? make.template operator()<float, 2>() : make.template operator()<double, 2>();
-    if (dimension == 3)
-        return is_float ? make.template operator()<float, 3>() : make.template operator()<double, 3>();
-    return CAGEFORM_DIMENSION_DIFFERS;
+    cageform_status status = CAGEFORM_DIMENSION_DIFFERS;
+    const auto make_if_given = [&]<class T, std::size_t D>(Type<T, D>) {
+        if (dimension == D && (scalar == CAGEFORM_FLOAT) == std::is_same_v<T, float>)
+            status = make.template operator()<T, D>();
+    };
+    [&]<class... All>(Types<All...>) { (make_if_given(All{}), ...); }(Types<CAGEFORM_C_TYPES>{});
+    return status;
 }
 
 /// Runs f, which returns a status code; exceptions become codes.

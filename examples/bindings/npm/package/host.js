@@ -1,7 +1,7 @@
-// The host of a WebAssembly module of the library, for the page and for the npm package.
+// The host of the WebAssembly module.
 
 /** The imports of WASI's C library: a clock, and no output; and `own` functions. `memory` returns the module's. */
-function wasiHost(memory, own) {
+export function wasiHost(memory, own) {
   const view = () => new DataView(memory().buffer);
   const known = {
     clock_time_get(id, precision, at) {
@@ -14,7 +14,6 @@ function wasiHost(memory, own) {
       view().setUint32(written, size, true);
       return 0;
     },
-    proc_exit(code) { throw new Error('the library has ended with ' + code); },
     ...own,
   };
   const badFile = 8;
@@ -22,7 +21,7 @@ function wasiHost(memory, own) {
 }
 
 /** Returns the imports of a module, by their groups. */
-function importsOf(module, host) {
+export function importsOf(module, host) {
   const imports = {};
   for (const { module: group, name } of WebAssembly.Module.imports(module)) (imports[group] ??= {})[name] = host[name];
   return imports;

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Usage: sh examples/bindings/wasm/compile.sh SOURCE OUT [OPTION…]
-# Compiles a C++ file and the library to a WebAssembly module without threads, exceptions and a file system: for the page and
-# for the npm package. Its packages are Debian's; each caller installs them:
+# Usage: sh examples/bindings/npm/compile.sh SOURCE OUT [OPTION…]
+# Compiles a C++ file and the library to a WebAssembly module without threads, exceptions and a file system: for the npm package
+# and for the page. Its packages are Debian's; each caller installs them:
 #   clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 libclang-rt-19-dev-wasm32 libeigen3-dev
 set -eu
 source=$1
