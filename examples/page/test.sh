@@ -19,7 +19,7 @@ if [ "${1:-}" = --if-there ]; then
   command -v python3 >/dev/null || skip "no python3"
   command -v chromium >/dev/null || skip "no chromium"
   [ -f out/cageform.html ] || skip "no out/cageform.html: examples/page/run.sh makes it"
-  newer=$(find examples/page include -newer out/cageform.html -type f | head -n 1)
+  newer=$(find examples/page examples/bindings/npm include -newer out/cageform.html -type f | head -n 1)
   [ -z "$newer" ] || skip "out/cageform.html is older than $newer"
   for program in $programs; do [ -x build/examples/$program ] || skip "no build/examples/$program"; done
 else
