@@ -1,15 +1,16 @@
-// The module of the page: the C interface as in the npm package, for double in the plane and float in space,
+// The module of the page: the C interface as in the npm package, for double in 2D and float in 3D,
 // and functions that only the page needs. The scripts of the npm package call both.
 //
 // Functions return a cageform_status. cageform_bytes_view reads the bytes that they make, cageform_free frees
 // them.
 
 #define CAGEFORM_C_TYPES Type<double, 2>, Type<float, 3>
-#include <cageform/c/detail/cages.hpp>
+#include <cageform/c/detail/figures.impl.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Makes mean value coordinates of triangles. All coordinates in space would add 40 % to the module.
+/// Makes mean value coordinates of triangles. All 3D coordinates would add 40 % to the module.
 template <>
 inline cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordinates_options&,
                                       AnyCoordinates<float, 3>& made) {
@@ -149,7 +150,7 @@ cageform_status page_pins_create(const cageform_coordinates* coordinates, const 
         });
     });
 }
-/// Sets pins by their places at rest, which of them turn (or null: none), and the points that are held.
+/// Sets pins by their places at rest, which of them rotate (or null: none), and the points that are held.
 ///
 ///   culprit  out: the pin that is refused
 PAGE_EXPORT(page_pins_set)
@@ -171,7 +172,7 @@ cageform_status page_pins_begin(page_pins* pins, const double* pose, std::size_t
 }
 /// Moves a pose towards the targets.
 ///
-///   turns  of pins that turn, an angle, or in space the axis times the angle; or null
+///   turns  of pins that rotate, an angle, or in 3D the axis times the angle; or null
 ///   told   out: whether the pose has settled, the largest miss, the iterations, how many clusters are folded
 PAGE_EXPORT(page_pins_solve)
 cageform_status page_pins_solve(page_pins* pins, const double* targets, const double* turns, double* pose,
@@ -189,10 +190,10 @@ PAGE_EXPORT(page_pins_locate)
 cageform_status page_pins_locate(page_pins* pins, const double* pose, std::size_t count, double* places) {
     return c::with(pins->pins, [&](auto& its) { return c::code_of(its.locate(pose, count, places)); });
 }
-/// Finds what a pose in the plane takes to a place.
+/// Finds the rest point that a pose in 2D moves to a place.
 ///
 ///   ends   where to start, and the place
-///   found  out: the point at rest, and how far off the pose takes it
+///   found  out: the rest point, and its distance from the place in the pose
 PAGE_EXPORT(page_pins_find)
 cageform_status page_pins_find(page_pins* pins, const cageform_coordinates* coordinates, const double* ends,
                                const double* pose, std::size_t count, double* found) {

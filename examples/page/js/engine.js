@@ -1,5 +1,5 @@
-// The library as the page calls it: the npm package, of which `cageform` has the names, and the functions of page.cpp. Points,
-// poses and places are numbers in a row.
+// Calls of the library: by the npm package (`cageform`), and of the functions of page.cpp. Points, poses and places are arrays of
+// coordinates, one point after the other.
 
 /** Returns the bytes of gzip data; null if there are more than `most`. */
 async function unpacked(packed, most = Infinity) {
@@ -74,7 +74,7 @@ class Engine {
     return this.library.scoped(scope => cageform.taken(this.library, scope, this.library.make(scope, name, given(scope)))).buffer;
   }
 
-  // ---- figures in the plane, by coordinate type ----
+  // ---- 2D figures, by coordinate type ----
 
   /** Returns the types that take any polygon. */
   get polygonTypes() {
@@ -136,7 +136,7 @@ class Engine {
     return { error, pieces: Float64Array.from(pieces) };
   }
 
-  // ---- the mesh ----
+  // ---- the 3D mesh ----
 
   /** Makes a cage for a mesh, which takes a second or two. */
   makeShell(mesh, vertices) {
@@ -177,7 +177,7 @@ class Engine {
 
   // ---- pins ----
 
-  /** Returns the calls that a PinDrag makes: of a figure in the plane by coordinates of a type, or in space. */
+  /** Returns the calls that a PinDrag makes: of a 2D figure by coordinates of a type, or of the mesh. */
   planePins(typeOf) { return new PinCalls(this.library, () => this.plane.get(typeOf()), 2, planeTurn); }
   spacePins() { return new PinCalls(this.library, () => this.space, 3, spaceTurn); }
   /** Samples the inside of a cage for pins, of coordinates that are there or are made first. */
