@@ -301,7 +301,7 @@ void check_sizes(const Cage& cage, const RefinementOptions& options) {
         CHECK(leaf.size <= largest);
         for (const std::uint32_t n : tree.facets(leaf.number)) {
             const auto& c = boundary[n].corner;
-            double altitude = cageform::detail::length(normal_of(boundary[n]));
+            double altitude = cageform::detail::length(cageform::detail::normal_of(boundary[n]));
             if constexpr (D == 3) {
                 double longest = 0;
                 for (std::size_t k = 0; k < 3; ++k)
