@@ -56,7 +56,7 @@ noexcept {
     Result<CageClipView<T, D>, OpenClipReport> opened;
     Status& status = opened.report.status;
     ClipHeader header;
-    status = detail::read_header(data, check, Status::not_a_clip, sizeof(T), D, header);
+    status = detail::read_header(data, check, {Status::not_a_clip, sizeof(T), D}, header);
     if (status == Status::ok) status = detail::check_clip<T, D>(data.data(), header);
     if (status != Status::ok) return opened;
     opened.value = detail::view_clip<T, D>(data.data(), header);

@@ -58,17 +58,16 @@ enum class CoordinateType : std::uint8_t {
 
 /// Kinds of cage, as bit flags.
 namespace cage_kinds {
-enum : std::uint32_t {
-    polygon = 1,
-    triangles = 2,    ///< TriangleMesh
-    fans = 4,         ///< PolyhedralMesh whose faces are fans around their means
-    planar_faces = 8, ///< PolyhedralMesh with planar faces of any number of corners
-    mesh = triangles | fans | planar_faces,
-    cells = 16,  ///< CellComplex with interior cells
-    curves = 32, ///< CurvedPolygon
-    lattice = 64,
-    sites = 128, ///< PointSet
-};
+inline constexpr std::uint32_t polygon = 1;
+inline constexpr std::uint32_t triangles = 2; ///< TriangleMesh
+inline constexpr std::uint32_t fans = 4;      ///< PolyhedralMesh whose faces are fans around their means
+inline constexpr std::uint32_t planar_faces =
+    8; ///< PolyhedralMesh with planar faces of any number of corners
+inline constexpr std::uint32_t mesh = triangles | fans | planar_faces;
+inline constexpr std::uint32_t cells = 16;  ///< CellComplex with interior cells
+inline constexpr std::uint32_t curves = 32; ///< CurvedPolygon
+inline constexpr std::uint32_t lattice = 64;
+inline constexpr std::uint32_t sites = 128; ///< PointSet
 } // namespace cage_kinds
 
 /// Properties of a coordinate type that do not depend on the cage.

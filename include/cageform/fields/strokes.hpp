@@ -339,8 +339,9 @@ private:
         const auto given = [&](std::size_t cut, std::size_t channel) {
             return value(problem.values[cut], drawing_.points.size(), channel);
         };
-        const Status status = detail::solve_fields<D, T>(problem.nodes, problem.cuts, ranges, given, options,
-                                                         solved, report, running);
+        const Status status =
+            detail::solve_fields<D, T>(detail::FieldProblem{problem.nodes, problem.cuts, ranges, given},
+                                       options, solved, report, running);
         for (std::size_t n = 0; n < solved.size(); ++n) {
             const auto& range = ranges[n / count];
             solved[n] = std::clamp(solved[n], static_cast<T>(range.middle() - range.half()),

@@ -221,7 +221,7 @@ inline Status open_solution(std::span<const std::byte> data, const SolutionHeade
                             std::vector<KeptFunctions>& functions, SolverReport& report) {
     SolutionHeader header;
     const Status begins =
-        read_header(data, BlobCheck::all, Status::not_a_solution, 0, known.dimension, header);
+        read_header(data, BlobCheck::all, {Status::not_a_solution, 0, known.dimension}, header);
     if (begins != Status::ok) return begins;
     if (header.cage_hash != known.cage_hash) return Status::blob_of_another_cage;
     if (header.grid_hash != known.grid_hash || header.accuracy != known.accuracy ||

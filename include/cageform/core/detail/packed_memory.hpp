@@ -38,15 +38,22 @@ inline Status check_prefix(std::span<const std::byte> data, const PackedPrefix& 
                                                                               : Status::ok;
 }
 
+/// The kind of packed data that a reader expects.
+struct PackedKind {
+    Status none; ///< the status of data of another kind
+    std::uint32_t scalar_bytes, dimension;
+};
+
 /// Runs `check_prefix`, reads the header, and checks its scalar and dimension.
 template <class Header>
-Status read_header(std::span<const std::byte> data, BlobCheck check, Status none, std::uint32_t scalar_bytes,
-                   std::uint32_t dimension, Header& header) noexcept {
-    const Status status = check_prefix(data, {header.magic, header.version}, sizeof(header), check, none);
+Status read_header(std::span<const std::byte> data, BlobCheck check, const PackedKind& kind,
+                   Header& header) noexcept {
+    const Status status =
+        check_prefix(data, {header.magic, header.version}, sizeof(header), check, kind.none);
     if (status != Status::ok) return status;
     std::memcpy(&header, data.data(), sizeof(header));
-    return header.scalar_bytes == scalar_bytes && header.dimension == dimension ? Status::ok
-                                                                                : Status::blob_kind_differs;
+    const bool is_expected = header.scalar_bytes == kind.scalar_bytes && header.dimension == kind.dimension;
+    return is_expected ? Status::ok : Status::blob_kind_differs;
 }
 
 /// Rounds up to a multiple of 64.

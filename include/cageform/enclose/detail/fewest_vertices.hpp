@@ -99,6 +99,7 @@ public:
     }
     std::vector<MakeCageReport::Attempt> attempts() const {
         std::vector<MakeCageReport::Attempt> all;
+        all.reserve(tried_.size());
         for (const auto& [index, attempt] : tried_) all.push_back(attempt.result);
         return all;
     }

@@ -23,17 +23,28 @@ private:
     double low_ = (std::numeric_limits<double>::max)(), high_ = -low_;
 };
 
+/// Fields on a lattice with their data.
+template <std::size_t D, class Given>
+struct FieldProblem {
+    const grid::NodeRuns<D>& nodes;
+    std::span<const grid::CutLink> cuts; ///< the links that end at data; a link of weight 0 ends at no data
+    std::span<const FieldRange> ranges;  ///< #fields
+    const Given& given;                  ///< given(cut, field) returns the data at the end of a cut link
+};
+template <std::size_t D, class Given>
+FieldProblem(const grid::NodeRuns<D>&, std::span<const grid::CutLink>, std::span<const FieldRange>,
+             const Given&) -> FieldProblem<D, Given>;
+
 /// Solves for the nodes of all fields.
 ///
-///   cuts     the links that end at data; a link of weight 0 ends at no data
-///   ranges   one per field
-///   given    given(cut, field) returns the data at the end of a cut link
 ///   options  tolerance, relative to a field's range, and max_cycles
 ///   solved   out: #fields · #nodes, field after field
 template <std::size_t D, Scalar T, class Given, class Options>
-Status solve_fields(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLink> cuts,
-                    std::span<const FieldRange> ranges, const Given& given, const Options& options,
-                    std::span<T> solved, SolverReport& report, const Running& running) {
+Status solve_fields(const FieldProblem<D, Given>& problem, const Options& options, std::span<T> solved,
+                    SolverReport& report, const Running& running) {
+    const auto& nodes = problem.nodes;
+    const auto cuts = problem.cuts;
+    const auto ranges = problem.ranges;
     const grid::Multigrid<D> multigrid(nodes, cuts, {}, running);
     report.bytes = multigrid.bytes() + multigrid.block_bytes();
     const auto slots = multigrid.source_slots();
@@ -43,7 +54,7 @@ Status solve_fields(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLin
             for (std::size_t c = 0; c < cuts.size() && half > 0; ++c) {
                 if (cuts[c].weight > 0)
                     source[slots[cuts[c].node]][k] +=
-                        cuts[c].weight * ((given(c, first + k) - middle) / half);
+                        cuts[c].weight * ((problem.given(c, first + k) - middle) / half);
             }
         }
     };

@@ -131,8 +131,8 @@ Status solve_cells(const UnknownCells<D>& unknown, std::span<T> values, const Di
         }
     }
     std::vector<T> solved(fields * count);
-    const Status status =
-        solve_fields<D, T>(unknown.nodes, unknown.cuts, ranges, given, options, solved, report, running);
+    const Status status = solve_fields<D, T>(FieldProblem{unknown.nodes, unknown.cuts, ranges, given},
+                                             options, solved, report, running);
     if (status != Status::ok) return status;
     for (std::size_t f = 0; f < fields; ++f) {
         for (std::size_t node = 0; node < count; ++node)

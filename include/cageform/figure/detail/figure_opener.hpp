@@ -170,7 +170,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
         return result;
     };
     FigureHeader header;
-    Status status = read_header(data, expected.check, Status::not_a_figure, sizeof(T), D, header);
+    Status status = read_header(data, expected.check, {Status::not_a_figure, sizeof(T), D}, header);
     if (status != Status::ok) return refused(status);
     if (header.parts > FigureHeader::most_parts ||
         header.parts * sizeof(FigurePart) > header.bytes - sizeof(header))

@@ -28,6 +28,8 @@
 #include <cageform/core/result.hpp>
 #include <cageform/figure/packed_binding.hpp>
 
+#include <array>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 /// The first 192 bytes of a blob. Offsets are in bytes from the beginning of the blob, 0 if an array is
@@ -154,10 +156,10 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
-#define CAGEFORM_DETAIL_ONE(...) +1
-    constexpr std::uint32_t formats = 0 CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_ONE);
-#undef CAGEFORM_DETAIL_ONE
-    if (header.format >= formats) return Status::blob_malformed;
+#define CAGEFORM_DETAIL_FORMAT(name, ...) WeightFormat::name,
+    constexpr std::array formats{CAGEFORM_WEIGHT_FORMATS(CAGEFORM_DETAIL_FORMAT)};
+#undef CAGEFORM_DETAIL_FORMAT
+    if (header.format >= formats.size()) return Status::blob_malformed;
     if (header.points > most || header.handles > most || header.vectors > header.handles)
         return Status::blob_malformed;
     const std::uint64_t blocks = (header.points + lane_count<T> - 1) / lane_count<T>;
@@ -213,7 +215,7 @@ Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte>
         return result;
     };
     BlobHeader header;
-    Status status = detail::read_header(data, expected.check, Status::not_a_blob, sizeof(T), D, header);
+    Status status = detail::read_header(data, expected.check, {Status::not_a_blob, sizeof(T), D}, header);
     if (status != Status::ok) return refused(status);
     if (header.version == 1) {
         header.handle_kinds = header.handle_faces = header.vectors = header.handle_loops = 0;

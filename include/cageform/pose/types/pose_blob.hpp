@@ -201,7 +201,7 @@ Result<PoseSamples<T, D>, BlobReport> open_pose_samples(std::span<const std::byt
     Result<PoseSamples<T, D>, BlobReport> opened;
     Status& status = opened.report.status;
     PoseBlobHeader header;
-    status = detail::read_header(data, expected.check, Status::not_pose_samples, sizeof(T), D, header);
+    status = detail::read_header(data, expected.check, {Status::not_pose_samples, sizeof(T), D}, header);
     if (status != Status::ok) return opened;
     if (expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
         status = Status::blob_of_another_cage;
