@@ -112,7 +112,7 @@ refuses 'empty.figure: is empty' "$clone" character.figure --poses empty.figure 
 refuses 'has 112 vertices, the figure' "$clone" character.figure --poses poses.csv --mesh character_cage.obj "$to"
 refuses '"3:2" is not A:B' "$clone" character.figure --poses poses.csv --rows 3:2 "$to"
 refuses 'several rows would have one name' "$clone" character.figure --poses poses.csv -o out.ply
-refuses 'write one %06d' "$clone" character.figure --poses poses.csv -o 'out.%s.ply'
+refuses 'write %06d once' "$clone" character.figure --poses poses.csv -o 'out.%s.ply'
 refuses 'does not end with .ply' "$clone" character.figure --poses poses.csv -o 'out.%d.stl'
 refuses '--flip-faces: character.figure is written without faces' "$clone" character.figure --poses poses.csv --flip-faces -o 'out.%d.npy'
 refuses '--flip-faces: character.obj is written without faces' "$clone" character.figure --poses poses.csv --mesh character.obj --flip-faces -o 'out.%d.npy'

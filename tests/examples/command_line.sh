@@ -348,7 +348,7 @@ svg both.svg "$far$near"
 for name in near both; do
   works "a tiny lattice, $name" "$deform" $name.svg --cage tiny.lattice.json --move all:9,5 --outside nearest-boundary -o ${name}_out.svg
 done
-grep -q 'both.svg: no weights can be computed for' log && grep -q 'path "far".*stays as it is' log && ok=yes || ok=no
+grep -q 'both.svg: no weights can be computed for' log && grep -q 'path "far".*stays unchanged' log && ok=yes || ok=no
 report $ok "the element without weights is named"
 grep -o '<path id="near"[^>]*>' near_out.svg >expected && grep -o '<path id="near"[^>]*>' both_out.svg | cmp -s - expected &&
   ! grep -qF "$near" both_out.svg && grep -qF "$far" both_out.svg && ok=yes || ok=no
@@ -366,7 +366,7 @@ works "as harmonic coordinates have none outside, by the nearest boundary" "$def
 for falloff in -1 nan inf far; do
   refuses '--falloff' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff $falloff -o out.svg
 done
-for policy in keep refuse; do
+for policy in keep-in-place refuse; do
   refuses "--falloff: with --outside $policy no point outside moves" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 9 --outside $policy -o out.svg
 done
 refuses 'not defined outside' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --coordinates harmonic --falloff 9 --outside extend -o out.svg
@@ -853,7 +853,7 @@ for coordinates in mean-value harmonic; do
 done
 grep -q 'warning: rounded.obj: 1 of 3 vertices are left out, first v 3: no face uses them, and they are not finite or very far away; with --strict' log &&
   tail -n 1 rounded_moved.obj | grep -qx 'v nan 1 1' && ok=yes || ok=no
-report $ok "a vertex that is no number stays as it is"
+report $ok "a vertex that is no number stays unchanged"
 refuses 'rounded.obj: the coordinates of a vertex are not finite (line 3)' "$mesh" rounded.obj --cage box.obj --pose wider.obj --strict -o out.obj
 refuses '--memory: Value 0 not in range' "$mesh" rounded.obj --cage box.obj --pose wider.obj --coordinates harmonic --memory 0 -o out.obj
 awk '$1 == "v" { $2 *= 200; $3 *= 200; $4 *= 0.1 } { print }' box.obj >film.obj
@@ -1371,7 +1371,7 @@ works "a leaf that moves" "$animate" "$leaf" --cage "$leaf_cage" --pose leaf_pos
 printf 'length,1\ncontrol,tip\nvertices,5,6,7\n0,0,0,0,linear\n0.5,0,40,0,linear\n1,0,0,0,linear\n' >leaf_clip.csv
 works "by a clip of its control points" "$animate" "$leaf" --cage "$leaf_cage" --clip leaf_clip.csv --coordinates curved-green --rate 5 -o leaf_moves.svg
 works "a control point's coordinate" "$field" --cage "$leaf_cage" --vertex 1 --coordinates curved-green --size 64 -o leaf_field.png --surface leaf_surface.png
-works "a row of the table" "$table" "$leaf" "$leaf_cage" leaf_pose.svg curved
+works "a row of the table" "$table" "$leaf" "$leaf_cage" leaf_pose.svg curved-green
 printf '300,200\n10,10\n' >leaf_points.csv
 works "the weights of curves" "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved-green -o leaf_weights.csv
 awk -F, 'NR == 1 { fits = NF == 25 && $13 == "w11" && $25 == "w23" }
@@ -1988,7 +1988,7 @@ curve="$programs/fit_curve"
 cases="$(dirname "$data")/../tests/data/bezier-cases.json"
 works "help of fit_curve" "$curve" --help
 works "the sup norm" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup
-refuses "not tied together" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup --conditions end_value,knot_c0
+refuses "does not support conditions that couple pieces" "$curve" --css 0.25,0.1,0.25,1 --pieces 3 --norm sup --conditions end_value,knot_c0
 works "help of the tables" "$programs/bezier_tables" --help
 refuses 'not expected: please' "$programs/bezier_tables" please
 works "a table of pieces" "$curve" --css 0.4,0,0.6,1 --pieces 2 --conditions end_value,knot_c0 --knots uniform
@@ -2072,7 +2072,7 @@ refuses '--css: 3 numbers' "$curve" --css 0,0,1 --pieces 3 --json out.json
 refuses '--bezier: not a number: "x"' "$curve" --bezier 0,0,0,x,1,1,1,1 --pieces 3 --json out.json
 refuses '--bezier: 9 numbers' "$curve" --bezier 0,0,0,0,1,1,1,1,1 --pieces 3 --json out.json
 refuses '--css: "nan" is not a finite number' "$curve" --css 0,nan,1,1 --pieces 3 --json out.json
-refuses '--css: time turns back' "$curve" --css 1.5,0,0,1 --pieces 3 --json out.json
+refuses '--css: time decreases somewhere' "$curve" --css 1.5,0,0,1 --pieces 3 --json out.json
 refuses '--bezier: the second key is not later' "$curve" --bezier 1,0,0.5,0,0.5,1,0,1 --pieces 3 --json out.json
 refuses 'the number of pieces' "$curve" --css 0.4,0,0.6,1 --json out.json
 refuses 'the number of pieces' "$curve" --css 0.4,0,0.6,1 --pieces 3 --tolerance 0.1 --json out.json
@@ -2111,7 +2111,7 @@ faulty_case() { # MESSAGE SED-COMMAND   the cases, changed
 faulty_case 'case s01-inout-two-pieces: unknown condition "end_valu"' '0,/"end_value"/s//"end_valu"/'
 faulty_case 'case s01-inout-two-pieces: weights: null is not a number' '27s/1/null/'
 faulty_case 'case s01-inout-two-pieces: unknown mode of knots "uniform"' '0,/"uniform_x"/s//"uniform"/'
-faulty_case 'case s01-inout-two-pieces: control_points: time turns back' '0,/0\.4,/s//4,/'
+faulty_case 'case s01-inout-two-pieces: control_points: time decreases somewhere' '0,/0\.4,/s//4,/'
 faulty_case 'case s01-inout-two-pieces: pieces has to be a whole number' '0,/"pieces": 2/s//"pieces": 0/'
 faulty_case 'case s01-inout-two-pieces: no fit: pieces are of degree' '0,/"degree": 3/s//"degree": 9/'
 faulty_case 'case s04-linear-inner-exact: knots.x: the knots do not ascend' 's/^ *1\.25,/4,/'

@@ -487,7 +487,7 @@ TEST_CASE("an element that cannot be deformed stays, and the others are not affe
     const Result beside = shown(spoilt);
     REQUIRE(beside.report.warnings.size() == 1);
     CHECK(contains(beside.report.warnings[0], "\"bad\" (line 1)"));
-    CHECK(contains(beside.report.warnings[0], "stays as it is"));
+    CHECK(contains(beside.report.warnings[0], "stays unchanged"));
     CHECK(contains(beside.text, spoilt));
     for (int n = 0; n < 6; ++n) {
         const auto begin = alone.text.find("<path id=\"p" + std::to_string(n));
@@ -684,7 +684,7 @@ TEST_CASE("use elements that cannot be expanded are reported", "[examples][svg_d
     }
     const auto missing = warnings_of(R"(<use id="u" href="#none"/><use href="other.svg#x"/><use/>)");
     REQUIRE(missing.size() == 3);
-    CHECK(missing[0] == "use \"u\" (line 1): refers to nothing in this file (\"#none\") and stays as it is");
+    CHECK(missing[0] == "use \"u\" (line 1): refers to nothing in this file (\"#none\") and stays unchanged");
     CHECK(warnings_of(R"(<linearGradient id="l"/><use href="#l"/>)").size() == 1);
     CHECK(warnings_of(R"(<use href="#t"><path id="t" d="M0 0L1 1"/></use>)").size() == 1);
 
@@ -744,9 +744,9 @@ TEST_CASE("elements that cannot be deformed are reported", "[examples][svg_docum
 g:hover { fill: url(#a) } :hover { fill: red }</style>)x");
     REQUIRE(all.size() == 6);
     CHECK(all[0] == "text \"t\" (line 1): keeps its letters, and moves and turns as a whole");
-    CHECK(all[1] == "image (line 1): cannot be deformed and stays as it is"); // has no size
+    CHECK(all[1] == "image (line 1): cannot be deformed and stays unchanged"); // has no size
     CHECK(contains(all[2], "foreignObject"));
-    CHECK(all[3] == "path \"flat\" (line 2): has a transform without inverse and stays as it is");
+    CHECK(all[3] == "path \"flat\" (line 2): has a transform without inverse and stays unchanged");
     CHECK(all[4] == "style (line 4): \"g:hover\" refers to an element and is not read");
     CHECK(all[5] == "g (line 2): the property \"transform\" is not deformed: turn(2)");
 }

@@ -714,16 +714,16 @@ TEST_CASE("properties that are not applied are reported", "[examples][svg_style]
         "foreignObject (line 12): is not deformed; it moves and turns as a whole",
         "style (line 2): \"@import url(more.css)\" is not read",
         "style (line 4): the property \"animation\" is not deformed: spin 2s",
-        "style (line 4): the property \"-x-ink\" is not known and stays as it is (2 times)",
+        "style (line 4): the property \"-x-ink\" is not known and stays unchanged (2 times)",
         "style (line 5): \"@scope (g)\" is not read",
         "style (line 6): the property \"translate\" of \"path\" is not deformed",
         "xml-stylesheet: another file is not read: href=\"a.css\"",
         "rect (line 8): the property \"offset-path\" is not deformed: path('M0 0')",
-        "path (line 9): the property \"zorble\" is not known and stays as it is",
+        "path (line 9): the property \"zorble\" is not known and stays unchanged",
         "animate (line 9): animate is not deformed: it animates d",
         "animateTransform (line 10): animateTransform is not deformed: it animates the transform",
         "set (line 10): set is not deformed: it animates points",
-        "flowRoot (line 11): flowRoot is not deformed and stays as it is",
+        "flowRoot (line 11): flowRoot is not deformed and stays unchanged",
         "g (line 11): the property \"transition\" is not deformed: x 2s"};
     for (std::size_t i = 0; i < std::max(expected.size(), moved.warnings.size()); ++i) {
         CHECK((i < moved.warnings.size() ? moved.warnings[i] : "") ==
@@ -763,7 +763,7 @@ TEST_CASE("every unknown property is reported", "[examples][svg_style][warnings]
         CAPTURE(content, property);
         const std::string times = count > 1 ? " (" + std::to_string(count) + " times)" : "";
         const std::string end =
-            "): the property \"" + property + "\" is not known and stays as it is" + times;
+            "): the property \"" + property + "\" is not known and stays unchanged" + times;
         CHECK(std::count_if(warnings.begin(), warnings.end(),
                             [&](const std::string& each) { return each.ends_with(end); }) == 1);
     }

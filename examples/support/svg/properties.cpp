@@ -280,7 +280,7 @@ void UnappliedReport::add(const std::string& where, const std::string& what, std
 void UnappliedReport::declare(const std::string& where, std::string_view property, std::string_view value) {
     switch (use_of(property)) {
     case PropertyUse::unknown:
-        return add(where, "the property \"" + std::string(property) + "\" is not known and stays as it is");
+        return add(where, "the property \"" + std::string(property) + "\" is not known and stays unchanged");
     case PropertyUse::not_applied:
         if (value == "none" || value == "auto" || value == "0" || value == "initial") return;
         return add(where, "the property \"" + std::string(property) + "\" is not deformed", value);
@@ -300,7 +300,7 @@ void UnappliedReport::check(const SvgDocument& document) {
         const bool foreign = kind.empty() || kind.find(':') != std::string::npos;
         const bool known = known_elements.count(kind) != 0;
         if (!foreign && known) check(document, node, kind);
-        if (!foreign && !known) add(label(document, node), kind + " is not deformed and stays as it is");
+        if (!foreign && !known) add(label(document, node), kind + " is not deformed and stays unchanged");
         const bool opaque = !known || kind == "foreignObject" || kind == "metadata" || kind == "script";
         node = opaque ? node_after(node, root) : next_node(node, root);
     }

@@ -35,7 +35,7 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
     const std::string reference = reference_of(use);
     const pugi::xml_node target = ids_.referred(reference);
     if (!target) {
-        warn(use, "refers to nothing in this file (\"" + reference + "\") and stays as it is");
+        warn(use, "refers to nothing in this file (\"" + reference + "\") and stays unchanged");
         return {};
     }
     bool cyclic = std::find(active_.begin(), active_.end(), target) != active_.end();
@@ -56,7 +56,7 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
     if (!usable || has_content) {
         warn(use, flat && !usable
                       ? "shows nothing, as in browsers: in a clip path a use cannot refer to " + kind
-                      : "cannot be expanded and stays as it is");
+                      : "cannot be expanded and stays unchanged");
         return {};
     }
     if (!count_copies(target) || copies_ + expanded_size(target) > max_svg_copies) {

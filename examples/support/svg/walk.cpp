@@ -108,7 +108,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     // Pages and hidden layers need not lie in the cage. For reading (a cage, say), hidden shapes count.
     const Values values = resolve_context_paint(node, parent);
     if (options_.follow_references && text_of(values, "display") == "none") {
-        warn(node, "is not displayed and stays as it is");
+        warn(node, "is not displayed and stays unchanged");
         return true;
     }
     Place place = parent;
@@ -312,7 +312,7 @@ bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, boo
     if (!options_.as_cage) straighten(path);
     const std::optional<Affine2> from_root = inverse(place.to_root);
     if (!from_root) {
-        warn(node, "has a transform without inverse and stays as it is");
+        warn(node, "has a transform without inverse and stays unchanged");
         return true;
     }
     DrawnShape shape = place.style;
@@ -323,7 +323,7 @@ bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, boo
     shape.path = transformed(std::move(path), place.to_root);
     if (!in_range(shape.path, options_.is_strict ? most_coordinate : most_)) {
         if (options_.is_strict) return fail(node, "coordinates out of range");
-        warn(node, "has coordinates out of range and stays as it is");
+        warn(node, "has coordinates out of range and stays unchanged");
         return true;
     }
     shape.has_fill = shape.fill_opacity > 0 && shows(shape.fill, place.colour);
@@ -377,7 +377,7 @@ bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, Pla
     if (error_) return false;
     if (box.empty() && kind == "text" && is_blank(node.text().get()) && !node.child("tspan")) return true;
     if (box.empty()) {
-        warn(node, "cannot be deformed and stays as it is");
+        warn(node, "cannot be deformed and stays unchanged");
         return true;
     }
     warn(node, kind == "text" ? "keeps its letters, and moves and turns as a whole"
