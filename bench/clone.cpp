@@ -1,7 +1,8 @@
 // How close is a clone to the cost of reading its weights, and what do fewer or smaller weights save?
 //
-// Limits and peers: reading and summing the same memory (256 MB for the memory bandwidth), moving all bytes
-// with one and several threads, and Eigen's dense product W · C in the better of its two storage orders.
+// The limits are to read and sum the same memory, and to move all bytes with one and several threads. The
+// memory bandwidth is measured with 256 MB. The peer is Eigen's dense product W · C in the better of its two
+// storage orders.
 // Packed bindings use BUMPY112 and mean value coordinates. Counters relative to the figure's size: maximum
 // errors in a bending pose of the projection used here and of renormalised weights, and how much renormalised
 // weights change the rest pose.

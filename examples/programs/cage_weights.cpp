@@ -16,8 +16,9 @@
 // SVG or the vertices of an OBJ (site_file.hpp).
 //
 // The output has a header, then one line per point: status,w0,w1,… with 17 digits, "nan" if a point has no
-// weights. The columns are the vertices of the loops (or of the OBJ) in the order of the file, then the new
-// vertices of chains and points, for green then edges (or faces). --labels names the columns of vertices.
+// weights. The first columns are the vertices of the loops (or of the OBJ) in the order of the file. The new
+// vertices of chains and points follow; for green, the edges (or faces) are last. --labels names the columns
+// of vertices.
 // Points are read, bound and written in batches, so files may have any length.
 
 #include "cli/command_line.hpp"

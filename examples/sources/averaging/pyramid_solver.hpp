@@ -33,9 +33,9 @@ struct AveragingSolver {
 ///             precision; sum to 1 as far as the solver converged: its tolerance is on the change
 ///             per sweep, not on the error
 ///   accuracy  boundary cells form a staircase, which leaves a residual Σwc − p of about half a
-///             cell; `bind` restores linear precision, the report says by how much. The papers
-///             sweep to AveragingOptions::tolerance 1e-5 and look up Interpolation::nearest_cell,
-///             which is off by at most a cell's diagonal
+///             cell; `bind` restores linear precision, and the report states the correction. The
+///             papers sweep to AveragingOptions::tolerance 1e-5. They use
+///             Interpolation::nearest_cell, whose error is at most a cell's diagonal
 ///   cost      per thread handles_at_once scalars a cell, and another scalar and a tag for each
 ///             cell of the pyramid; after `solve` #V scalars a cell. With one handle at once in
 ///             float that is 12 bytes a cell in 3D, as published
