@@ -1,7 +1,7 @@
 # cmake -DROOT=<project> -P check_includes.cmake
-# The table of what each room may include: itself, config.hpp, version.hpp, and what the table lists. A room is a folder
-# of include/cageform. A game ships the following run-time rooms. They need only the standard library. Each of them
-# includes only the run-time rooms listed before it.
+# A room is a folder of include/cageform. Each room may include itself, config.hpp, version.hpp and the rooms listed for
+# it here. `run_time` lists the rooms that a game ships. They need only the standard library, and each includes only the
+# rooms before it in this list.
 set(run_time core clip figure clone pose)
 set(before)
 foreach(room IN LISTS run_time)

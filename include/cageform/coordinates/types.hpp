@@ -1,5 +1,5 @@
 // The list of coordinate types. The programs, the C interface, the bindings and the site take names and facts
-// from this list. BlendedCoordinates, a type of several cages, is not in the list.
+// from this list. BlendedCoordinates is not in the list, because it takes several cages.
 #pragma once
 
 #include <cageform/coordinates/barycentric.hpp>
@@ -19,10 +19,9 @@ namespace cageform::inline CAGEFORM_ABI {
 // X(name, NAME, cages, handles, outside, "description", how to construct the type)
 //
 //   name, NAME   the enumerator here, and CAGEFORM_NAME in C. The command line and other languages write
-//   `name`
-//                with "-" for "_". Add new types at the end: values are part of the C interface
+//                "-" in place of "_". Add new types at the end: values are part of the C interface
 //   cages        accepted cage_kinds
-//   handles      vertices, or with_normals: edges or faces are handles too
+//   handles      vertices: only vertices are handles; with_normals: edges (2D) or faces (3D) too
 //   outside      extended: weights are defined outside the cage; or undefined
 //   how          an expression of T, D, `cage` and `options` (CoordinateOptions)
 // clang-format off
