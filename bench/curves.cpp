@@ -163,15 +163,13 @@ void single_pieces(benchmark::State& state) {
         for (std::size_t i = 0; i < fitted.pieces(); ++i) cubics.push_back(cubic_piece<double>(fitted, i));
         pieces.emplace_back(std::move(cubics), 1.0);
     }
-    run_single(
-        state, [&](std::size_t k, double x) { return pieces[k](x); }, pieces.size());
+    run_single(state, [&](std::size_t k, double x) { return pieces[k](x); }, pieces.size());
 }
 template <class Function>
 void single_solved(benchmark::State& state) {
     std::vector<Function> functions;
     for (const auto& curve : random_curves(64)) functions.emplace_back(curve);
-    run_single(
-        state, [&](std::size_t k, double x) { return functions[k](x); }, functions.size());
+    run_single(state, [&](std::size_t k, double x) { return functions[k](x); }, functions.size());
 }
 
 BENCHMARK(fit_to_tolerance)->Unit(benchmark::kMillisecond);

@@ -213,8 +213,9 @@ public:
     /// where whole ones do not come nearer or leave the cage.
     ///
     ///   ends  the start and the goal
-    Found find(const Coordinates& coordinates, const double* ends, const double* pose,
-               std::size_t count) requires(D == 2) {
+    Found find(const Coordinates& coordinates, const double* ends, const double* pose, std::size_t count)
+        requires(D == 2)
+    {
         const Point start{ends[0], ends[1]}, goal{ends[2], ends[3]};
         Found found{start, std::numeric_limits<double>::infinity()};
         if (set_handles(pose, count) != Status::ok) return found;

@@ -415,7 +415,7 @@ TEST_CASE("invalid keys are rejected with their index", "[animate][track][refuse
             keys = good();
             keys[i].out_handle[0] = bad;
             refused(keys, Status::value_not_finite, i);
-            for (double Key::*member :
+            for (double Key::* member :
                  {&Key::in_slope, &Key::out_slope, &Key::tension, &Key::continuity, &Key::bias}) {
                 keys = good();
                 keys[i].*member = bad;

@@ -130,7 +130,7 @@ auto direct(const C& cage, const cageform::HarmonicOptions& options) {
 }
 
 template <class Solver>
-constexpr bool is_model = cageform::CageSolver<Solver>&& cageform::DifferentiableSolver<Solver>;
+constexpr bool is_model = cageform::CageSolver<Solver> && cageform::DifferentiableSolver<Solver>;
 
 } // namespace
 

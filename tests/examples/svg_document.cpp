@@ -49,9 +49,8 @@ bool identity(std::span<const Point2> in, std::span<Point2> out) {
 
 /// Moves all points by less than the output's precision, so that unmoved shapes are written too.
 bool hardly(std::span<const Point2> in, std::span<Point2> out) {
-    std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
-        return Point2{p.x + 1e-9, p.y};
-    });
+    std::transform(in.begin(), in.end(), out.begin(),
+                   [](const Point2& p) { return Point2{p.x + 1e-9, p.y}; });
     return true;
 }
 
@@ -348,9 +347,8 @@ TEST_CASE("an element that has not moved stays as written", "[examples][svg_docu
     CHECK(all.text == rich);
     CHECK(all.report.shapes == shapes_of(rich).size() + 2); // the text's box and the clip path's content
     const auto right_half = [](std::span<const Point2> in, std::span<Point2> out) {
-        std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
-            return Point2{p.x, p.x > 50 ? p.y + 1 : p.y};
-        });
+        std::transform(in.begin(), in.end(), out.begin(),
+                       [](const Point2& p) { return Point2{p.x, p.x > 50 ? p.y + 1 : p.y}; });
         return true;
     };
     CHECK(deformed(svg(R"(<rect width="9" height="9"/><line x1="60" x2="70"/>)"), right_half).text ==

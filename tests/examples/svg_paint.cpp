@@ -27,9 +27,8 @@ namespace {
 
 /// Bends the x axis.
 bool bend(std::span<const Point2> in, std::span<Point2> out) {
-    std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
-        return Point2{p.x, p.y + 0.01 * (p.x - 50) * (p.x - 50)};
-    });
+    std::transform(in.begin(), in.end(), out.begin(),
+                   [](const Point2& p) { return Point2{p.x, p.y + 0.01 * (p.x - 50) * (p.x - 50)}; });
     return true;
 }
 
@@ -247,9 +246,8 @@ TEST_CASE("shapes that share a gradient share a copy where one map is right for 
     CHECK(bent.document.xml.document_element().attribute("xmlns:xlink"));
     // shapes with the same motion, up to the tolerance, share a copy; unmoved shapes keep the original
     const Deformer nearly = [](std::span<const Point2> in, std::span<Point2> out) {
-        std::transform(in.begin(), in.end(), out.begin(), [](const Point2& p) {
-            return Point2{p.x + 5, p.y + 1e-6 * std::sin(p.x)};
-        });
+        std::transform(in.begin(), in.end(), out.begin(),
+                       [](const Point2& p) { return Point2{p.x + 5, p.y + 1e-6 * std::sin(p.x)}; });
         return true;
     };
     const Result shifted = deformed(svg(gradient + shapes), nearly);

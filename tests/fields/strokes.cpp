@@ -283,8 +283,8 @@ TEST_CASE("at the end of a stroke with two sides the error is of first order", "
         rim.points.erase(rim.points.begin() + 1000); // the position of the jump
         rim.left.erase(rim.left.begin() + 1000);
         REQUIRE(field.add(rim) == Status::ok);
-        errors[level] = error_of(
-            field, [](const Vec<double, 2>& p) { return std::hypot(p[0], p[1]) < 0.9; }, crack);
+        errors[level] =
+            error_of(field, [](const Vec<double, 2>& p) { return std::hypot(p[0], p[1]) < 0.9; }, crack);
     }
     CAPTURE(errors[0], errors[1], errors[2]);
     CHECK(errors[1] < 0.65 * errors[0]);

@@ -95,8 +95,7 @@ void check_least(int seed) {
     CAPTURE(seed, D);
     Random random{std::uint64_t(seed)};
     CellTree<D> tree = random_tree<D>(random), slow = tree;
-    balance(
-        tree, [](std::uint32_t) { return true; }, [&](const auto& leaf) { tree.split(leaf); });
+    balance(tree, [](std::uint32_t) { return true; }, [&](const auto& leaf) { tree.split(leaf); });
     for (bool changed = true; changed;) {
         changed = false;
         const auto leaves = leaves_of(slow);

@@ -123,14 +123,10 @@ public:
     }
     GlContext(const GlContext&) = delete;
     GlContext& operator=(const GlContext&) = delete;
-    ~GlContext() {
-        end();
-    }
+    ~GlContext() { end(); }
 
     /// Who renders, for messages.
-    std::string renderer() const {
-        return reinterpret_cast<const char*>(GetString(GL_RENDERER));
-    }
+    std::string renderer() const { return reinterpret_cast<const char*>(GetString(GL_RENDERER)); }
 
     /// Runs a compute shader in `groups` work groups.
     void run_compute(const std::string& source, GLuint groups,

@@ -53,7 +53,7 @@ class MappedFile {
 public:
     explicit MappedFile(const std::string& path) {
         const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-        struct stat status {};
+        struct stat status{};
         const bool found = file >= 0 && ::fstat(file, &status) == 0 && status.st_size > 0;
         size_ = found ? std::size_t(status.st_size) : 0;
         data_ = found ? ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;

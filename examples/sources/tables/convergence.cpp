@@ -250,8 +250,7 @@ Expected<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string t
     const std::string folder = printable(path.parent_path().filename().string()),
                       file = printable(path.stem().string());
     Oracle<3> oracle{file == "reference" ? folder : folder + ", " + file, std::move(*cage), {}, {}};
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c == ',' || c == ';' || c == ':'; }, ' ');
+    std::replace_if(text.begin(), text.end(), [](char c) { return c == ',' || c == ';' || c == ':'; }, ' ');
     std::istringstream lines(std::move(text));
     for (std::string line; std::getline(lines, line);) {
         std::istringstream words(line);

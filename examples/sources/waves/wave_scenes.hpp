@@ -161,8 +161,7 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
             return std::polar(std::exp(-u * u), x * std::sqrt(4 * pi * pi - mode * mode)) * across;
         };
         add("Gaussian", square, packet(0.16 * width, middle, 0.04 * width, 2));
-        add(
-            "tip", [=](double x, double y) { return tip(x, y) + square(x, y); }, in_channel);
+        add("tip", [=](double x, double y) { return tip(x, y) + square(x, y); }, in_channel);
     }
     return scene;
 }

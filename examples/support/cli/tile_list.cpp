@@ -64,7 +64,7 @@ std::optional<std::string> fault_of_tiles(const std::vector<Tile>& tiles,
                                           const std::vector<std::string>& outputs) {
     std::map<std::pair<dev_t, ino_t>, std::string> read; // by device and inode
     const auto identity = [](const std::string& path, std::pair<dev_t, ino_t>& id) {
-        struct stat status {};
+        struct stat status{};
         if (stat(path.c_str(), &status) != 0) return false;
         id = {status.st_dev, status.st_ino};
         return true;

@@ -31,7 +31,7 @@ static constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIG
 static void catch_signals() {
     static const bool done = [] {
         const auto set = [](int number, void (*handler)(int)) {
-            struct sigaction old {};
+            struct sigaction old{};
             if (sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_DFL)
                 std::signal(number, handler);
         };

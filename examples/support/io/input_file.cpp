@@ -138,7 +138,7 @@ InputFile::InputFile(std::string path)
     : path_(std::move(path)) {
     const auto refuse = [this](const std::string& why) { error_ = path_ + ": " + why; };
     descriptor_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status {};
+    struct stat status{};
     if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) {
         const int code = errno;
         may_retry_ = is_temporary_failure(code);

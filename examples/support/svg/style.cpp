@@ -340,8 +340,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         }
         end_declarations(at);
         at = begin = close + 1;
-        std::replace_if(
-            rule.begin(), rule.end(), [](char c) { return c == '(' || c == ')'; }, ' ');
+        std::replace_if(rule.begin(), rule.end(), [](char c) { return c == '(' || c == ')'; }, ' ');
         RulePlace inside = in;
         ++inside.depth;
         if (rule.empty()) {

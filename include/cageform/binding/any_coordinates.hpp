@@ -38,7 +38,7 @@ public:
 
     /// Holds coordinates of any type of this scalar and dimension.
     template <CageCoordinates C>
-        requires(std::is_same_v<typename C::scalar, T>&& C::dimension == D)
+        requires(std::is_same_v<typename C::scalar, T> && C::dimension == D)
     AnyCoordinates(C coordinates) // implicit, so that a function can return either type
         : model_(std::make_shared<Model<C>>(std::move(coordinates))) {}
 
@@ -112,10 +112,10 @@ public:
     /// Binds a figure; called by `bind(coordinates, figure, …)`. Normals without gradients give
     /// gradients_not_supported.
     template <PointRangeIn<D> P, class N, class G>
-        requires(detail::NormalsIn<N, D>&& detail::TangentsIn<G, N, D>)
-    Result<FigureBinding<T, D>, FigureBindReport>
-    bind(const FigurePoints<P, N, G>& figure, const BindOptions& options = {}, const Running& running = {})
-    const {
+        requires(detail::NormalsIn<N, D> && detail::TangentsIn<G, N, D>)
+    Result<FigureBinding<T, D>, FigureBindReport> bind(const FigurePoints<P, N, G>& figure,
+                                                       const BindOptions& options = {},
+                                                       const Running& running = {}) const {
         Result<FigureBinding<T, D>, FigureBindReport> result;
         detail::run_into(result.report, [&] {
             if (!model_) return Status::coordinates_empty;

@@ -52,7 +52,8 @@ struct Bind {
     ///            their functions during the call (half of SolverMemory::block per group)
     ///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
     template <CageCoordinates C, class P, class N, class G>
-        requires(detail::PointsFor<P, C>&& detail::NormalsFor<N, C>&& detail::TangentsIn<G, N, C::dimension>)
+        requires(detail::PointsFor<P, C> && detail::NormalsFor<N, C> &&
+                 detail::TangentsIn<G, N, C::dimension>)
     Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>
     operator()(const C& coordinates, const FigurePoints<P, N, G>& figure, const BindOptions& options = {},
                const Running& running = {}) const {
@@ -124,10 +125,9 @@ bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vect
 template <GradientCoordinates C, PointRangeIn<C::dimension> R, class V>
     requires(PointRangeIn<V, C::dimension> ||
              (Point<V> && !PointRange<V> && PointTraits<V>::dimension == C::dimension))
-Result<Binding<typename C::scalar, C::dimension>, BindReport> bind_vectors(const C& coordinates,
-                                                                           const R& points, const V& vectors,
-                                                                           const BindOptions& options = {},
-                                                                           const Running& running = {}) {
+Result<Binding<typename C::scalar, C::dimension>, BindReport>
+bind_vectors(const C& coordinates, const R& points, const V& vectors, const BindOptions& options = {},
+             const Running& running = {}) {
     using T = typename C::scalar;
     std::array<detail::PointReader<T>, 1> reader;
     [[maybe_unused]] Vec<T, C::dimension> same{};

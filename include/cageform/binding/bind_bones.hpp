@@ -37,10 +37,9 @@ struct BindBonesReport : BindReport {
 template <PointRange R, class Bones, ScalarRange Weights,
           Scalar T = typename detail::element_t<const Bones>::scalar, std::size_t D = range_dimension<R>>
     requires(std::is_same_v<detail::element_t<const Bones>, const Transform<T, D>> && (D == 2 || D == 3))
-Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& frames,
-                                                  const Weights& bone_weights,
-                                                  const BindOptions& options = {},
-                                                  const Running& running = {}) {
+Result<Binding<T, D>, BindBonesReport>
+bind_bones(const R& points, const Bones& frames, const Weights& bone_weights, const BindOptions& options = {},
+           const Running& running = {}) {
     using W = std::remove_cv_t<detail::element_t<const Weights>>;
     const std::span<const Transform<T, D>> bones(frames);
     const std::span<const W> weights(bone_weights);

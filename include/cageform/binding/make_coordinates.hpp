@@ -38,7 +38,7 @@ auto make_coordinates(CoordinateType type, const Cage& cage,
     switch (type) {
 #define CAGEFORM_DETAIL_MAKE(name, NAME, cages, handles, outside, description, ...)                          \
     case CoordinateType::name:                                                                               \
-        if constexpr (((cages)&detail::kinds_of<Cage>) != 0) {                                               \
+        if constexpr (((cages) & detail::kinds_of<Cage>) != 0) {                                             \
             static_assert(std::remove_cvref_t<decltype(__VA_ARGS__)>::has_extension == outside);             \
             return __VA_ARGS__;                                                                              \
         }                                                                                                    \

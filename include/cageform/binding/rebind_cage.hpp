@@ -53,52 +53,54 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
 ///                another length or an index out of range; vectors_do_not_match, if there is not one
 ///                handedness per point
 template <CageCoordinates C>
-    requires GradientCoordinates<C> Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
-    rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,
-                std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
-                const Running& running = {}) {
-        using T = typename C::scalar;
-        constexpr std::size_t D = C::dimension;
-        Result<FigureBinding<T, D>, CageRebindReport> result;
-        Result<FigureBinding<T, D>, FigureBindReport> bound;
-        detail::run_into(bound.report, [&] {
-            if (coordinates.cage_report().status != Status::ok) {
-                bound.report.points.cage = coordinates.cage_report();
-                return bound.report.points.status = coordinates.cage_report().status;
-            }
-            const HandleView<T, D> before = figure.points.handle_view(), after = handle_view(coordinates);
-            result.report.old_handles.assign(old_handles.begin(), old_handles.end());
-            if (old_handles.empty()) result.report.old_handles = match_handles(before, after);
-            for (const std::size_t handle : result.report.old_handles) {
-                if (handle >= before.count && handle != new_handle) return Status::labels_do_not_match;
-            }
-            if (result.report.old_handles.size() != after.count) return Status::labels_do_not_match;
-            detail::FigureInput<T, D> input{detail::read_rest(figure.points), {}, {}};
-            for (std::size_t k = 0; k + 1 < D && figure.has_normals(); ++k)
-                input.tangents[k] = detail::read_rest(figure.tangents[k]);
-            if (figure.has_tangents())
-                input.handedness.assign(figure.handedness, figure.handedness + figure.point_count());
-            const Status status = detail::bind_read_figure(detail::figure_input(coordinates, input.points),
-                                                           input, options, running, bound);
-            return status == Status::ok
-                       ? detail::transfer_labels(figure.labels, result.report.old_handles, bound.value)
-                       : status;
-        });
-        static_cast<FigureBindReport&>(result.report) = std::move(bound.report);
-        if (result.report.status == Status::ok) result.value = std::move(bound.value);
-        return result;
-    }
-template <CageCoordinates C>
-    requires GradientCoordinates<C> Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
-    rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
-                std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
-                const Running& running = {}) {
-        if (!figure.handedness.empty() && figure.handedness.size() != figure.points.point_count()) {
-            Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport> refused;
-            refused.report.points.status = refused.report.status = Status::vectors_do_not_match;
-            return refused;
+    requires GradientCoordinates<C>
+Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
+rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,
+            std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
+            const Running& running = {}) {
+    using T = typename C::scalar;
+    constexpr std::size_t D = C::dimension;
+    Result<FigureBinding<T, D>, CageRebindReport> result;
+    Result<FigureBinding<T, D>, FigureBindReport> bound;
+    detail::run_into(bound.report, [&] {
+        if (coordinates.cage_report().status != Status::ok) {
+            bound.report.points.cage = coordinates.cage_report();
+            return bound.report.points.status = coordinates.cage_report().status;
         }
-        return rebind_cage(figure.view(), coordinates, old_handles, options, running);
+        const HandleView<T, D> before = figure.points.handle_view(), after = handle_view(coordinates);
+        result.report.old_handles.assign(old_handles.begin(), old_handles.end());
+        if (old_handles.empty()) result.report.old_handles = match_handles(before, after);
+        for (const std::size_t handle : result.report.old_handles) {
+            if (handle >= before.count && handle != new_handle) return Status::labels_do_not_match;
+        }
+        if (result.report.old_handles.size() != after.count) return Status::labels_do_not_match;
+        detail::FigureInput<T, D> input{detail::read_rest(figure.points), {}, {}};
+        for (std::size_t k = 0; k + 1 < D && figure.has_normals(); ++k)
+            input.tangents[k] = detail::read_rest(figure.tangents[k]);
+        if (figure.has_tangents())
+            input.handedness.assign(figure.handedness, figure.handedness + figure.point_count());
+        const Status status = detail::bind_read_figure(detail::figure_input(coordinates, input.points), input,
+                                                       options, running, bound);
+        return status == Status::ok
+                   ? detail::transfer_labels(figure.labels, result.report.old_handles, bound.value)
+                   : status;
+    });
+    static_cast<FigureBindReport&>(result.report) = std::move(bound.report);
+    if (result.report.status == Status::ok) result.value = std::move(bound.value);
+    return result;
+}
+template <CageCoordinates C>
+    requires GradientCoordinates<C>
+Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
+rebind_cage(const FigureBinding<typename C::scalar, C::dimension>& figure, const C& coordinates,
+            std::span<const std::size_t> old_handles = {}, const BindOptions& options = {},
+            const Running& running = {}) {
+    if (!figure.handedness.empty() && figure.handedness.size() != figure.points.point_count()) {
+        Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport> refused;
+        refused.report.points.status = refused.report.status = Status::vectors_do_not_match;
+        return refused;
     }
+    return rebind_cage(figure.view(), coordinates, old_handles, options, running);
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -51,8 +51,7 @@ struct OpenClipReport {
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 Result<CageClipView<T, D>, OpenClipReport> open_clip(std::span<const std::byte> data,
-                                                     BlobCheck check = BlobCheck::all)
-noexcept {
+                                                     BlobCheck check = BlobCheck::all) noexcept {
     Result<CageClipView<T, D>, OpenClipReport> opened;
     Status& status = opened.report.status;
     ClipHeader header;

@@ -49,18 +49,15 @@ Status clone(const B& binding, const Pose& pose, Out&& out,
 // Further arguments are accepted, so that the first line of the compiler's message names the reason.
 template <AnyBinding B, class Pose, class Out, class... More>
     requires(UnknownPointRange<Pose> || UnknownPointRange<Out>)
-detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints, Status> clone(const B&, const Pose&, Out&&,
-                                                                                const More&...)
-= CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
+detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints, Status>
+clone(const B&, const Pose&, Out&&, const More&...) = CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 template <AnyBinding B, PointRange Pose, PointRange Out, class... More>
     requires(range_dimension<Pose> != B::dimension || range_dimension<Out> != B::dimension)
-detail::ReasonOr<detail::PointsOfAnotherDimensionThanTheCage, Status> clone(const B&, const Pose&, Out&&,
-                                                                            const More&...)
-= CAGEFORM_DETAIL_DELETE_DIMENSION;
+detail::ReasonOr<detail::PointsOfAnotherDimensionThanTheCage, Status>
+clone(const B&, const Pose&, Out&&, const More&...) = CAGEFORM_DETAIL_DELETE_DIMENSION;
 template <AnyBinding B, PointRangeIn<B::dimension> Pose, PointRangeIn<B::dimension> Out, class... More>
     requires(!MutablePointRange<Out>)
-detail::ReasonOr<detail::PointsThatCannotBeWritten, Status> clone(const B&, const Pose&, Out&&,
-                                                                  const More&...)
-= CAGEFORM_DETAIL_DELETE_NOT_WRITTEN;
+detail::ReasonOr<detail::PointsThatCannotBeWritten, Status>
+clone(const B&, const Pose&, Out&&, const More&...) = CAGEFORM_DETAIL_DELETE_NOT_WRITTEN;
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -42,10 +42,10 @@ concept AnyFigure = detail::is_figure_view<decltype(detail::view_of(std::declval
 ///                 as `clone`. `out` is untouched unless the status is ok
 ///   cost          one clone per binding; no allocation
 template <AnyFigure F, PointRangeIn<F::dimension> Pose, class P, class N, class G, class Parallel = SerialFor>
-    requires(MutablePointRangeIn<P, F::dimension>&& detail::NormalsOut<N, F::dimension>&&
-                 detail::TangentsOut<G, F::dimension>)
-Status clone(const F& figure, const Pose& pose, FigureOutput<P, N, G> out, const Parallel& parallel_for = {})
-noexcept {
+    requires(MutablePointRangeIn<P, F::dimension> && detail::NormalsOut<N, F::dimension> &&
+             detail::TangentsOut<G, F::dimension>)
+Status clone(const F& figure, const Pose& pose, FigureOutput<P, N, G> out,
+             const Parallel& parallel_for = {}) noexcept {
     const auto view = detail::view_of(figure);
     Status status = detail::check_figure_clone(view, pose, out);
     if (status == Status::ok) status = clone(view.points, pose, out.points, {}, parallel_for);

@@ -57,8 +57,8 @@ template <AnyBinding B, std::size_t D, class S, MutablePointRangeIn<D> Out, clas
     requires(B::dimension == D)
 Status clone_jacobians_transposed(const std::array<B, D>& columns,
                                   const StridedMatrices<S, D>& jacobian_gradients, Out&& handle_gradients,
-                                  CloneMode mode = CloneMode::replace, const Parallel& parallel_for = {})
-noexcept {
+                                  CloneMode mode = CloneMode::replace,
+                                  const Parallel& parallel_for = {}) noexcept {
     using T = typename B::scalar;
     const auto views = detail::views_of(columns);
     for (const auto& view : views) {
@@ -75,8 +75,7 @@ noexcept {
             {Rows(PackedBindingView<T, D>(views[K]), sources[K], {nullptr, 0})...}};
         detail::transpose(views, gradients, handle_gradients, mode, parallel_for);
         return Status::ok;
-    }
-    (std::make_index_sequence<D>{});
+    }(std::make_index_sequence<D>{});
 }
 
 /// Computes the gradients of handles from those of the normals that `clone_normals` writes.
@@ -96,8 +95,8 @@ template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, PointRan
 // NOLINTNEXTLINE(readability-function-size): one parameter more than clone_normals
 Status clone_normals_transposed(const std::array<B, K>& tangents, const Pose& pose,
                                 const Gradients& normal_gradients, Out&& handle_gradients,
-                                CloneMode mode = CloneMode::replace, const Parallel& parallel_for = {})
-noexcept {
+                                CloneMode mode = CloneMode::replace,
+                                const Parallel& parallel_for = {}) noexcept {
     using T = typename B::scalar;
     constexpr std::size_t D = B::dimension;
     const auto views = detail::views_of(tangents);

@@ -16,8 +16,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   cost     that of D clones, and D³ operations a point; no allocation
 template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose>
     requires(B::dimension == D && (D == 2 || D == 3))
-FoldReport report_folds(const std::array<B, D>& columns, const Pose& pose, const FoldOptions& options = {})
-noexcept {
+FoldReport report_folds(const std::array<B, D>& columns, const Pose& pose,
+                        const FoldOptions& options = {}) noexcept {
     const auto views = detail::views_of(columns);
     FoldReport report;
     report.status = detail::is_supported(options) ? detail::check_jacobians(views, pose)
@@ -44,8 +44,7 @@ template <PointRange Rest, PointRangeIn<range_dimension<Rest>> Posed,
           detail::SimplexRange<range_dimension<Rest>> Cells>
     requires(range_dimension<Rest> == 2 || range_dimension<Rest> == 3)
 FoldReport report_folds(const Rest& rest, const Posed& posed, const Cells& cells,
-                        const FoldOptions& options = {})
-noexcept {
+                        const FoldOptions& options = {}) noexcept {
     const detail::CellPlaces<Rest, Cells> places(rest, cells);
     FoldReport report;
     report.status = detail::check_cells(places, options, report.culprit, rest, posed);
@@ -70,8 +69,7 @@ noexcept {
 template <AnyBinding B, std::size_t D, PointRangeIn<D> From, PointRangeIn<D> To>
     requires(B::dimension == D && (D == 2 || D == 3))
 StepReport largest_step(const std::array<B, D>& columns, const From& from, const To& to,
-                        const FoldOptions& options = {})
-noexcept {
+                        const FoldOptions& options = {}) noexcept {
     const auto views = detail::views_of(columns);
     StepReport report;
     report.status = detail::is_supported(options) ? detail::check_jacobians(views, from)
@@ -86,8 +84,7 @@ template <PointRange Rest, PointRangeIn<range_dimension<Rest>> From, PointRangeI
           detail::SimplexRange<range_dimension<Rest>> Cells>
     requires(range_dimension<Rest> == 2 || range_dimension<Rest> == 3)
 StepReport largest_step(const Rest& rest, const From& from, const To& to, const Cells& cells,
-                        const FoldOptions& options = {})
-noexcept {
+                        const FoldOptions& options = {}) noexcept {
     const detail::CellPlaces<Rest, Cells> places(rest, cells);
     StepReport report;
     report.status = detail::check_cells(places, options, report.culprit, rest, from);

@@ -50,8 +50,7 @@ constexpr std::size_t displacement_count(const PackedBindingView<float, D>& bind
 template <std::size_t D, PointRangeIn<D> Pose>
     requires(D <= 3)
 Status write_displacements(const PackedBindingView<float, D>& binding, const Pose& pose,
-                           std::span<std::array<float, 4>> out)
-noexcept {
+                           std::span<std::array<float, 4>> out) noexcept {
     if (out.size() < displacement_count(binding)) return Status::output_too_small;
     const Status status = detail::check_pose(binding, pose);
     if (status != Status::ok) return status;

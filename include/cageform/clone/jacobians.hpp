@@ -50,8 +50,7 @@ private:
 template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose, class S, class Parallel = SerialFor>
     requires(B::dimension == D)
 Status clone_jacobians(const std::array<B, D>& columns, const Pose& pose,
-                       const StridedMatrices<S, D>& jacobians, const Parallel& parallel_for = {})
-noexcept {
+                       const StridedMatrices<S, D>& jacobians, const Parallel& parallel_for = {}) noexcept {
     const auto views = detail::views_of(columns);
     for (const auto& view : views) {
         if (view.point_count() != views[0].point_count()) return Status::bindings_differ;

@@ -27,8 +27,7 @@ template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, MutableP
           class Parallel = SerialFor>
     requires(K + 1 == B::dimension)
 Status clone_normals(const std::array<B, K>& tangents, const Pose& pose, Out&& normals,
-                     const Parallel& parallel_for = {})
-noexcept {
+                     const Parallel& parallel_for = {}) noexcept {
     const auto views = detail::views_of(tangents);
     const Status status = detail::check_clone(views, pose, normals);
     if (status != Status::ok) return status;
@@ -47,8 +46,7 @@ template <AnyBinding B, PointRangeIn<3> Pose, MutablePointRangeIn<3> Out, Mutabl
           class Parallel = SerialFor>
     requires(B::dimension == 3)
 Status clone_tangent_frames(const std::array<B, 2>& tangents, const Pose& pose, Out&& normals,
-                            TangentsOut&& unit_tangents, const Parallel& parallel_for = {})
-noexcept {
+                            TangentsOut&& unit_tangents, const Parallel& parallel_for = {}) noexcept {
     const auto views = detail::views_of(tangents);
     if (std::size(unit_tangents) < views[0].point_count()) return Status::output_too_small;
     const Status status = detail::check_clone(views, pose, normals);

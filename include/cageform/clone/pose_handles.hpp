@@ -45,9 +45,8 @@ concept HasHandles = requires(const B& binding) {
 /// also transforms every vector, to rounding. A mirrored pose is not a similarity here, because its normals
 /// are inverted.
 template <HasHandles B, PointRange Pose, class Out>
-    requires(B::dimension == 2 || B::dimension == 3)
-&&MutablePointRange<std::remove_reference_t<Out>> PoseReport pose_handles(const B& binding, const Pose& pose,
-                                                                          Out&& out) noexcept {
+    requires(B::dimension == 2 || B::dimension == 3) && MutablePointRange<std::remove_reference_t<Out>>
+PoseReport pose_handles(const B& binding, const Pose& pose, Out&& out) noexcept {
     using T = typename B::scalar;
     const HandleView<T, B::dimension> handles = binding.handle_view();
     const std::size_t vectors = handles.vector_count();
@@ -87,9 +86,8 @@ template <HasHandles B, PointRange Pose, class Out>
 ///   cost     O(#handles), no allocation
 template <HasHandles B, class Out>
     requires MutablePointRange<std::remove_reference_t<Out>>
-        Status pose_bones(const B& binding,
-                          std::span<const Transform<typename B::scalar, B::dimension>> bones, Out&& out)
-noexcept {
+Status pose_bones(const B& binding, std::span<const Transform<typename B::scalar, B::dimension>> bones,
+                  Out&& out) noexcept {
     using T = typename B::scalar;
     constexpr std::size_t D = B::dimension;
     const HandleView<T, D> handles = binding.handle_view();

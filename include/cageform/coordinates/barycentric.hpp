@@ -44,7 +44,8 @@ public:
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
     /// Takes a polygon of one loop and three vertices.
-    explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)
+    explicit BarycentricCoordinates(const Polygon<T>& cage)
+        requires(D == 2)
         : BarycentricCoordinates(cage.vertices()) {
         if (cage.status() != Status::ok) {
             report_ = {cage.status(), {}};

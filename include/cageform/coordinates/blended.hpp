@@ -23,9 +23,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///             of one component
 ///   fails     as the first component that fails; too_few_vertices without components
 template <CageCoordinates C>
-    requires requires(const C& c) {
-        detail::Depth<std::decay_t<decltype(c.cage())>>(c.cage());
-    }
+    requires requires(const C& c) { detail::Depth<std::decay_t<decltype(c.cage())>>(c.cage()); }
 class BlendedCoordinates {
 public:
     using scalar = typename C::scalar;
@@ -53,7 +51,8 @@ public:
     std::size_t refused_component() const noexcept { return refused_; }
 
     /// Solves all components and keeps their functions. Only for components that have `solve`.
-    Evaluation solve(const Running& running = {}) requires requires(C c) { c.solve(running); }
+    Evaluation solve(const Running& running = {})
+        requires requires(C c) { c.solve(running); }
     {
         Evaluation result;
         const Status status = detail::guard_memory([&] {

@@ -55,15 +55,16 @@ concept CageCoordinateConstants = requires {
 ///   distance_outside(p) optional: the distance of an outside point from the cage, and its gradient, for
 ///                       BindOptions::falloff. Default: the distance from the nearest boundary point
 template <class C>
-concept CageCoordinates = CageCoordinateConstants<C> &&
+concept CageCoordinates =
+    CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,
              std::span<PointState> states, const Running& running,
              const Vec<typename C::scalar, C::dimension>& p, std::span<typename C::scalar> row) {
-    { c.handles() } -> std::same_as<std::span<const Vec<typename C::scalar, C::dimension>>>;
-    { c.cage_report() } -> std::same_as<const CageReport&>;
-    { c.evaluate(points, weights, states, running) } -> std::same_as<Evaluation>;
-    { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
-};
+        { c.handles() } -> std::same_as<std::span<const Vec<typename C::scalar, C::dimension>>>;
+        { c.cage_report() } -> std::same_as<const CageReport&>;
+        { c.evaluate(points, weights, states, running) } -> std::same_as<Evaluation>;
+        { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
+    };
 
 /// Coordinates with gradients.
 ///
@@ -71,11 +72,12 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
 ///                       as `evaluate`, but row axis · #handles + handle holds the derivative of the handle's
 ///                       weight along the axis
 template <class C>
-concept GradientCoordinates = CageCoordinates<C> &&
+concept GradientCoordinates =
+    CageCoordinates<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> gradients,
              std::span<PointState> states, const Running& running) {
-    { c.evaluate_gradients(points, gradients, states, running) } -> std::same_as<Evaluation>;
-};
+        { c.evaluate_gradients(points, gradients, states, running) } -> std::same_as<Evaluation>;
+    };
 
 /// Returns the handles of a coordinate type, with their kinds and faces.
 template <CageCoordinates C>

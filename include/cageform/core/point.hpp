@@ -35,10 +35,9 @@ concept Point = requires(const P& p, std::size_t axis) {
 
 /// A Point whose components can be set and are floating-point numbers.
 template <class P>
-concept MutablePoint = Point<P> && std::floating_point<typename PointTraits<P>::scalar> &&
-    requires(P& p, std::size_t axis) {
-    PointTraits<P>::set(p, axis, typename PointTraits<P>::scalar{});
-};
+concept MutablePoint =
+    Point<P> && std::floating_point<typename PointTraits<P>::scalar> &&
+    requires(P& p, std::size_t axis) { PointTraits<P>::set(p, axis, typename PointTraits<P>::scalar{}); };
 
 template <class T, std::size_t D>
 struct PointTraits<Vec<T, D>> : detail::IndexedPointTraits<Vec<T, D>, T, D> {};

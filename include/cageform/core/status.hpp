@@ -148,7 +148,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(influences_not_supported, "a vertex of a skeleton has 1 to 8 weights")
 // clang-format on
 
-enum class [[nodiscard]] Status : std::uint8_t{
+enum class [[nodiscard]] Status : std::uint8_t {
 #define CAGEFORM_DETAIL_NAME(name, text) name,
     CAGEFORM_DETAIL_STATUSES(CAGEFORM_DETAIL_NAME)
 #undef CAGEFORM_DETAIL_NAME

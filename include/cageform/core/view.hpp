@@ -37,7 +37,9 @@ public:
         return r;
     }
 
-    void store(std::size_t i, const value_type& p) const noexcept requires(!std::is_const_v<T>) {
+    void store(std::size_t i, const value_type& p) const noexcept
+        requires(!std::is_const_v<T>)
+    {
         for (std::size_t k = 0; k < D; ++k) *at(i, k) = p[k];
     }
     /// Returns the address of coordinate `axis` of point 0 if this coordinate is contiguous over all
@@ -93,9 +95,8 @@ concept UnknownPointRange = !PointRange<R> && requires(const std::remove_referen
 
 /// A range that is written by `store(i, vec)`.
 template <class R>
-concept StoringRange = PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) {
-    r.store(i, r[i]);
-};
+concept StoringRange =
+    PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) { r.store(i, r[i]); };
 template <class R>
 concept ReferenceRange = PointRange<R> && requires(R& r, std::size_t i) {
     requires std::is_lvalue_reference_v<decltype(r[i])>;
@@ -103,7 +104,7 @@ concept ReferenceRange = PointRange<R> && requires(R& r, std::size_t i) {
     requires MutablePoint<range_point_t<R>>;
 };
 template <class R>
-concept MutablePointRange = PointRange<R> &&(StoringRange<R> || ReferenceRange<R>);
+concept MutablePointRange = PointRange<R> && (StoringRange<R> || ReferenceRange<R>);
 
 /// The dimension and scalar of the points of a range.
 template <class R>
@@ -113,11 +114,9 @@ using range_scalar_t = typename PointTraits<range_point_t<R>>::scalar;
 
 /// Ranges of points in D dimensions.
 template <class R, std::size_t D>
-concept PointRangeIn = PointRange<R> && range_dimension<R>
-== D;
+concept PointRangeIn = PointRange<R> && range_dimension<R> == D;
 template <class R, std::size_t D>
-concept MutablePointRangeIn = MutablePointRange<R> && range_dimension<R>
-== D;
+concept MutablePointRangeIn = MutablePointRange<R> && range_dimension<R> == D;
 
 /// Writes point `i` of a range, converted to the range's scalar.
 template <MutablePointRange R, class T>

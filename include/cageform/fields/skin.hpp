@@ -41,10 +41,9 @@ harmonic_skin(const R& points, const F& faces, std::span<const BoneSegment> bone
 ///            mesh without a visible bone)
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport> bone_heat(const R& points, const F& faces,
-                                                                    std::span<const BoneSegment> bones,
-                                                                    const SurfaceSkinOptions& options = {},
-                                                                    const Running& running = {}) {
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport>
+bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,
+          const SurfaceSkinOptions& options = {}, const Running& running = {}) {
     return detail::surface_skin(points, faces, bones, options,
                                 [&](auto& skinner) { return skinner.solve_heat(running); });
 }

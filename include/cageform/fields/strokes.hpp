@@ -73,7 +73,9 @@ public:
     ///          without a radius, or a radius that is negative or not finite); vertex_not_finite;
     ///          interior_cell_outside (a point off the canvas); value_not_finite; input_malformed (not
     ///          #channels values per point, or two sides with a radius); out_of_memory
-    Status add(const Stroke<T>& stroke) requires(D == 2) {
+    Status add(const Stroke<T>& stroke)
+        requires(D == 2)
+    {
         return detail::guard_memory([&] {
             const auto count = std::uint32_t(stroke.points.size());
             const Status status = check_points(stroke.points, stroke.left, stroke.right);
@@ -99,7 +101,9 @@ public:
     /// #faces).
     ///
     ///   fails  as for strokes, and face_without_vertex, face_without_area
-    Status add(const Wall<T>& wall) requires(D == 3) {
+    Status add(const Wall<T>& wall)
+        requires(D == 3)
+    {
         return detail::guard_memory([&] {
             const Status status = check_points(wall.points, wall.front, wall.back);
             if (status != Status::ok) return status;
@@ -164,8 +168,7 @@ public:
     ///           nothing is written then
     template <PointRange R>
         requires(range_dimension<R> == D)
-    Status sample(const R& points, std::span<T> values)
-    const {
+    Status sample(const R& points, std::span<T> values) const {
         if (!solution_) return Status::cells_unreached;
         if (values.size() / channels_ < std::size(points)) return Status::output_too_small;
         for (std::size_t i = 0; i < std::size(points); ++i) {

@@ -117,8 +117,8 @@ struct PackedFigureView {
     }
     /// Returns a part as an array of #bytes / sizeof(X) elements. The contents are not checked.
     template <class X>
-        requires std::is_trivially_copyable_v<X> std::span<const X> part_as(FigureTag tag)
-    const noexcept {
+        requires std::is_trivially_copyable_v<X>
+    std::span<const X> part_as(FigureTag tag) const noexcept {
         const auto bytes = part(tag);
         return {reinterpret_cast<const X*>(bytes.data()), bytes.size() / sizeof(X)};
     }
@@ -143,8 +143,7 @@ struct OpenReport : BlobReport {
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 Result<PackedFigureView<T, D>, OpenReport> open(std::span<const std::byte> data,
-                                                const BlobExpectation& expected = {})
-noexcept {
+                                                const BlobExpectation& expected = {}) noexcept {
     std::uint64_t magic = 0;
     if (data.size() >= sizeof(magic)) std::memcpy(&magic, data.data(), sizeof(magic));
     if (magic != BlobHeader::magic_number) return detail::open_figure_within<T, D>(data, expected, true);

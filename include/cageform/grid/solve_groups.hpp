@@ -34,12 +34,12 @@ struct GroupWork {
 ///                              Returns ok, not_converged, or cancelled if keep_going returned false
 ///   helpers()                  optional: how many additional threads are useful for one group
 template <class S>
-concept GroupSolver = requires(const S& solver, typename S::Block& block, std::size_t group,
-                               GroupWork& work) {
-    { solver.groups() } -> std::convertible_to<std::size_t>;
-    { solver.make_block() } -> std::same_as<typename S::Block>;
-    { solver.solve(group, block, work) } -> std::same_as<Status>;
-};
+concept GroupSolver =
+    requires(const S& solver, typename S::Block& block, std::size_t group, GroupWork& work) {
+        { solver.groups() } -> std::convertible_to<std::size_t>;
+        { solver.make_block() } -> std::same_as<typename S::Block>;
+        { solver.solve(group, block, work) } -> std::same_as<Status>;
+    };
 
 /// Solves all groups and passes each to take(group, block) on the thread that solved it.
 ///

@@ -54,7 +54,7 @@ Status read_figure(const Figure& figure, const BindFigure& bind) {
 
 // One concept per argument, so that compilers name the violated one.
 template <class P, class C>
-concept PointsFor = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3);
+concept PointsFor = PointRangeIn<P, C::dimension> && (C::dimension == 2 || C::dimension == 3);
 template <class N, class C>
 concept NormalsFor = !is_wanted<N> || (GradientCoordinates<C> && PointRangeIn<N, C::dimension>);
 template <class N, std::size_t D>
@@ -64,9 +64,7 @@ concept TangentsIn = !is_wanted<G> || (is_wanted<N> && D == 3 && (PointRangeIn<G
 
 /// Coordinates that bind by a member function; see AnyCoordinates.
 template <class C, class Figure>
-concept BindsByMember = !CageCoordinates<C> && requires(const C& c, const Figure& figure) {
-    c.bind(figure);
-};
+concept BindsByMember = !CageCoordinates<C> && requires(const C& c, const Figure& figure) { c.bind(figure); };
 
 } // namespace detail
 

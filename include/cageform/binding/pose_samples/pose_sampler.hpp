@@ -100,9 +100,7 @@ private:
     /// Binds the axes at samples in batches and adds them to the sums. Coordinates that would solve in
     /// each call get all samples at once.
     Status add_samples(const PoseSamples<T, D>& to, SampleSums<T, D>& sums, const Running& running) {
-        const bool keeps = is_closed_form(coordinates_) || requires(C & c) {
-            c.solve(Running{});
-        };
+        const bool keeps = is_closed_form(coordinates_) || requires(C& c) { c.solve(Running{}); };
         const std::size_t count = sampled_.points.size(), batch = keeps ? 512 : count;
         constexpr std::uint32_t none = ~std::uint32_t{0};
         column_.assign(count, none);
@@ -259,7 +257,7 @@ make_pose_samples(const C& coordinates, const std::vector<Vec<typename C::scalar
         const auto run = [&](const C& solved, const Running& rest) {
             return PoseSampler<C>(solved, given, options, result.report).run(result.value, rest);
         };
-        if constexpr (requires(C & c) { c.solve(running); }) {
+        if constexpr (requires(C& c) { c.solve(running); }) {
             C solved = coordinates; // keeps its functions for all batches
             result.report.bind.status = solved.solve(running.subtask(0, 0.5)).status;
             if (result.report.bind.status != Status::ok) return result.report.bind.status;

@@ -145,9 +145,7 @@ cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_
         cageform::BindOptions choice;
         switch (own.outside) {
 #define CAGEFORM_DETAIL_OUTSIDE(name, NAME, ...)                                                             \
-    case CAGEFORM_##NAME:                                                                                    \
-        choice.outside = cageform::OutsidePoints::name;                                                      \
-        break;
+    case CAGEFORM_##NAME: choice.outside = cageform::OutsidePoints::name; break;
             CAGEFORM_OUTSIDE_POINTS(CAGEFORM_DETAIL_OUTSIDE)
 #undef CAGEFORM_DETAIL_OUTSIDE
         default: return cageform_status(CAGEFORM_CHOICE_UNKNOWN);

@@ -65,14 +65,14 @@ cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, c
     const bool is_callers = memory != nullptr;
     if (is_callers && (bytes < own + more || reinterpret_cast<std::uintptr_t>(memory) % line != 0))
         return CAGEFORM_MEMORY_TOO_SMALL;
-    if (!is_callers) memory = ::operator new (own + more, std::align_val_t{line}, std::nothrow);
+    if (!is_callers) memory = ::operator new(own + more, std::align_val_t{line}, std::nothrow);
     if (memory == nullptr) return CAGEFORM_OUT_OF_MEMORY;
     X* const object = ::new (memory) X{};
     object->kind = X::its_kind;
     object->destroy =
         is_callers ? [](Object* x) noexcept { static_cast<X*>(x)->~X(); } : [](Object* x) noexcept {
             static_cast<X*>(x)->~X();
-            ::operator delete (static_cast<void*>(x), std::align_val_t{line});
+            ::operator delete(static_cast<void*>(x), std::align_val_t{line});
         };
     fill(*object, static_cast<std::byte*>(memory) + own);
     *made = object;

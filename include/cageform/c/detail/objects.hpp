@@ -76,8 +76,7 @@ cageform_status with(Variant& any, const Use& use) {
     const auto use_if_held = [&](auto* x) { return x != nullptr && (status = use(*x), true); };
     [&]<std::size_t... N>(std::index_sequence<N...>) {
         (void)(... || use_if_held(std::get_if<N>(&any)));
-    }
-    (std::make_index_sequence<std::variant_size_v<std::remove_const_t<Variant>>>());
+    }(std::make_index_sequence<std::variant_size_v<std::remove_const_t<Variant>>>());
     return status;
 }
 

@@ -31,9 +31,8 @@ public:
             if (polygon.status() != Status::ok || !polygon.loops_match()) return polygon_status(polygon);
             for (const auto& loop : polygon.loops()) {
                 Loop& edges = loops_.emplace_back();
-                loop.for_each_edge([&](std::size_t i, std::size_t j) {
-                    edges.push_back({polygon[i], polygon[j]});
-                });
+                loop.for_each_edge(
+                    [&](std::size_t i, std::size_t j) { edges.push_back({polygon[i], polygon[j]}); });
             }
             return Status::ok;
         })) {

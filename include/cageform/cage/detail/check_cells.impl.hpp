@@ -43,9 +43,8 @@ public:
         for (const auto& facet : cage.cells().facets) facets_.push_back({facet, cage.vertices()});
         for (const auto& bone : cage.cells().bones) bones_.push_back(placed_bone(cage, bone));
         inner_ = facets_.size();
-        for_each_facet(cage.boundary(), [&](const auto& facet) {
-            facets_.push_back({facet, cage.vertices()});
-        });
+        for_each_facet(cage.boundary(),
+                       [&](const auto& facet) { facets_.push_back({facet, cage.vertices()}); });
     }
 
     /// Checks that vertices of cells are apart from all other vertices and lie inside, unless they belong to

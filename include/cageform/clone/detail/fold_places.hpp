@@ -80,8 +80,7 @@ public:
                     const std::size_t point = layout.order != nullptr ? layout.order[position] : position;
                     [&]<std::size_t... P>(std::index_sequence<P...>) {
                         visit(point, jacobian(tiles[P], b, lane)...);
-                    }
-                    (std::index_sequence_for<Poses...>{});
+                    }(std::index_sequence_for<Poses...>{});
                 }
             }
         }
@@ -113,8 +112,7 @@ private:
 template <class Cells, std::size_t D>
 concept SimplexRange = requires(const Cells& cells, std::size_t i) {
     { std::size(cells) } -> std::convertible_to<std::size_t>;
-    requires std::tuple_size_v<std::remove_cvref_t<decltype(cells[i])>>
-    == D + 1;
+    requires std::tuple_size_v<std::remove_cvref_t<decltype(cells[i])>> == D + 1;
     { cells[i][0] } -> std::convertible_to<std::size_t>;
 };
 

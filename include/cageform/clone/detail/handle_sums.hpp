@@ -111,7 +111,7 @@ public:
 private:
     static constexpr std::size_t lanes = lane_count<T>;
     template <WeightFormat Format>
-    static constexpr std::size_t row_bytes = lanes* weight_bytes<T>(Format);
+    static constexpr std::size_t row_bytes = lanes * weight_bytes<T>(Format);
 
     /// Returns 1 for lanes with a point, else 0.
     static Lanes<T> points_of(const PackedBindingView<T, D>& binding, std::size_t block) noexcept {

@@ -37,8 +37,7 @@ void deinterleave(const T* points, Lanes<T>* rows) noexcept {
                     std::memcpy(rows[axis].v + r * n, &row, sizeof(row));
                 };
                 (put(Axis, axis_register<D, n, Axis>(numbers, std::make_index_sequence<n>{})), ...);
-            }
-            (std::make_index_sequence<D>{});
+            }(std::make_index_sequence<D>{});
         }
         return;
     }

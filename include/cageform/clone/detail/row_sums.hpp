@@ -72,8 +72,7 @@ template <std::size_t N, class F>
 CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     [&]<std::size_t... I>(std::index_sequence<I...>) CAGEFORM_DETAIL_INLINE {
         (f(std::integral_constant<std::size_t, I>{}), ...);
-    }
-    (std::make_index_sequence<N>{});
+    }(std::make_index_sequence<N>{});
 }
 
 /// Where weights are read from.

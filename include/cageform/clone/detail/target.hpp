@@ -57,8 +57,7 @@ void interleave(const Simd<T>* rows, T* points) noexcept {
                     std::memcpy(points + (r * D + o) * n, &mixed, sizeof(mixed));
                 };
                 (put(O, interleaved_register<D, n, O>(chunk, std::make_index_sequence<n>{})), ...);
-            }
-            (std::make_index_sequence<D>{});
+            }(std::make_index_sequence<D>{});
         }
         return;
     }

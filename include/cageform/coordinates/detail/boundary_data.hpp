@@ -32,7 +32,8 @@ public:
     using Value = BoundaryValue<D>;
 
     BoundaryData() = default;
-    explicit BoundaryData(std::shared_ptr<const FaceData> faces) requires(D == 3)
+    explicit BoundaryData(std::shared_ptr<const FaceData> faces)
+        requires(D == 3)
         : faces_(std::move(faces)) {}
 
     /// Whether the values are linear on every triangle.

@@ -33,9 +33,8 @@ struct OutsideDistance {
 /// Whether the distance is that from a cage whose corners are point handles. The cage then lies within the
 /// bounds of these handles.
 template <class C>
-inline constexpr bool is_within_handles = requires(const C& c, Vec<typename C::scalar, C::dimension> p) {
-    nearest_boundary_value(c.cage(), p, p);
-};
+inline constexpr bool is_within_handles =
+    requires(const C& c, Vec<typename C::scalar, C::dimension> p) { nearest_boundary_value(c.cage(), p, p); };
 
 /// Returns the distance of the finite point `p` from the boundary: by `distance_outside` if the type has it,
 /// else to the nearest point of the cage, else to the result of `nearest_boundary`.

@@ -35,19 +35,20 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// Batches and rows have the scalar T of the coordinates.
 template <class S, class T = double>
-concept CageSolver = grid::GroupSolver<S> &&
+concept CageSolver =
+    grid::GroupSolver<S> &&
     requires(const S& solver, const SolverInput<S::dimension>& input, std::optional<S>& made,
              SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
              typename S::Samples& samples, const Batch<T>& batch, const Running& running,
              std::span<const std::size_t> points, std::size_t n) {
-    { S::make(input, report, made, running) } -> std::same_as<Status>;
-    { solver.memory() } -> std::same_as<SolverMemory>;
-    { solver.keep(block) } -> std::same_as<typename S::Functions>;
-    { solver.samples(batch, points) } -> std::same_as<typename S::Samples>;
-    solver.sample(samples, n, block, batch.rows);
-    solver.sample(samples, n, functions, batch.rows);
-    solver.finish(samples, batch.rows);
-};
+        { S::make(input, report, made, running) } -> std::same_as<Status>;
+        { solver.memory() } -> std::same_as<SolverMemory>;
+        { solver.keep(block) } -> std::same_as<typename S::Functions>;
+        { solver.samples(batch, points) } -> std::same_as<typename S::Samples>;
+        solver.sample(samples, n, block, batch.rows);
+        solver.sample(samples, n, functions, batch.rows);
+        solver.finish(samples, batch.rows);
+    };
 
 /// A solver whose functions are differentiated by differences of samples up to a cell apart.
 ///
@@ -57,12 +58,13 @@ concept CageSolver = grid::GroupSolver<S> &&
 ///                              the distance from an inside point to the boundary along an axis, up or down,
 ///                              in grid spacings; at most `limit`
 template <class S, class T = double>
-concept DifferentiableSolver = CageSolver<S, T> &&
+concept DifferentiableSolver =
+    CageSolver<S, T> &&
     requires(const S& solver, const Vec<double, S::dimension>& p, std::size_t axis, bool up, double limit) {
-    { solver.spacing(p) } -> std::same_as<double>;
-    { solver.state_of(p) } -> std::same_as<PointState>;
-    { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
-};
+        { solver.spacing(p) } -> std::same_as<double>;
+        { solver.state_of(p) } -> std::same_as<PointState>;
+        { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
+    };
 
 /// A solver with stencils of derivatives.
 ///
@@ -71,13 +73,14 @@ concept DifferentiableSolver = CageSolver<S, T> &&
 ///                              as `samples`, for derivatives per unit of length. `sample` and `finish` write
 ///                              row axis · #handles + handle. Rows are unchanged at outside points
 template <class S, class T = double>
-concept BlendedSolver = DifferentiableSolver<S, T> &&
+concept BlendedSolver =
+    DifferentiableSolver<S, T> &&
     requires(const S& solver, const Batch<T>& batch, typename S::GradientSamples& samples,
              const typename S::Functions& functions, std::span<const std::size_t> points, std::size_t n) {
-    { solver.has_gradient_samples() } -> std::same_as<bool>;
-    { solver.gradient_samples(batch, points) } -> std::same_as<typename S::GradientSamples>;
-    solver.sample(samples, n, functions, batch.rows);
-    solver.finish(samples, batch.rows);
-};
+        { solver.has_gradient_samples() } -> std::same_as<bool>;
+        { solver.gradient_samples(batch, points) } -> std::same_as<typename S::GradientSamples>;
+        solver.sample(samples, n, functions, batch.rows);
+        solver.finish(samples, batch.rows);
+    };
 
 } // namespace cageform::inline CAGEFORM_ABI

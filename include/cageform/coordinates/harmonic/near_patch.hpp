@@ -45,9 +45,9 @@ public:
 
     /// Whether a point lies within the radius, and no face lies between the viewpoint and the point.
     bool sees(const Point& p) const noexcept {
-        return length(p - origin_) < unit_ &&
-               std::none_of(candidates_.begin(), candidates_.end(),
-                            [&](const Candidate& c) { return hides(c.face, p); });
+        return length(p - origin_) < unit_ && std::none_of(
+                                                  candidates_.begin(), candidates_.end(),
+                                                  [&](const Candidate& c) { return hides(c.face, p); });
     }
     /// Returns the mirrors that a point lies behind, as bits.
     unsigned mirrors_passed(const Point& p) const noexcept {

@@ -254,7 +254,9 @@ private:
     }
     /// Adds the edge from b to a of the facet between i and j, and the reversed edge to the facets between
     /// p's cell and the cells of i and j.
-    void close(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b) requires(D == 3) {
+    void close(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b)
+        requires(D == 3)
+    {
         const Vector normal = cross_of(centre[a].at, centre[b].at);
         const N x = half_of(i, normal), y = half_of(j, normal);
         measure[i] = measure[i] - y;

@@ -18,13 +18,11 @@ X abs(X a) noexcept {
     return std::fabs(a);
 }
 template <std::floating_point X>
-X(max)
-(X a, X b) noexcept {
+X(max)(X a, X b) noexcept {
     return a < b ? b : a;
 }
 template <std::floating_point X>
-X(min)
-(X a, X b) noexcept {
+X(min)(X a, X b) noexcept {
     return a < b ? a : b;
 }
 template <std::floating_point X>

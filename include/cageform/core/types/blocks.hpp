@@ -50,7 +50,9 @@ struct BlockView {
     T& operator()(std::size_t point, std::size_t row) const noexcept {
         return data[(point / lanes) * rows + row].v[point % lanes];
     }
-    operator BlockView<const T>() const noexcept requires(!std::is_const_v<T>) {
+    operator BlockView<const T>() const noexcept
+        requires(!std::is_const_v<T>)
+    {
         return {data, rows, points};
     }
 };

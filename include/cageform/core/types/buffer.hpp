@@ -46,9 +46,9 @@ protected:
         if (capacity > (std::numeric_limits<std::ptrdiff_t>::max)() / element.size)
             capacity =
                 (std::numeric_limits<std::ptrdiff_t>::max)() / element.size; // more than any system has
-        void* const moved = capacity == 0
-                                ? nullptr
-                                : ::operator new(capacity* element.size, std::align_val_t(element.alignment));
+        void* const moved =
+            capacity == 0 ? nullptr
+                          : ::operator new(capacity * element.size, std::align_val_t(element.alignment));
         advise_huge_pages(moved, capacity * element.size);
         if (size_ != 0) std::memcpy(moved, data_, size_ * element.size);
         free(element);

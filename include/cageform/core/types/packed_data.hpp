@@ -92,9 +92,8 @@ inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t
 
 /// Hashes contiguous values, for instance the vertices of a cage.
 template <class X>
-    requires std::is_trivially_copyable_v<X> std::uint64_t hash_memory(std::span<const X> values,
-                                                                       std::uint64_t seed = 0)
-noexcept {
+    requires std::is_trivially_copyable_v<X>
+std::uint64_t hash_memory(std::span<const X> values, std::uint64_t seed = 0) noexcept {
     return hash_memory(std::as_bytes(values), seed);
 }
 

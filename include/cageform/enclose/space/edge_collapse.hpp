@@ -154,9 +154,8 @@ public:
     /// True if the new faces are clear of the figure and cross no other faces.
     bool fits(std::uint32_t n) {
         const Point p = candidate(n);
-        if (!clear_.are_clear(incident_.size(), [&](std::size_t k) {
-                return Corners<3>{p, incident_[k].a, incident_[k].b};
-            }))
+        if (!clear_.are_clear(incident_.size(),
+                              [&](std::size_t k) { return Corners<3>{p, incident_[k].a, incident_[k].b}; }))
             return false;
         return !crossings_ || !crosses(p, *crossings_);
     }

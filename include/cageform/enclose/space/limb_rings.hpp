@@ -93,10 +93,9 @@ private:
                     edges[{whole.faces[f][k], whole.faces[f][(k + 1) % 3]}] = f;
                 }
             }
-            std::erase_if(edges, [at = edges]( // edges inside the limb
-                                     const auto& edge) {
-                return at.count({edge.first.second, edge.first.first}) > 0;
-            });
+            std::erase_if(
+                edges, [at = edges]( // edges inside the limb
+                           const auto& edge) { return at.count({edge.first.second, edge.first.first}) > 0; });
             for (const auto& [edge, f] : edges) {
                 const Point &a = whole.points[edge.first], &b = whole.points[edge.second];
                 border += length(b - a);
