@@ -31,6 +31,7 @@
 
 #include <cageform/cage/detail/indices.hpp>
 #include <cageform/coordinates/harmonic/near_patch.hpp>
+#include <cageform/grid/tree/links.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -239,6 +240,57 @@ private:
     std::vector<std::pair<unsigned, std::uint32_t>> seen_; ///< rows by the mirrors that they cannot use
     std::vector<std::uint32_t> place_of_;                  ///< by point: its index in places_, or none
     std::vector<Point> places_;
+};
+
+/// Adds F(L_i) to the data of equations next to the boundary (`corrections` of grid::links_of). Rows in one
+/// cube, of twice the size of the node's smallest leaf, are corrected together.
+template <class Data>
+class NearCorrections {
+public:
+    NearCorrections(const grid::TreeNodes<3>& nodes, const Data& data, NearRows rows)
+        : nodes_(nodes)
+        , data_(data)
+        , rows_(std::move(rows)) {}
+
+    void add(const NodeEquation<3>& equation, grid::TreeLinks& out) {
+        if (out.equations.diagonal.empty()) first_ = equation.node;
+        std::array<std::int32_t, 4> cube{equation.smallest};
+        for (std::size_t k = 0; k < 3; ++k) cube[k + 1] = equation.index[k] / (2 * equation.smallest);
+        if (cube != cube_) finish(out);
+        cube_ = cube;
+        rows_.begin(equation.node, node_position<3>(equation.index), equation.largest);
+        for (const auto& term : equation.terms) {
+            if (term.node == grid::TreeNodes<3>::none) {
+                rows_.at_boundary(term.value, term.weight);
+            } else {
+                rows_.at_node(term.node, node_position<3>(nodes_.index(term.node)), term.weight);
+            }
+        }
+    }
+    void finish(grid::TreeLinks& out) {
+        auto& [neighbours, diagonal] = out.equations;
+        rows_.flush(
+            [&](std::uint32_t node, std::uint32_t vertex, double amount) {
+                data_.for_each_weight({{vertex}, {1}}, [&](std::uint32_t handle, double) {
+                    out.data.push_back({handle, node, float(amount)});
+                    diagonal[node - first_] += double(float(amount));
+                });
+            },
+            [&](std::uint32_t node, double factor) {
+                for (auto& [column, weight] : neighbours.of(node - first_)) {
+                    const auto scaled = float(factor * double(weight));
+                    diagonal[node - first_] += double(scaled) - double(weight);
+                    weight = scaled;
+                }
+            });
+    }
+
+private:
+    const grid::TreeNodes<3>& nodes_;
+    Data data_;
+    NearRows rows_;
+    std::uint32_t first_ = 0;            ///< the first node of the run
+    std::array<std::int32_t, 4> cube_{}; ///< of the pending rows
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

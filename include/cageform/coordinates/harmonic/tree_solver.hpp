@@ -367,10 +367,13 @@ private:
     grid::TreeLinks links(const Running& running) const {
         if constexpr (D == 3) {
             if (field_)
-                return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(),
-                                      detail::NearRows(*field_, least_layer()), running);
+                return grid::links_of(
+                    cage_->tree(), cage_->nodes(), ordered_data(),
+                    detail::NearCorrections(cage_->nodes(), ordered_data(), {*field_, least_layer()}),
+                    running);
         }
-        return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(), detail::NoNearField(), running);
+        return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(), detail::NoCorrections(),
+                              running);
     }
     /// Returns the share of a row below which double layers are dropped: a hundredth of the accuracy.
     double least_layer() const noexcept { return 0.01 * tolerance_ / of_accuracy; }
