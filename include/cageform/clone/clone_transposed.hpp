@@ -19,8 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   handle_gradients  out, any MutablePointRange of at least #handles vectors; may not overlap the other
 ///                     arguments
 ///   options           the mask of the clone; CloneMode::add adds to `handle_gradients`
-///   parallel_for      see core/types/parallel_for.hpp; threads share out the handles; no effect on the
-///                     result
+///   parallel_for      see core/types/parallel_for.hpp; runs over handles; no effect on the result
 ///   returns           output_too_small, too_few_gradients, mask_too_small (`handle_gradients` is then
 ///                     untouched), or ok
 ///   cost              reads every stored weight once, and the gradients of points once per thread and 32 kB

@@ -34,8 +34,7 @@ concept HasHandles = requires(const B& binding) {
 /// Computes a pose of all handles from a pose of the cage's vertices.
 ///
 ///   pose     one point for each point handle, in the order of the handles
-///   out      at least #handles points, readable. `out` may begin with `pose` itself: vertices are then moved
-///            to their handles
+///   out      at least #handles points, readable. `pose` may be the first points of `out`
 ///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors without a
 ///            face): `out` is then untouched; or ok, and the faces without area
 ///   cost     O(#handles), no allocation: 80 operations and two roots a face in 3D, two operations in 2D.

@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How an affine map x ↦ A x + b acts on a handle, a point or vector H at rest that becomes H'.
+/// How an affine map x ↦ A x + b moves a handle from H at rest to H'.
 enum class HandleKind : std::uint8_t {
     point,  ///< H' = A H + b
     vector, ///< H' = A H

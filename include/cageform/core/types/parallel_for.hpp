@@ -8,7 +8,7 @@
 //
 // Functions that run every frame (clone/) take such a loop as their last argument. Functions that may
 // run long (binding/ and its dependencies) take a Running instead, which adds progress and
-// cancellation. It is a separate header, because parallel/running.hpp includes <functional>.
+// cancellation. Running has its own header, parallel/running.hpp, which includes <functional>.
 #pragma once
 
 #include <cageform/config.hpp>
