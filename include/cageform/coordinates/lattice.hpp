@@ -311,7 +311,7 @@ private:
     }
     /// Returns the state of a position in the box. Snaps it to faces within the tolerance.
     PointState state_at(Vec<T, D>& u) const noexcept {
-        // Beyond this distance the spacing of numbers exceeds an eighth of the box.
+        // Beyond this distance the spacing of floating-point numbers exceeds an eighth of the box.
         constexpr auto farthest = T(sizeof(T) == 8 ? 1e15 : 1e6);
         auto state = PointState::inside;
         for (std::size_t k = 0; k < D; ++k) {

@@ -39,18 +39,18 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   smooth     C^∞ everywhere, also across edges (2D) and faces (3D); C⁰ at vertices, in 3D also at edges
 ///   accuracy   2D: a few roundings inside and near the cage. 3D: 1e-13 inside and near the cage (double); at
 ///              worst 1e-4 (float). Far away the unnormalised weights grow like the distance and cancel.
-///              Points farther than some hundred (3D: some) diagonals are therefore computed in the next
+///              Points farther than 64 to 128 diagonals (3D: 16 to 32) are therefore computed in the next
 ///              wider scalar: always for float, for double where long double is wider
-///   cost       2D: O(#V) a point; one division and one square root per vertex and eight (sixteen) points.
+///   cost       2D: O(#V) a point; a division and a square root per vertex for 8 (float: 16) points.
 ///              3D: O(#E + #F); a square root and an angle per edge, a division per face
-///   gradients  double: errors of at most 1e-11 of the largest gradient or of 1/diagonal (2D, 3e-12
-///              measured), or 1e-9 of 1/diagonal in and near the cage (3D, 2e-10 measured); float: the
-///              rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as exactly, in 3D less exactly
-///              far away. Within 1e-6 diagonals of a vertex (3D: of an edge), gradients depend on the
-///              direction; those of one direction are returned. Cost: 3 to 4 times that of double weights, in
-///              3D twice (float: five times, because gradients are computed in double). Tens (3D: hundreds)
-///              of times that for points on the boundary, within 1e-5 diagonals of it (double), or some
-///              diagonals away
+///   gradients  Errors in 2D (double): at most 1e-11 of the largest gradient or of 1/diagonal (measured:
+///              3e-12). In 3D (double), in and near the cage: at most 1e-9 of 1/diagonal (measured: 2e-10).
+///              Float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold with the same errors,
+///              in 3D with larger ones far away. Within 1e-6 diagonals of a vertex (3D: of an edge),
+///              gradients depend on the direction: one of the limits is returned. Cost: 3 to 4 times that of
+///              weights in double, in 3D twice (float: five times, because gradients are computed in double).
+///              A point on the boundary, within 1e-5 diagonals of the boundary (double), or farther than 2 to
+///              4 diagonals costs tens of times as much (3D: hundreds)
 ///
 /// A PolyhedralMesh of triangles has the weights of the TriangleMesh. On a face with more corners, the sum of
 /// its triangles' weights is distributed to its corners by mean value coordinates in its plane

@@ -22,7 +22,7 @@
 //
 // Then Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i and any V: partition of unity and linear
 // precision are kept. At a convex bend of about 90 degrees, the double layer of each face is wrong on the
-// other; there it is reflected at the other's plane with the opposite sign (mirrors).
+// other face. There the layer is reflected at the plane of the other face with the opposite sign (mirrors).
 //
 // Next to a bent edge, u_i − L_i is nearly k + c S, with S of coordinates/harmonic/wedge.hpp, its value k on
 // the edge, and an unknown c. There the s_n are multiplied by a factor ρ that makes the mean exact for S. φ_i
@@ -71,8 +71,8 @@ public:
     }
 
     /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and removes the rows.
-    /// Rows that see each other are corrected together. Calls scale(number, factor) where the weights of a
-    /// row's nodes change.
+    /// Rows with a common viewpoint are corrected together. Calls scale(number, factor) where the weights of
+    /// a row's nodes change.
     template <class Emit, class Scale>
     void flush(const Emit& emit, const Scale& scale) {
         pending_.resize(rows_.size());

@@ -83,10 +83,10 @@ private:
         return at;
     }
 
-    /// Returns the limits for evaluation in registers, in units of 1/scale_ (half a diagonal to a diagonal).
+    /// Returns the limits for evaluation in registers, in units of 1/scale_ (one to two diagonals).
     /// `far_distance` limits cancellation to some ten roundings, for gradients to a hundred. Next to the
-    /// boundary, gradients in double lose accuracy in proportion to 1/distance; the rounding to float hides
-    /// that loss.
+    /// boundary, gradients in double lose accuracy in proportion to 1/distance. In float this loss is below
+    /// rounding.
     template <class N>
     MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
         using S = ScalarOf<ValueOf<N>>;

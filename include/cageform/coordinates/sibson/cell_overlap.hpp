@@ -36,7 +36,7 @@ struct Cavity {
     std::span<const Simplex> simplices;
     std::span<const RimFacet> rim;
 
-    /// Numbers a cavity. `cavity` is ascending, without ghosts, and referred to.
+    /// Numbers the simplices `cavity`, which are ascending and contain no ghosts. Refers to them.
     void fill(const Delaunay<D>& sites, std::span<const std::uint32_t> cavity) {
         if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
         if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
