@@ -1,7 +1,7 @@
 // The clone operator on the GPU: GLSL code that reads a blob, or the joints and weights of a skin.
 //
 // Upload the bytes of a blob once, as a storage buffer. Upload the result of `write_displacements` every
-// frame, one vec4 per handle. A compute shader then writes all points:
+// frame, `displacement_count` vec4s. A compute shader then writes all points:
 //
 //     #version 430                         (or 310 es)
 //     #define CAGEFORM_BLOB 0              bindings of the buffers: the blob,
@@ -19,8 +19,8 @@
 // cageform_normal. Their argument `place` is the position of a point in the blob's order. A vertex shader of
 // a skin (binding/skin_weights.hpp) needs no blob:
 //
-//     #define CAGEFORM_UNIFORM_HANDLES 112 size of a uniform block of displacements, needed in WebGL 2
-//                                          (#version 300 es); default: a storage buffer
+//     #define CAGEFORM_UNIFORM_HANDLES 112 number of vec4s in a uniform block of displacements, needed in
+//                                          WebGL 2 (#version 300 es); default: a storage buffer
 //     glsl::displacements, glsl::skin
 //     … gl_Position = view * vec4(rest + cageform_skin(joints, weights), 1) …
 //

@@ -78,7 +78,7 @@ PoseReport pose_handles(const B& binding, const Pose& pose, Out&& out) noexcept 
 /// a point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k a clone is linear blend
 /// skinning, Σ ω (A p + b).
 ///
-///   bones    one per point handle
+///   bones    as many as point handles
 ///   out      at least #handles points; may not overlap `bones`
 ///   returns  handles_not_bones (handles in another order), pose_size_differs, pose_not_finite,
 ///            output_too_small (`out` is then untouched), or ok

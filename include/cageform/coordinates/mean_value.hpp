@@ -25,14 +25,15 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A face gives its corners weights w_k with Σ w_k (C_k − p) = m, where m is the integral of the unit vectors
 /// from p over the face's projection to the unit sphere. m = ½ Σ θ_e N_e over the edges of the face: θ_e is
 /// the angle that the edge subtends at p, N_e the unit normal of the plane through p and the edge. We compute
-/// m in the face's own frame. Let H be the height of the face's plane above p, ρ_k the signed distance of p's
-/// foot from the edge opposite to corner k (positive inside), R_e the distance of p from the edge's line,
-/// g_e = θ_e/R_e, h_k the altitude of corner k, and ν_k the outward normal of the opposite edge in the plane:
+/// m in the face's own frame. Let H be the height of the face's plane above p, h_k the altitude of corner k,
+/// and ν_k the outward normal, in the plane, of the edge opposite to corner k. ρ_k is the signed distance of
+/// p's foot from that edge (positive inside). R_e is the distance of p from the line of edge e. With
+/// g_e = θ_e/R_e:
 ///
 ///   S = ½ Σ g_k ρ_k / H,   w_k = (S ρ_k + ½ H Σ_l g_l ν_k·ν_l) / h_k
 ///
-/// Each g is computed once per edge. Only S cancels, next to the plane of a face but not over the face; it is
-/// then computed by `sum_beside_face`. Code: `compute_weights` and `face_weights` in mean_value/space.hpp.
+/// Each g is computed once per edge. Only S cancels: next to the plane of a face, but not over the face.
+/// There `sum_beside_face` computes S. Code: `compute_weights` and `face_weights` in mean_value/space.hpp.
 ///
 ///   boundary   the limits: the unit row on vertices, barycentric weights on edges and triangles
 ///   range      sum to 1; may be negative outside, and where the cage is not convex

@@ -154,9 +154,9 @@ private:
             for (auto row = begin; row != end; ++row) correct(row->second, emit);
         }
     }
-    /// Makes a row exact for the singular function S of a wedge too, if no other edge is near: multiplies its
-    /// weights of nodes by a factor, and gives the missing sum of weights to the nearest point of the edge,
-    /// so that constants stay exact.
+    /// Makes a row exact for the singular function S of a wedge too, if no other edge is near. Multiplies the
+    /// weights of the row's nodes by a factor, and adds the missing sum of weights to the nearest point of
+    /// the edge, so that constants stay exact.
     template <class Scale>
     void fit_to_wedge(std::uint32_t row, const Wedge& wedge, const Scale& scale) {
         const auto at = wedge.place(rows_[row].position);
@@ -184,7 +184,7 @@ private:
         points_.push_back(foot + (std::min)(1e-5 / at.r, 0.5) * (rows_[row].position - foot)); // inside
         scale(rows_[row].number, factor);
     }
-    /// Whether the edge of a wedge is near a row, and the only one, so that S matters.
+    /// Whether the edge of a wedge is the only edge near a row, so that S matters.
     bool is_alone(const Wedge& wedge, const Wedge::Place& at, const Row& row) const noexcept {
         constexpr double most_sizes = 3, free = 2; // unit: leaf size; distance from the edge
         return wedge.is_singular() && at.r < most_sizes * row.size && wedge.has(at) && at.along > at.r &&

@@ -21,7 +21,7 @@ compute_weights_inlined(const Frame& frame, const MeanValueLimits<S>& limits, co
 }
 
 /// The base of MeanValueCoordinates. Points are evaluated a SIMD register at a time, gradients always in
-/// double. Next to the boundary and far away, where the formula cancels, single points are evaluated in a
+/// double. Next to the boundary and far away the formula cancels. There single points are evaluated in a
 /// wider scalar, in units of their distance from the boundary, so that nothing overflows.
 template <class Cage>
 class MeanValueEvaluation : public CheckedCage<Cage> {

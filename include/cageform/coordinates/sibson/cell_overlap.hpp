@@ -36,7 +36,7 @@ struct Cavity {
     std::span<const Simplex> simplices;
     std::span<const RimFacet> rim;
 
-    /// Numbers the simplices `cavity`, which are ascending and contain no ghosts. Refers to them.
+    /// Numbers a cavity, given by ascending simplex numbers without ghosts. Refers to `cavity`.
     void fill(const Delaunay<D>& sites, std::span<const std::uint32_t> cavity) {
         if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
         if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
@@ -180,7 +180,7 @@ struct CellOverlap {
 private:
     static constexpr bool measures_error = std::is_same_v<N, double>;
 
-    /// Returns the vertices of a simplex other than k, so that followed by k they are an even permutation.
+    /// Returns the vertices of a simplex except k, in an order that makes them and k an even permutation.
     static constexpr auto others(std::uint32_t k) noexcept {
         if constexpr (D == 2) {
             constexpr std::uint32_t all[3][2] = {{1, 2}, {2, 0}, {0, 1}};

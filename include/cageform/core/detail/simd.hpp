@@ -95,7 +95,7 @@ CAGEFORM_DETAIL_INLINE inline void optimizer_barrier([[maybe_unused]] R& r) noex
 #endif // the other targets have no fused instruction
 }
 
-/// Returns a · b for numbers or registers; under CAGEFORM_DETERMINISTIC it is rounded before any addition.
+/// Returns a · b for numbers or registers. Under CAGEFORM_DETERMINISTIC, the product is rounded separately.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
@@ -295,7 +295,7 @@ T ordered_sum(const Simd<T>& x) noexcept {
 }
 
 /// Evaluates a polynomial in x by Horner's rule. Its coefficients are c[last], c[last − 2], …, from the
-/// highest power down: one more than the index sequence has numbers.
+/// highest power down. Its degree is the length of the index sequence.
 template <Scalar T, std::size_t n, std::size_t... k>
 CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, std::size_t last,
                                                    const Simd<T>& x, std::index_sequence<k...>) noexcept {

@@ -1,7 +1,7 @@
 // The interface for multithreading: the caller passes a loop
 //
 //     parallel_for(count, grain, body)   calls body(begin, end) for ranges that together cover
-//                                        [0, count) once
+//                                        [0, count) exactly once
 //
 // The ranges may run on any threads in any order; `grain` is the smallest range worth a task. Bodies
 // write disjoint output per index, so results do not depend on the threads.
