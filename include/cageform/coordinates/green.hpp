@@ -47,8 +47,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              Cauchy–Riemann equations to rounding
 ///
 /// A PolyhedralMesh has the weights of its `triangles()`. The weight of a fan's mean is distributed to the
-/// corners. A fan has one vector handle per triangle: with one vector per face, only planar faces would
-/// reproduce points. A planar face without a mean is triangulated, and weights depend on the triangulation.
+/// corners. A fan has one vector handle per triangle: one vector per face would reproduce points only if the
+/// face is planar. A planar face without a mean is triangulated, and weights depend on the triangulation.
 ///
 ///   handles   the vertices, then the triangles in the order of the faces
 ///   fails     also divisions_not_supported if faces are divided

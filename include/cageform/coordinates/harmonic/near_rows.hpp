@@ -15,16 +15,16 @@
 //     D_v(x) = ∫ φ_v ∂G/∂n over the faces around v,   Σ_v D_v = 1 inside,
 //
 // which is the vertex part of Green coordinates (coordinates/green/space.hpp). On a plane, the double layer
-// of its own faces is half of the hat. With the set V of vertices near x, and the linear functions β of a
-// simplex of vertices of V (β_i is 1 at vertex i of the simplex and 0 at the others),
+// of its own faces is half of the hat. Let V be the set of vertices near x, and β the linear functions of a
+// simplex of vertices of V: β_i is 1 at vertex i of the simplex and 0 at the others. Then
 //
-//     L_i = β_i + 2 Σ_{v∈V} (δ_iv − β_i(v)) D_v.
+//     L_i = β_i + 2 Σ_{v∈V} (δ_iv − β_i(v)) D_v,
 //
-// Then Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i and any V: partition of unity and linear
+// so Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i and any V: partition of unity and linear
 // precision are kept. At a convex bend of about 90 degrees, the double layer of each face is wrong on the
 // other face. There the layer is reflected at the plane of the other face with the opposite sign (mirrors).
 //
-// Next to a bent edge, u_i − L_i is nearly k + c S, with S of coordinates/harmonic/wedge.hpp, its value k on
+// Next to a bent edge, u_i − L_i is nearly k + c S, with S of coordinates/harmonic/wedge.hpp, the value k on
 // the edge, and an unknown c. There the s_n are multiplied by a factor ρ that makes the mean exact for S. φ_i
 // at the edge gets the share (1 − ρ) Σ s_n, which makes the mean exact for k.
 #pragma once
@@ -155,8 +155,8 @@ private:
         }
     }
     /// Makes a row exact for the singular function S of a wedge too, if no other edge is near. Multiplies the
-    /// weights of the row's nodes by a factor, and adds the missing sum of weights to the nearest point of
-    /// the edge, so that constants stay exact.
+    /// weights of the row's nodes by a factor. The nearest point of the edge gets the missing sum of weights,
+    /// so that constants stay exact.
     template <class Scale>
     void fit_to_wedge(std::uint32_t row, const Wedge& wedge, const Scale& scale) {
         const auto at = wedge.place(rows_[row].position);
