@@ -53,8 +53,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              A point on the boundary, within 1e-5 diagonals of the boundary (double), or farther than 2 to
 ///              4 diagonals costs tens of times as much (3D: hundreds)
 ///
-/// A PolyhedralMesh of triangles has the weights of the TriangleMesh. On a face with more corners, mean value
-/// coordinates in the plane of the face distribute the sum of its triangles' weights to its corners
+/// A PolyhedralMesh of triangles has the weights of the TriangleMesh. On a face with more corners, the sum of
+/// its triangles' weights is distributed to the corners by mean value coordinates in the face's plane
 /// (`distribute` in mean_value/polygons.hpp). The weights do not depend on the triangulation of the face, and
 /// on the face they are the 2D weights. On a fan (PolyhedralOptions) the weight of the mean is distributed to
 /// the corners.

@@ -105,8 +105,8 @@ template <class S>
 inline constexpr S least_divisor = (std::numeric_limits<S>::min)() * S(1e6);
 
 /// Returns whether a point lies beyond the ends of an edge: both ends are on the same side of the point's
-/// foot on the edge's line, and far from the foot relative to the distance √rr from the line. Each term of
-/// the series in r/begin and r/end then adds two digits.
+/// foot on the edge's line, and more than 10 √rr from the foot. √rr is the distance of the point from the
+/// line. Each term of the series in r/begin and r/end then adds two digits.
 template <class U>
 bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
     using K = ValueOf<U>;

@@ -119,8 +119,8 @@ enum class OverlapSums : std::uint8_t {
 ///
 /// The corners of V_p ∩ V_i are circumcentres: of the cavity's simplices, and of p with each rim facet. The
 /// measure is a sum of determinants over the edges, with p as origin (the shoelace formula in 2D, cones over
-/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet, so one pass over
-/// the facets of the cavity visits all edges, in any order. N is double or WideFloat.
+/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet: a pass over the
+/// facets of the cavity visits all edges, in any order. N is double or WideFloat.
 template <class N, std::size_t D>
 struct CellOverlap {
     using Vector = Numbers<N, D>;
