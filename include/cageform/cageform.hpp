@@ -1,7 +1,6 @@
-// Includes everything for cages except the adapters (cageform/adapt/) and the threads
-// (cageform/parallel/threads.hpp). Keyframe curves are in cageform/animate/, which stands alone. A tool
-// that exports figures includes cageform/binding/bind.hpp; a game that only plays them back
-// includes only cageform/runtime.hpp.
+// Includes binding, all coordinate types, clones of bindings, poses from pins, and fields. The other
+// folders have headers of their own, for example enclose/ (cages for a figure) and animate/ (key frames).
+// A tool that exports figures needs only cageform/binding/bind.hpp, a game only cageform/runtime.hpp.
 #pragma once
 
 #include <cageform/binding/bind.hpp>

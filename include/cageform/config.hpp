@@ -1,49 +1,50 @@
 // The macros of the library, and their effects.
 //
-//   CAGEFORM_ASSERT(condition, why)  checks a precondition. Define it before the first include to
-//                                    use an engine's own assert; by default it is the standard
-//                                    assert, so NDEBUG removes it.
+//   CAGEFORM_ASSERT(condition, why)  checks a precondition. Default: the standard assert, which
+//                                    NDEBUG removes. To use an engine's assert, define the macro
+//                                    before the first include.
 //   CAGEFORM_REGISTER_BYTES          width of the vector registers that the kernels use: 16, 32 or
-//                                    64. It follows the compiler's target flags; 0 means plain
+//                                    64. Default: set by the compiler's target flags. 0 means plain
 //                                    scalars, as on x86 without SSE2.
 //   CAGEFORM_DETERMINISTIC           if defined, clones and clips have the same bits for every
-//                                    compiler, optimisation level and register width: every product
+//                                    compiler, optimisation level and register width. Every product
 //                                    and every sum is rounded separately, and sums have one order.
 //                                    Supported: GNU and clang; x86-64, ARM and WebAssembly. Not
-//                                    supported: -ffast-math; WebAssembly's relaxed SIMD; registers
-//                                    on 32-bit ARM, whose NEON treats denormal numbers as zero
-//                                    (compile for VFP there, -mfpu=vfpv4-d16, or set
-//                                    CAGEFORM_REGISTER_BYTES to 0). Clones from caches take as long
-//                                    as before, from memory up to a third longer, clips up to twice
-//                                    as long. Not covered: binding, normals, and the angles and
-//                                    rotations of a RigidMotion, which take sines from the standard
-//                                    library.
+//                                    supported: -ffast-math; WebAssembly's relaxed SIMD; NEON
+//                                    registers on 32-bit ARM, which treat denormal numbers as zero
+//                                    (compile for VFP, -mfpu=vfpv4-d16, or set
+//                                    CAGEFORM_REGISTER_BYTES to 0). Clones take no more time if the
+//                                    weights are in a cache, else up to a third more; clips take up
+//                                    to twice the time. Not covered: binding, normals, and the
+//                                    angles and rotations of a RigidMotion, because these use sines
+//                                    of the standard library.
 //   CAGEFORM_COMPILED                defined by the CMake target cageform::compiled: `clone`, `bind`,
 //                                    `pack`, `make_cage`, `fit_skeleton` and solvers are in a library, and
 //                                    a file that calls them does not compile them.
 //
 // All of these change the generated code, and so do -fno-exceptions, -ffast-math and fused multiply-add
-// (-mfma). All are therefore encoded in the inline namespace CAGEFORM_ABI (for CAGEFORM_ASSERT, only whether
-// it is user-defined). Files compiled with different settings use different names for everything, instead of
-// one name for two things. No macro reveals -ffp-contract: it must be the same in all files.
+// (-mfma). The name of the inline namespace CAGEFORM_ABI therefore encodes all of them. Of CAGEFORM_ASSERT it
+// encodes only whether the assert is standard, removed by NDEBUG, or user-defined. Files with different
+// settings thus have different symbol names, and a linker cannot mix their functions. No macro reveals
+// -ffp-contract: it must be the same in all files.
 //
-// With CAGEFORM_COMPILED the namespace does not tell asserts and exceptions: a debug build of a game
-// may link a release build of the library. It still tells registers, fused multiply-add and the mode
-// of arithmetic, so a program that is compiled for another processor than its library does not link.
+// With CAGEFORM_COMPILED the name does not encode asserts and exceptions: a debug build of a game may link a
+// release build of the library. The name still encodes registers, fused multiply-add and the mode of
+// arithmetic: a program that is compiled for another processor than its library does not link.
 //
 // To make one program for processors from SSE2 to AVX-512, put the calls of cageform that run every frame
-// into a separate file. Compile it once per level (without flags, with -mavx2 -mfma, with -mavx512f
+// into a separate file. Compile this file once per level (without flags, with -mavx2 -mfma, with -mavx512f
 // -mavx512dq -mfma) and choose a level at startup by __builtin_cpu_supports. The interface between these
 // files and the rest must not use types of this namespace or classes with inline functions. Pass pointers and
-// sizes: numbers of poses and points, and the bytes of a packed binding or figure, which are the same on all
-// levels. Other inline functions, of the standard library too, have the same name on all levels, and a linker
-// keeps the first it finds: link the lowest level first, and optimise. Results differ in bits between levels
-// unless CAGEFORM_DETERMINISTIC is defined. tests/levels is such a program.
+// sizes: the coordinates of poses and points, and the bytes of a packed binding or figure. These bytes are
+// the same on all levels. Other inline functions, also of the standard library, have the same name on all
+// levels, and a linker keeps the first copy: link the lowest level first, and compile with optimisation.
+// Results differ in bits between levels unless CAGEFORM_DETERMINISTIC is defined. tests/levels is an example.
 //
 // There is no macro for allocation. Functions called every frame (clones, samples of clips, normals) do not
-// allocate. Classes that own memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors) get
-// it from the global operator new, which an engine can replace. Figures can avoid even that: BindingView and
-// PackedBindingView read the caller's memory, and open_blob finds a view in the bytes of a file.
+// allocate. Classes that own memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors) use
+// the global operator new, which an engine can replace. Views of bindings need no operator new: BindingView
+// and PackedBindingView read the caller's memory, and open_blob finds a view in the bytes of a file.
 #pragma once
 
 #include <cageform/version.hpp>
@@ -95,14 +96,14 @@
 #error "CAGEFORM_DETERMINISTIC and -ffast-math contradict each other"
 #endif
 #if defined(__arm__) && defined(__ARM_NEON) && CAGEFORM_REGISTER_BYTES != 0
-#error "CAGEFORM_DETERMINISTIC on 32-bit ARM: for VFP (-mfpu=vfpv4-d16), or CAGEFORM_REGISTER_BYTES of 0"
+#error "CAGEFORM_DETERMINISTIC on 32-bit ARM: use -mfpu=vfpv4-d16, or set CAGEFORM_REGISTER_BYTES to 0"
 #endif
 #if defined(__wasm_relaxed_simd__)
 #error "CAGEFORM_DETERMINISTIC and WebAssembly's relaxed SIMD contradict each other"
 #endif
 #if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0
 #error                                                                                                       \
-    "CAGEFORM_DETERMINISTIC needs arithmetic in the precision of its operands (on i386: -msse2 -mfpmath=sse)"
+    "CAGEFORM_DETERMINISTIC needs results rounded to the type of their operands (i386: -msse2 -mfpmath=sse)"
 #endif
 #endif
 

@@ -1,5 +1,5 @@
-// Everything that a game needs: packed figures and bindings, clones of them, and clips that move a
-// cage. No dependency, no exceptions, no RTTI, no allocation per frame.
+// What a game needs: packed figures and bindings, clones of them, and clips that move a cage. Poses from
+// pins are in pose/. No dependency, no exceptions, no RTTI, no allocation per frame.
 #pragma once
 
 #include <cageform/clip/clip.hpp>

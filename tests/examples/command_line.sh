@@ -142,7 +142,7 @@ refuses_table 'table.csv:1: column 2: "x" is not a whole number' '1,x\n2,3\n'
 refuses_table 'table.csv:1: column 2: "1/0" is not a whole number' '1,1/0\n'
 refuses_table 'table.csv:2: column 1: "nan" is not a whole number' '1,2\nnan,3\n'
 refuses_table 'table.csv:2: 1 columns, and the first line has 2' '1,2\n3\n'
-refuses_table 'table.csv:1: column 1: some unknown cells touch no given value' '.,.\n.,.\n'
+refuses_table 'table.csv:1: column 1: some unknown cells have no path to a given value' '.,.\n.,.\n'
 refuses_table 'table.csv: holds no table' ''
 refuses "missing.csv" "$puzzle" missing.csv --csv out.csv
 refuses "--neighbours is 4 or 8" "$puzzle" table.csv --neighbours 5
@@ -2262,7 +2262,7 @@ refuses 'line 3 and line 6' "$weights" --cage bad.csv --points point.csv --coord
 printf '0,0\n# a hole\n1,nan\n1,1\n' >bad.csv
 refuses 'line 3' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
 printf '0,0\n1,1\n2,2\n7,7\n' >bad.csv
-refuses 'bad.csv: all sites lie in a plane, or in the plane on a line' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+refuses 'bad.csv: all sites lie in a plane (in 2D on a line)' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
 printf '0,0\n1,0\n0,1e39\n' >bad.csv
 refuses 'bad.csv: line 3: 1e+39 is beyond single precision' "$weights" --cage bad.csv --points point.csv --coordinates sibson --scalar float -o out.csv
 printf '0,0\n1,0\n0,1,2\n' >bad.csv

@@ -12,8 +12,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   points    as for `clone`
 ///   normals   any MutablePointRange of at least #points points
-///   tangents  as normals. If points have four numbers, the fourth becomes the texture's handedness, 1 or −1,
-///             as in glTF
+///   tangents  as normals. If its elements have four numbers, the fourth becomes the texture's handedness, 1
+///             or −1, as in glTF
 template <class Points, class Normals = NoVectors, class Tangents = NoVectors>
 struct FigureOutput {
     Points points;

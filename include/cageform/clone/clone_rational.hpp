@@ -14,8 +14,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Checks once, for all frames, whether a binding is suitable for rational clones.
 ///
 ///   returns  the view, or handles_not_points; weight_not_finite; binding_weights_negative (the negative
-///            weights of a point sum to more than 1/16: more than rounding to one byte causes, less than mean
-///            value coordinates in concave cages)
+///            weights of a point sum to more than 1/16. Rounding to one byte causes smaller sums, mean value
+///            coordinates in concave cages larger ones)
 ///   cost     reads every stored weight once; no allocation. The view refers to the memory of the binding,
 ///            which must not change
 template <AnyBinding B>
@@ -46,16 +46,16 @@ concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
 ///
 ///     p' = (Σ ω_i w_i C'_i + e) / Σ ω_i w_i,   e = p − Σ w_i C_i,   0 to rounding
 ///
-/// With ω relative to the smallest weight and g the mean of the pose, it is computed as
+/// With ω relative to the smallest weight and g the mean of the pose, p' is computed as
 ///
 ///     p' = p + (N − Ω (p − g)) / (1 + Ω),  N = Σ w_i (d_i + (ω_i − 1)(C'_i − g)),  Ω = Σ w_i (ω_i − 1)
 ///
 /// Only ratios of weights matter. Equal weights give bitwise the result of `clone`. A heavier handle attracts
 /// points even in the pose at rest. If no weight of a point is negative, the point stays in the convex hull
-/// of its handles. Points kept in place do not move.
+/// of its handles. Outside points that `bind` kept in place do not move.
 ///
-///   binding       the result of `rational_view`, or a binding, which is then checked every time at the cost
-///                 of reading its weights twice
+///   binding       the result of `rational_view`; or a binding, which every call then checks: its weights are
+///                 read twice
 ///   pose          any PointRange of #handles points
 ///   weights       #handles, finite and above 0
 ///   out           any MutablePointRange of at least #points points, in the order of the bound points; may
@@ -66,8 +66,8 @@ concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
 ///                 pose_size_differs, pose_not_finite, output_too_small. `out` is then untouched
 ///   cost          as `clone`, with D + 1 sums instead of D; no allocation
 ///
-/// Rational DFFD: Moccozet, Magnenat-Thalmann, Computer Animation '97, sec. 2 and 3.2. Points are weighted,
-/// as there; weighted displacements would not move a figure at rest.
+/// Rational DFFD: Moccozet, Magnenat-Thalmann, Computer Animation '97, sec. 2 and 3.2. As in this paper, ω
+/// weights the posed handles, not their displacements, so weights act on the pose at rest too.
 template <RationalBinding B, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone_rational(const B& binding, const Pose& pose, std::span<const typename B::scalar> weights,

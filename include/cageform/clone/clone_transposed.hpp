@@ -19,13 +19,12 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   handle_gradients  out, any MutablePointRange of at least #handles vectors; may not overlap the other
 ///                     arguments
 ///   options           the mask of the clone; CloneMode::add adds to `handle_gradients`
-///   parallel_for      see core/types/parallel_for.hpp; threads share out the handles; no effect on the
-///                     result
+///   parallel_for      see core/types/parallel_for.hpp; runs over handles; no effect on the result
 ///   returns           output_too_small, too_few_gradients, mask_too_small (`handle_gradients` is then
 ///                     untouched), or ok
-///   cost              reads every stored weight once, and the gradients of points once per thread and 32 kB
-///                     of sums (170 handles in 3D, 256 in 2D); no allocation. Sums are in T for some 200
-///                     additions, then in double
+///   cost              reads every stored weight once. Reads the gradients of points once per thread and per
+///                     32 kB of sums (170 handles in 3D, 256 in 2D). No allocation. Sums are in T for some
+///                     200 additions, then in double
 template <AnyBinding B, PointRangeIn<B::dimension> Gradients, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone_transposed(const B& binding, const Gradients& point_gradients, Out&& handle_gradients,
@@ -87,7 +86,7 @@ Status clone_jacobians_transposed(const std::array<B, D>& columns,
 ///   degenerate        gradients are zero where `clone_normals` returns the normal at rest
 ///   returns           bindings_differ, output_too_small, too_few_gradients, pose_size_differs,
 ///                     pose_not_finite (`handle_gradients` is then untouched), or ok
-///   cost              `clone_normals` once per thread and 16 kB of sums, and D − 1 transposed clones; no
+///   cost              `clone_normals` once per thread and per 16 kB of sums, and D − 1 transposed clones; no
 ///                     allocation
 template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, PointRangeIn<B::dimension> Gradients,
           MutablePointRangeIn<B::dimension> Out, class Parallel = SerialFor>

@@ -31,12 +31,12 @@ FoldReport report_folds(const std::array<B, D>& columns, const Pose& pose,
     return report;
 }
 
-/// Reports folded cells of a mesh, whose volume relative to that at rest is not above the threshold. The
-/// orientation of cells at rest does not matter.
+/// Reports the folded cells of a mesh. A cell is folded if the ratio of its posed volume to its volume at
+/// rest is not above the threshold. Cells at rest may have either orientation.
 ///
 ///   rest, posed  the same number of points in 2D or 3D
-///   cells        a range of D + 1 indices each: triangles in 2D, tetrahedra in 3D. Triangles in 3D do not
-///                compile
+///   cells        a range of cells of D + 1 indices: triangles in 2D, tetrahedra in 3D. Triangles in 3D do
+///                not compile
 ///   fails        threshold_not_supported; pose_size_differs; index_out_of_range and degenerate_simplex (flat
 ///                at rest), with the cell. Cells with a corner that is not finite are skipped
 ///   cost         O(#cells); no allocation
@@ -62,8 +62,8 @@ FoldReport report_folds(const Rest& rest, const Posed& posed, const Cells& cells
 ///
 ///   columns, from, to  as for `report_folds`
 ///   returns            step 1 and nowhere if nothing folds; step 0 and a point that is folded at `from`;
-///                      else the step and the first point to fold. The step is shorter than the first fold by
-///                      a relative 1e-9, or by rounding (floats: 1e-6)
+///                      else a step, and the first point to fold. The step ends before the first fold, by a
+///                      relative 1e-9 or by rounding (float: 1e-6)
 ///   fails              as `report_folds`
 ///   cost               3 D clones and some 100 operations a point; no allocation
 template <AnyBinding B, std::size_t D, PointRangeIn<D> From, PointRangeIn<D> To>

@@ -1,7 +1,7 @@
 // The clone operator on the GPU: GLSL code that reads a blob, or the joints and weights of a skin.
 //
 // Upload the bytes of a blob once, as a storage buffer. Upload the result of `write_displacements` every
-// frame, one vec4 per handle. A compute shader then writes all points:
+// frame, `displacement_count` vec4s. A compute shader then writes all points:
 //
 //     #version 430                         (or 310 es)
 //     #define CAGEFORM_BLOB 0              bindings of the buffers: the blob,
@@ -15,13 +15,12 @@
 //     #define CAGEFORM_NORMAL_OFFSET 3     and the floats before the first normal
 //     glsl::displacements, glsl::blob, glsl::compute     in this order; one thread per point, 64 per group
 //
-// Other shaders can call the functions of `blob` for a position in the blob's order: cageform_displacement,
-// cageform_rest, cageform_point, cageform_normal. A vertex shader of a skin (binding/skin_weights.hpp) needs
-// no blob:
+// Other shaders can call the functions of `blob`: cageform_displacement, cageform_rest, cageform_point,
+// cageform_normal. Their argument `place` is the position of a point in the blob's order. A vertex shader of
+// a skin (binding/skin_weights.hpp) needs no blob:
 //
-//     #define CAGEFORM_UNIFORM_HANDLES 112 the size of a uniform block of displacements, as in #version 300
-//     es
-//                                          (WebGL 2); default: a storage buffer
+//     #define CAGEFORM_UNIFORM_HANDLES 112 number of vec4s in a uniform block of displacements, needed in
+//                                          WebGL 2 (#version 300 es); default: a storage buffer
 //     glsl::displacements, glsl::skin
 //     … gl_Position = view * vec4(rest + cageform_skin(joints, weights), 1) …
 //
@@ -71,7 +70,7 @@ namespace glsl {
 /// The buffer of displacements.
 inline constexpr const char* displacements = R"(
 #ifdef CAGEFORM_UNIFORM_HANDLES
-#if __VERSION__ == 300 // WebGL 2: uniformBlockBinding says which
+#if __VERSION__ == 300 // WebGL 2: the program sets the binding by uniformBlockBinding
 layout(std140) uniform CageformDisplacements {
 #else
 layout(std140, binding = CAGEFORM_DISPLACEMENTS) uniform CageformDisplacements {
@@ -87,7 +86,7 @@ layout(std430, binding = CAGEFORM_DISPLACEMENTS) readonly buffer CageformDisplac
 
 /// Functions that read blobs (figure/types/blob.hpp) of float, of at most 16 GiB. `base` is the four-byte
 /// word of the buffer at which a blob begins; a buffer may hold several blobs. If all blobs have the same
-/// format or dimension, a shader may be faster with
+/// format or dimension, these definitions may make a shader faster:
 ///
 ///     #define CAGEFORM_FORMAT 0u       the value of a WeightFormat
 ///     #define CAGEFORM_DIMENSION 3u
@@ -102,8 +101,7 @@ layout(std430, binding = CAGEFORM_BLOB) readonly buffer CageformBlob {
 #define CAGEFORM_FORMAT cageform_blob[base + 10u]
 #endif
 
-// The word at which a part begins whose offset in bytes, of 64 bits, stands in a field of the
-// header.
+// Returns the word at which a part begins. Its 64-bit offset in bytes is in a field of the header.
 highp uint cageform_part(highp uint base, highp uint field) {
     return base + ((cageform_blob[base + field] >> 2) | (cageform_blob[base + field + 1u] << 30));
 }
@@ -124,7 +122,7 @@ highp float cageform_weight(highp uint weights, highp uint format, highp uint ro
     return lane % 2u == 0u ? halves.x : halves.y;
 }
 
-// How far the pose moves the point at a place.
+// Returns the displacement of the point at a place.
 highp vec3 cageform_displacement(highp uint base, highp uint place) {
     highp uint format = CAGEFORM_FORMAT;
     highp uint handles = cageform_blob[base + 12u], block = place / 16u, lane = place % 16u;
@@ -142,7 +140,7 @@ highp vec3 cageform_displacement(highp uint base, highp uint place) {
         if (sparse) handle = (cageform_blob[row_handle + row / 2u] >> (row % 2u * 16u)) & 0xFFFFu;
         sum += cageform_weight(weights, format, row, lane) * cageform_displacements[handle].xyz;
     }
-    if (format != 0u) { // what rounding has lost
+    if (format != 0u) { // the rounding errors of weights
         highp uint terms = CAGEFORM_DIMENSION + 1u;
         highp uint residual = cageform_part(base, 32u) + block * terms * 16u + lane;
         sum *= uintBitsToFloat(cageform_blob[cageform_part(base, 30u) + block]);
@@ -152,7 +150,7 @@ highp vec3 cageform_displacement(highp uint base, highp uint place) {
     return sum;
 }
 
-// Where the point at a place was bound; z is 0 in the plane.
+// Returns the bound point at a place; z is 0 in 2D.
 highp vec3 cageform_rest(highp uint base, highp uint place) {
     highp uint rest = cageform_part(base, 36u) + place / 16u * CAGEFORM_DIMENSION * 16u + place % 16u;
     highp vec3 p = vec3(uintBitsToFloat(cageform_blob[rest]), uintBitsToFloat(cageform_blob[rest + 16u]), 0.0);
@@ -160,7 +158,7 @@ highp vec3 cageform_rest(highp uint base, highp uint place) {
     return p;
 }
 
-// Which point lies at a place.
+// Returns the index of the point at a place.
 highp uint cageform_point(highp uint base, highp uint place) {
     if (cageform_blob[base + 28u] == 0u) return place;
     return cageform_blob[cageform_part(base, 28u) + place];
@@ -179,7 +177,7 @@ bool cageform_across(highp vec3 t, highp vec3 b, out highp vec3 normal) {
     return true;
 }
 
-// The normal at a place of two blobs of vectors, as clone_normals has it.
+// Returns the normal at a place from two blobs of vectors, computed as by clone_normals.
 highp vec3 cageform_normal(highp uint tangents, highp uint bitangents, highp uint place) {
     highp vec3 t = cageform_rest(tangents, place), b = cageform_rest(bitangents, place), normal, at_rest;
     if (cageform_across(t + cageform_displacement(tangents, place), b + cageform_displacement(bitangents, place), normal))
@@ -210,7 +208,7 @@ void main() {
     if (place >= cageform_points(base)) return;
     highp vec3 rest = cageform_rest(base, place), moved = cageform_displacement(base, place);
     highp uint at = uint(CAGEFORM_OUT_OFFSET) + cageform_point(base, place) * uint(CAGEFORM_OUT_STRIDE);
-    for (highp uint k = 0u; k < CAGEFORM_DIMENSION; ++k) // what does not move keeps its bits
+    for (highp uint k = 0u; k < CAGEFORM_DIMENSION; ++k) // an unmoved coordinate keeps its bits
         cageform_out[at + k] = moved[k] == 0.0 ? rest[k] : rest[k] + moved[k];
 #ifdef CAGEFORM_NORMAL_OFFSET
     highp vec3 normal = cageform_normal(CAGEFORM_TANGENTS, CAGEFORM_BITANGENTS, place);

@@ -40,8 +40,8 @@ private:
     std::ptrdiff_t column_stride_;
 };
 
-/// Computes the Jacobian of the deformation at every point, for objects with more than a position: a splat of
-/// covariance Σ becomes one of J Σ Jᵀ.
+/// Computes the Jacobian J of the deformation at every point, for objects with an extent: a splat of
+/// covariance Σ becomes a splat of covariance J Σ Jᵀ.
 ///
 ///   columns    bindings of the D axes (`bind_jacobians`)
 ///   jacobians  out, at least #points matrices: column k is the image of axis k

@@ -7,8 +7,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Computes the unit normals of the moved figure from moved tangents: n' = cross(t', b') / |…| in 3D, the
-/// tangent rotated counter-clockwise by 90 degrees in 2D. They are exact normals of the deformed surface, not
-/// of its triangles.
+/// tangent rotated counter-clockwise by 90 degrees in 2D. These are exact normals of the deformed surface,
+/// not of its triangles.
 ///
 ///   tangents      bindings by `bind_vectors` of the result of `tangents_of`: in 3D tangents and bitangents
 ///                 with cross(tangent, bitangent) along the normal, of the same points in the same order; in

@@ -34,8 +34,7 @@ concept HasHandles = requires(const B& binding) {
 /// Computes a pose of all handles from a pose of the cage's vertices.
 ///
 ///   pose     one point for each point handle, in the order of the handles
-///   out      at least #handles points, readable. `out` may begin with `pose` itself: vertices are then moved
-///            to their handles
+///   out      at least #handles points, readable. `pose` may be the first points of `out`
 ///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors without a
 ///            face): `out` is then untouched; or ok, and the faces without area
 ///   cost     O(#handles), no allocation: 80 operations and two roots a face in 3D, two operations in 2D.
@@ -79,7 +78,7 @@ PoseReport pose_handles(const B& binding, const Pose& pose, Out&& out) noexcept 
 /// a point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k a clone is linear blend
 /// skinning, Σ ω (A p + b).
 ///
-///   bones    one per point handle
+///   bones    as many as point handles
 ///   out      at least #handles points; may not overlap `bones`
 ///   returns  handles_not_bones (handles in another order), pose_size_differs, pose_not_finite,
 ///            output_too_small (`out` is then untouched), or ok

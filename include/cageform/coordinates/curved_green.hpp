@@ -17,9 +17,9 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Thiery, Polynomial 2D Green coordinates, 2023.
 ///
 ///   handles    first the control points of the edges, degree-elevated to m, around each loop, with shared
-///              ends once; then the legs of the control polygon as normal vectors of the leg's length. The
-///              weight of a control point is Re c_k, of a leg a partial sum of Im c_k. `pose_handles`
-///              computes the legs
+///              ends once. Then one vector per leg of the control polygon: the normal, with the leg's length.
+///              The weight of a control point is Re c_k, that of a leg a partial sum of Im c_k.
+///              `pose_handles` computes the vectors of a pose
 ///   range      the weights of control points sum to 1. Weights have both signs
 ///   poses      holomorphic inside for every pose: angles are preserved where the derivative is not zero.
 ///              Similarities are reproduced; other affine maps and reflections are not
@@ -33,8 +33,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              variant. On the circle and outside, the continuation is used
 ///   cost       O(#edges) a point: 16 reciprocals for a far edge; the roots of e(s) = z and a logarithm of
 ///              each root for a near edge
-///   faults     those of the cage; curve_degree (m > 5, m below the degree at rest, or another number of
-///              degrees than edges; `a` is then that number); disk_too_small
+///   faults     those of the cage; curve_degree (m > 5, m below the degree at rest, or not one degree per
+///              edge: CageFault::a is then the number of degrees); disk_too_small
 ///   gradients  as accurate as the weights. At a vertex: the gradient 1e-6 diagonals inside
 template <Scalar T>
 class CurvedGreenCoordinates {

@@ -24,10 +24,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              weights are φ, then ψ_j divided by that length. `pose_handles` computes the vectors of a
 ///              pose; `clone` refuses a pose of the vertices alone. A normal that overflows is the fault
 ///              vertex_not_finite
-///   range      the weights of vertices sum to 1; positive inside a convex cage. Weights of faces are
-///              positive inside. Weights of edges have both signs and depend on the unit of length in G, here
-///              the cage's diagonal: another unit adds a constant to all of them, without effect on the
-///              result
+///   range      the weights of vertices sum to 1, and are positive inside a convex cage. Weights of faces are
+///              positive inside. Weights of edges have both signs. They depend on the unit of length in G,
+///              here the cage's diagonal: another unit adds a constant to all of them, which does not change
+///              the result
 ///   poses      2D: holomorphic inside for every pose: angles are preserved where the derivative is not zero.
 ///              3D: nearly conformal inside. Similarities are reproduced; other affine maps and reflections
 ///              are not
@@ -38,17 +38,17 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              facet changes: on bisectors of convex corners and edges, and on the medial axis in notches
 ///   accuracy   double: 1e-14 (relative to the distance, far away), also next to facets and vertices; float:
 ///              1e-5. 3D: at distance d from a face of height h the errors are d/h times larger, as in the
-///              rim of a thin plate; `bind` then restores linear precision. Beyond 2^24 (2^12) diagonals the
-///              integrals of that distance are used, with changes below rounding
-///   cost       O(#V) or O(#E + #F) a point. For 8 (16) points in 2D: a logarithm per vertex and an angle per
-///              edge. In 3D: a root per vertex, a logarithm per edge and three angles per face. Points
+///              rim of a thin plate; `bind` then restores linear precision. Farther than 2^24 (float: 2^12)
+///              diagonals, the integrals at that distance are used; this changes less than rounding
+///   cost       2D: O(#V) a point; a logarithm per vertex and an angle per edge for 8 (float: 16) points.
+///              3D: O(#E + #F); a root per vertex, a logarithm per edge and three angles per face. Points
 ///              outside and on the boundary also search all facets
 ///   gradients  as accurate and as fast as the weights. In 2D the derivatives of a pose satisfy the
 ///              Cauchy–Riemann equations to rounding
 ///
 /// A PolyhedralMesh has the weights of its `triangles()`. The weight of a fan's mean is distributed to the
-/// corners. A fan has one vector handle per triangle, because one vector per face would reproduce points on
-/// planar faces only. A planar face without a mean is triangulated, and weights depend on the triangulation.
+/// corners. A fan has one vector handle per triangle: one vector per face would reproduce points only if the
+/// face is planar. A planar face without a mean is triangulated, and weights depend on the triangulation.
 ///
 ///   handles   the vertices, then the triangles in the order of the faces
 ///   fails     also divisions_not_supported if faces are divided

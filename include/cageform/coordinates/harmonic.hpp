@@ -33,11 +33,10 @@ struct AdaptiveGrid {
 ///             by about their error around 2D points with a radius, and in 3D if the cage has interior cells
 ///             or faces of more than three corners
 ///   accuracy  see HarmonicOptions::accuracy
-///   cost      `evaluate` solves #V functions, sixteen at a time, unless `solve` was called before, and
-///             samples them. Running::parallel makes the grid and solves the groups of sixteen; each thread
-///             needs `solver_memory().block` bytes, each point about 480 bytes in 2D and 1,500 in 3D.
-///             Progress is reported before every cycle on the calling thread, which has to take part in the
-///             work
+///   cost      `evaluate` solves #V functions, sixteen at a time, unless `solve` was called before. Then it
+///             samples them. Running::parallel makes the grid and solves the groups of sixteen. Memory:
+///             `solver_memory().block` bytes per thread, about 480 bytes per point in 2D and 1,500 in 3D.
+///             The calling thread must take part in the work, and reports progress before each of its cycles
 ///   compiles  slowly, because the solver is a template; cageform::compiled has it in a library
 ///   fails     as check(cage); accuracy_not_supported; resolution_not_supported if the cage is too small for
 ///             its distance from the origin; grid_too_coarse; not_converged; cancelled; out_of_memory;
@@ -79,7 +78,7 @@ public:
                         detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    // Copies share the cage and the solved functions. Moving copies, so no object is ever empty.
+    // Copies share the cage and the solved functions. A move is a copy, so that no object becomes empty.
     HarmonicCoordinates(const HarmonicCoordinates&) noexcept = default;
     HarmonicCoordinates& operator=(const HarmonicCoordinates&) noexcept = default;
 
@@ -109,14 +108,14 @@ public:
         return result;
     }
 
-    /// Takes functions that `save_solution` packed, in place of a solve. Weights are bitwise those after
-    /// `solve`.
+    /// Takes functions that `save_solution` packed, in place of a solve. The weights are bitwise equal to
+    /// those after `solve`.
     ///
     ///   data   the packed functions, for example a mapped file, aligned to 64 bytes. They are not copied:
     ///          the bytes must not change while these coordinates or their copies are used
     ///   fails  not_a_solution, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
     ///          blob_malformed, blob_of_another_cage; blob_of_another_grid (another accuracy, boundary data
-    ///          or machine); solver_not_supported; and as making the grid
+    ///          or machine); solver_not_supported; and all failures of making the grid
     ///   cost   making the grid, a tenth of a solve, and reading the bytes once
     Evaluation load_solution(std::span<const std::byte> data, const Running& running = {}) {
         kept_.reset();
@@ -142,16 +141,17 @@ public:
     ///   points, states   as for `evaluate`
     ///   gradients        out, row axis · #handles + handle: the derivative along the axis, per unit of
     ///                    length. Unchanged for points outside
-    ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the tolerance over h.
-    ///              Where weights are C²: the derivatives of the weights before negative weights are
-    ///              replaced. In a cube at accuracy 1e-3, errors of 90 % of the gradients, times the root of
-    ///              the mean face area, are at most 1.1e-3 (`bench_smoothness --cage cube gradients`).
-    ///              Elsewhere: differences over a cell, with errors of order h², or h within a cell of the
-    ///              boundary. A point on the boundary gets the gradient of a point inside, a hundredth of a
-    ///              cell away where weights are C², else half a cell. It is unreached if there is none
+    ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity, to the tolerance over
+    ///              the cell size. Where weights are C²: the derivatives of the weights before negative
+    ///              weights are replaced. In a cube at accuracy 1e-3, 90 % of the gradients have an error of
+    ///              at most 1.1e-3 / √(mean face area) (`bench_smoothness --cage cube gradients`).
+    ///              Elsewhere: differences over a cell, with errors of second order in the cell size, or of
+    ///              first order within a cell of the boundary. A point on the boundary gets the gradient of a
+    ///              point inside, a hundredth of a cell away where weights are C², else half a cell. If no
+    ///              such point lies inside, the boundary point is unreached
     ///   cost       where weights are C²: 1.3 (scattered points) to 6 (hundreds per cell) times that of
     ///              evaluating the points. Elsewhere: 2D + 1 evaluations per point. Unless `solve` was
-    ///              called, the stencils or weights of all points need memory
+    ///              called, the stencils or weights of all points are in memory together
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
@@ -178,8 +178,8 @@ public:
     }
 
     /// Calls f(GridCell) for every cell of an adaptive grid that is inside the cage or intersects its
-    /// boundary, in the order of the Morton curve. Returns solver_not_supported for other grids. Otherwise it
-    /// fails and costs as `solve` before the first cycle.
+    /// boundary, in the order of the Morton curve. Returns solver_not_supported for other grids. Otherwise,
+    /// failures and cost are those of `solve` before its first cycle.
     template <class F>
     Evaluation for_each_cell(F&& f) const {
         return with_functions({}, [&](const auto& functions, SolverReport&, const Running&) {

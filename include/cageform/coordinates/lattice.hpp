@@ -226,7 +226,7 @@ private:
         handles_.clear();
     }
     /// Computes A⁻¹ in double and the tolerances of faces. Refuses an axis whose component orthogonal to the
-    /// others is within rounding.
+    /// others is 0 to rounding.
     void set_inverse() {
         T largest = 0;
         for (const auto& column : box_.columns) {
@@ -274,8 +274,8 @@ private:
         for (auto& lanes : scratch.kept_gradient) Simd(T(0)).store(lanes);
         for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) set_falloff(lane, scratch);
     }
-    /// Sets the positions u and the states of a block's points. Returns whether all are inside, off the
-    /// faces.
+    /// Sets the positions u and the states of a block's points. Returns whether all points are inside, none
+    /// of them on a face.
     bool place(std::size_t b, BlockView<const T> points, std::span<PointState> states,
                Scratch& scratch) const noexcept {
         std::array<Simd, D> from_origin;
@@ -311,7 +311,7 @@ private:
     }
     /// Returns the state of a position in the box. Snaps it to faces within the tolerance.
     PointState state_at(Vec<T, D>& u) const noexcept {
-        // Beyond this distance the spacing of numbers exceeds an eighth of the box.
+        // Beyond this distance the spacing of floating-point numbers exceeds an eighth of the box.
         constexpr auto farthest = T(sizeof(T) == 8 ? 1e15 : 1e6);
         auto state = PointState::inside;
         for (std::size_t k = 0; k < D; ++k) {

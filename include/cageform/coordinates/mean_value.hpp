@@ -25,35 +25,36 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A face gives its corners weights w_k with Σ w_k (C_k − p) = m, where m is the integral of the unit vectors
 /// from p over the face's projection to the unit sphere. m = ½ Σ θ_e N_e over the edges of the face: θ_e is
 /// the angle that the edge subtends at p, N_e the unit normal of the plane through p and the edge. We compute
-/// m in the face's own frame. Let H be the height of the face's plane above p, ρ_k the signed distance of p's
-/// foot from the edge opposite to corner k (positive inside), R_e the distance of p from the edge's line,
-/// g_e = θ_e/R_e, h_k the altitude of corner k, and ν_k the outward normal of the opposite edge in the plane:
+/// m in the face's own frame. Let H be the height of the face's plane above p, h_k the altitude of corner k,
+/// and ν_k the outward normal, in the plane, of the edge opposite to corner k. ρ_k is the signed distance of
+/// p's foot from that edge (positive inside). R_e is the distance of p from the line of edge e. With
+/// g_e = θ_e/R_e:
 ///
 ///   S = ½ Σ g_k ρ_k / H,   w_k = (S ρ_k + ½ H Σ_l g_l ν_k·ν_l) / h_k
 ///
-/// Each g is computed once per edge. Only S cancels, next to the plane of a face but not over the face; it is
-/// then computed by `sum_beside_face`. Code: `compute_weights` and `face_weights` in mean_value/space.hpp.
+/// Each g is computed once per edge. Only S cancels: next to the plane of a face, but not over the face.
+/// There `sum_beside_face` computes S. Code: `compute_weights` and `face_weights` in mean_value/space.hpp.
 ///
 ///   boundary   the limits: the unit row on vertices, barycentric weights on edges and triangles
 ///   range      sum to 1; may be negative outside, and where the cage is not convex
 ///   smooth     C^∞ everywhere, also across edges (2D) and faces (3D); C⁰ at vertices, in 3D also at edges
 ///   accuracy   2D: a few roundings inside and near the cage. 3D: 1e-13 inside and near the cage (double); at
 ///              worst 1e-4 (float). Far away the unnormalised weights grow like the distance and cancel.
-///              Points farther than some hundred (3D: some) diagonals are therefore computed in the next
+///              Points farther than 64 to 128 diagonals (3D: 16 to 32) are therefore computed in the next
 ///              wider scalar: always for float, for double where long double is wider
-///   cost       2D: O(#V) a point; one division and one square root per vertex and eight (sixteen) points.
+///   cost       2D: O(#V) a point; a division and a square root per vertex for 8 (float: 16) points.
 ///              3D: O(#E + #F); a square root and an angle per edge, a division per face
-///   gradients  double: errors of at most 1e-11 of the largest gradient or of 1/diagonal (2D, 3e-12
-///              measured), or 1e-9 of 1/diagonal in and near the cage (3D, 2e-10 measured); float: the
-///              rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as exactly, in 3D less exactly
-///              far away. Within 1e-6 diagonals of a vertex (3D: of an edge), gradients depend on the
-///              direction; those of one direction are returned. Cost: 3 to 4 times that of double weights, in
-///              3D twice (float: five times, because gradients are computed in double). Tens (3D: hundreds)
-///              of times that for points on the boundary, within 1e-5 diagonals of it (double), or some
-///              diagonals away
+///   gradients  Errors in 2D (double): at most 1e-11 of the largest gradient or of 1/diagonal (measured:
+///              3e-12). In 3D (double), in and near the cage: at most 1e-9 of 1/diagonal (measured: 2e-10).
+///              Float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold with the same errors,
+///              in 3D with larger ones far away. Within 1e-6 diagonals of a vertex (3D: of an edge),
+///              gradients depend on the direction: one of the limits is returned. Cost: 3 to 4 times that of
+///              weights in double, in 3D twice (float: five times, because gradients are computed in double).
+///              A point on the boundary, within 1e-5 diagonals of the boundary (double), or farther than 2 to
+///              4 diagonals costs tens of times as much (3D: hundreds)
 ///
 /// A PolyhedralMesh of triangles has the weights of the TriangleMesh. On a face with more corners, the sum of
-/// its triangles' weights is distributed to its corners by mean value coordinates in its plane
+/// its triangles' weights is distributed to the corners by mean value coordinates in the face's plane
 /// (`distribute` in mean_value/polygons.hpp). The weights do not depend on the triangulation of the face, and
 /// on the face they are the 2D weights. On a fan (PolyhedralOptions) the weight of the mean is distributed to
 /// the corners.

@@ -48,9 +48,9 @@ struct SibsonOptions {
 ///              computed in double if their estimated rounding error is at most 2^-39 (2D) or 2^-35 (3D),
 ///              else from integers. Measured over hostile sites: below 1e-13 (sibson/new_cell.hpp)
 ///   cost       O(n log n) to construct. Per point: a walk through the triangulation, one term per neighbour,
-///              and clearing n weights
-///   gradients  not defined at sites for degree 1, and one-sided on the hull. There the gradient is taken
-///              1e-6 of the way to the centroid of a simplex
+///              and setting n weights to zero
+///   gradients  not defined at sites for degree 1, and one-sided on the hull. At such points the gradient is
+///              that of a point moved by 1e-6 of the way to the centroid of a simplex
 ///   faults     too_few_vertices, vertex_not_finite, duplicate_vertices, sites_in_a_plane
 template <Scalar T, std::size_t D>
 class SibsonCoordinates {

@@ -46,24 +46,24 @@ inline constexpr bool is_homogeneous<F> = true;
 /// coordinates. The first and the last agree if all vertices lie on a circle. f = 1 and f = r² need only
 /// products and one division per edge. Code: `three_point_weights` in three_point/formula.hpp.
 ///
-///   F        f as a function of r², a template of its number X: a scalar, a register of scalars, or either
-///            with a gradient. For √(1 + r²): `using std::sqrt; return sqrt(X(1) + rr);`. Optional
-///            F::homogeneous: f(μr) is a multiple of f(r)
+///   F        f as a function of r², with a call operator for any number type X: a scalar, a register of
+///            scalars, or either with a gradient. For √(1 + r²): `using std::sqrt; return sqrt(X(1) + rr);`.
+///            Optional F::homogeneous: whether f(μr) is a multiple of f(r) for every μ
 ///   cage     one strictly convex loop, of either orientation. Vertices on the line of their neighbours are
 ///            refused, because Wachspress coordinates would give them no weight
 ///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': for 1, r and
 ///            √(1 + r²), not for r² and √r
 ///   outside  undefined: there are poles on the lines of the edges
 ///   limits   the unit row on vertices, linear on edges, for every f
-///   accuracy a few roundings; next to a vertex of outer angle θ, a few over θ. For other f than 1 and r² the
-///            differences f(r_{i+1}) − f(r_i) have the rounding of f: a few over the length of the shortest
-///            edge, in diagonals
+///   accuracy a few roundings; next to a vertex of outer angle θ, a few roundings divided by θ. For other f
+///            than 1 and r², the differences f(r_{i+1}) − f(r_i) have the rounding of f: a few roundings
+///            divided by the length of the shortest edge in diagonals
 ///   units    unless F is homogeneous, r² is in the user's unit and must be in the range of T. If Σ w is zero
 ///            or not a number, the point is unreached
-///   cost     O(#V) a point: a division per vertex and eight (sixteen) points, and f
+///   cost     O(#V) a point: a division per vertex for 8 (float: 16) points, and f
 ///   gradients  always in double. At boundary points: the gradient 1e-6 diagonals inside. Errors for double:
 ///              1e-11 of 1/diagonal; within 1e-8 diagonals of the boundary 1e-19/distance, where long double
-///              is wider than double. Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold as exactly
+///              is wider than double. Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold with the same errors
 ///   faults   those of `check`, vertex_not_convex, interior_cells_not_supported
 template <Scalar T, class F>
 class ThreePointCoordinates : public detail::CheckedCage<Polygon<T>> {

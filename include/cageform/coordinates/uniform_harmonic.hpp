@@ -10,14 +10,14 @@ namespace cageform::inline CAGEFORM_ABI {
 /// default, AdaptiveGrid, is faster for the same accuracy. Errors on a uniform grid decrease regularly with
 /// the resolution.
 ///
-///   accuracy  of order h² away from the boundary, and around corners with one free cell (two if one has too
-///             few nodes for a fit; grid/corners/corner_functions.hpp); of order h^(π/ω) next to an untreated
+///   accuracy  of order h² in the cell size h away from the boundary, and around treated 2D corners. A corner
+///             is treated if no other part of the boundary lies within h (within 2h if too few nodes for a
+///             fit lie within h; grid/corners/corner_functions.hpp). Of order h^(π/ω) next to an untreated
 ///             corner or 3D edge of interior angle ω
 ///   smooth    not continuous: weights jump between cells, by at most about the error
-///   cost      as AdaptiveGrid; #V more numbers for a point next to treated corners
+///   cost      as AdaptiveGrid; #V more numbers in memory for each point next to a treated corner
 ///   fails     as AdaptiveGrid, but not accuracy_not_supported; tolerance_not_positive;
 ///             resolution_not_supported if the resolution is not set or out of range
-///             resolution_not_supported, if the resolution is not set or out of range
 struct UniformGrid {
     template <class T, std::size_t D>
     Status operator()(std::shared_ptr<const SolverInput<D>> input, SolverReport& report,

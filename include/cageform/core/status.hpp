@@ -37,13 +37,13 @@ namespace cageform::inline CAGEFORM_ABI {
     X(radius_not_positive, "the radius of an interior cell is not a positive number")             \
     X(interior_cell_outside, "an interior cell lies outside the cage")                            \
     X(interior_cells_touch, "an interior cell touches another one or the boundary")               \
-    X(sites_in_a_plane, "all sites lie in a plane, or in the plane on a line")                    \
+    X(sites_in_a_plane, "all sites lie in a plane (in 2D on a line)")                             \
     /* enclose/: make_cage */                                                                     \
     X(figure_empty, "the figure has nothing to enclose")                                          \
     X(figure_not_finite, "a coordinate of the figure is not a finite number, or too large")       \
     X(figure_has_no_size, "the figure is a single point")                                         \
     X(margin_not_positive, "the margin of a cage is not a positive number")                       \
-    X(margin_too_small, "the margin is too small for the grid in memory")                         \
+    X(margin_too_small, "the margin is too small for the largest grid")                           \
     X(too_few_cage_vertices, "the vertex limit is too small for a cage")                          \
     X(mirror_not_supported, "the mirror's axis does not exist, or its position is not finite")  \
     X(cage_not_found, "no cage around the figure was found")                                      \
@@ -53,12 +53,12 @@ namespace cageform::inline CAGEFORM_ABI {
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
     X(not_a_simplex, "barycentric coordinates need a simplex: dimension + 1 vertices")            \
     X(degenerate_simplex, "the simplex has no volume relative to its size")                       \
-    X(lattice_degree_not_supported, "lattices have degree 1 to 3, Bernstein ones to 63")          \
+    X(lattice_degree_not_supported, "lattices have degree 1 to 3, with a single span up to 63")   \
     X(lattice_knots_not_supported, "the knots of a lattice are not clamped, or do not ascend")    \
     X(frame_flat, "the axes of a lattice's box do not span the space")                            \
     X(falloff_negative, "the falloff of a lattice is negative or not a number")                   \
     X(loop_not_closed, "a loop of curves is not closed: an edge ends where the next does not begin") \
-    X(curve_degree_not_supported, "curves have degree 1 to 3 at rest, in poses at least that and at most 5") \
+    X(curve_degree_not_supported, "curves have degree 1 to 3 at rest, and from that to 5 in poses") \
     X(disk_too_small, "the disk does not contain the cage")                                       \
     X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
     X(gradients_not_supported, "these coordinates have no gradients, which normals need")         \
@@ -69,7 +69,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(tolerance_not_positive, "the solver's tolerance is not a positive number")                  \
     X(grid_too_coarse, "the grid is too coarse for a part of the cage")                        \
     X(rim_not_given, "an unknown cell lies on the border of the grid")                            \
-    X(cells_unreached, "some unknown cells touch no given value")                                 \
+    X(cells_unreached, "some unknown cells have no path to a given value")                        \
     X(value_not_finite, "a given value is not a finite number, or too large")                     \
     X(not_converged, "the solver did not reach its tolerance")                                    \
     /* animate/ */                                                                                \

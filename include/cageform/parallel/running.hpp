@@ -1,5 +1,5 @@
-// Threads, progress and cancellation of long computations. Such functions take a Running as their last
-// argument.
+// Threads, progress and cancellation of long computations. Functions with long computations take a Running
+// as their last argument.
 #pragma once
 
 #include <cageform/core/status.hpp>

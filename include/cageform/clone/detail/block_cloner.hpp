@@ -26,7 +26,7 @@ struct AffineFit {
         }
     }
 
-    /// Completes the sums of a block to s Σ q d + Σ e a.
+    /// Completes the sums Σ q d of a block to s Σ q d + Σ e a, with its scale s and its residuals e.
     void complete(const PackedBindingView<T, D>& binding, std::size_t block, Lanes<T>* sums) const noexcept {
         if (binding.scale == nullptr) return;
         const Lanes<T>* const residual = binding.residual + block * (D + 1);

@@ -49,7 +49,7 @@ Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose
         }
     }
     if constexpr (tangents) {
-        static_assert(normals, "tangents are orthogonal to normals, and come with them");
+        static_assert(normals, "an output with tangents needs normals");
         if (!figure.has_tangents()) return Status::vectors_missing;
         if (std::size(out.tangents) < figure.point_count()) return Status::output_too_small;
     }

@@ -111,8 +111,8 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     const P n[3] = {t[1] * b[2] - t[2] * b[1], t[2] * b[0] - t[0] * b[2], t[0] * b[1] - t[1] * b[0]};
     const auto square = [](const P* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const P nn = square(n), tt = square(t), bb = square(b);
-    // Certain frames have vectors not shorter than a hundredth of those at rest, an angle of at least half a
-    // degree, and squares whose products neither overflow nor underflow.
+    // A frame is certain if three conditions hold: no vector is shorter than a hundredth of itself at rest;
+    // the angle is at least half a degree; no product of squares overflows or underflows.
     const P some(T(1e-4)), least((std::numeric_limits<T>::min)() * T(1e12)),
         most((std::numeric_limits<T>::max)() * T(1e-12));
     const auto certain = (some * square(t_rest) <= tt) & (some * square(b_rest) <= bb) &

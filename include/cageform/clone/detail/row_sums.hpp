@@ -80,7 +80,7 @@ enum class WeightsIn : std::uint8_t { caches, memory };
 
 /// Prefetch distance of weights in memory, in bytes. The hardware prefetcher of Intel's server cores stops at
 /// page boundaries: with software prefetching a clone takes 5 ms instead of 8. The prefetcher of Zen cores
-/// does not stop; they would lose a tenth, and processors with narrow registers more.
+/// does not stop; there software prefetching costs a tenth. With narrow registers it costs more.
 #if CAGEFORM_REGISTER_BYTES == 64 && !defined(__znver1__) && !defined(__znver2__) && !defined(__znver3__) && \
     !defined(__znver4__) && !defined(__znver5__)
 inline constexpr std::size_t weights_ahead = 8192;

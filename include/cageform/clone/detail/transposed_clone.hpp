@@ -1,9 +1,10 @@
 // Transposed clones: the gradients of handles from the gradients of points.
 //
-//     g_hi = Σ_blocks s_b Σ_p q_ip m_p g_p + Σ_r F_ir a'_r,   a'_r = Σ_p e_pr m_p g_p
+//     g_i = Σ_blocks s_b Σ_p q_ip m_p g_p + Σ_r F_ir a'_r,   a'_r = Σ_p e_pr m_p g_p
 //
-// Each thread processes a range of handles over all blocks in order. Threads therefore need no memory and
-// have no effect on the result.
+// for handle i and points p: stored weights q, scales s, residuals e, affine fit F, mask m. Each thread
+// processes a range of handles over all blocks in order. Threads thus need no memory and do not affect the
+// result.
 #pragma once
 
 #include <cageform/clone/detail/handle_sums.hpp>
@@ -57,8 +58,8 @@ public:
         if (!exact) sum_residuals();
     }
 
-    /// Returns the least number of handles per thread: as many rows as `clone_grain` blocks have, and enough
-    /// to outweigh the reading of the gradients.
+    /// Returns the least number of handles per thread: with as many rows as `clone_grain` blocks, and at
+    /// least 16, so that the gradients are not read for too few handles.
     std::size_t grain() const noexcept {
         const std::size_t blocks = bindings_[0].block_count(), rows = clone_grain * bindings_[0].handles;
         const std::size_t handles = blocks == 0 ? rows : rows / blocks;

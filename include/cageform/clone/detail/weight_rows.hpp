@@ -52,7 +52,7 @@ CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std:
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(q));
     } else if constexpr (Format == WeightFormat::int8) {
         const auto q = load_bytes<Wholes<std::int8_t, T>>(bytes);
-        // Two steps, for which GCC has instructions.
+        // Converts in two steps, because GCC has instructions for both.
         const auto wider = convert_lanes<Wholes<std::int16_t, T>>(q);
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(wider));
     } else {

@@ -15,7 +15,7 @@ enum class CloneMode : std::uint8_t {
 
 template <Scalar T>
 struct CloneOptions {
-    /// A factor of each point's displacement; empty: no mask. May be part of a vertex buffer.
+    /// #points factors of the points' displacements; empty: no mask. May be part of a vertex buffer.
     StridedPoints<const T, 1> mask{nullptr, 0};
     CloneMode mode = CloneMode::replace;
 };

@@ -9,8 +9,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct FoldOptions {
-    /// A place is folded if the determinant of the deformation, the ratio of volumes, is not above this
-    /// value. Finite and below 1, the determinant at rest.
+    /// A place is folded if the determinant of the deformation (volume over volume at rest) is not above this
+    /// value. Must be finite and below 1.
     double threshold = 0;
 };
 
@@ -24,7 +24,7 @@ struct FoldReport {
     /// The first folded places in the order of the binding or the cells: min(count, 64) entries.
     std::array<std::size_t, 64> folded{};
     std::size_t skipped = 0;      ///< number of places with a number that is not finite
-    double least_determinant = 0; ///< this and the following are 0 if there are no places
+    double least_determinant = 0; ///< 0 if there are no places, like all members below
     std::size_t least_determinant_at = nowhere;
     double largest_stretch = 0; ///< the largest singular value
     std::size_t largest_stretch_at = nowhere;

@@ -17,7 +17,7 @@ struct EdgeTouch {
 /// Computes the integrals of an edge at any point.
 class NearSums {
 public:
-    /// `at_end` says which ends the point lies on. The sums then leave out the logarithm of the distance.
+    /// `at_end`: whether the point lies on each end. The sums then leave out the logarithm of the distance.
     NearSums(const CurvedEdge& edge, const ComplexNumber& z, const std::array<bool, 2>& at_end) noexcept
         : edge_(edge)
         , reversed_(at_end[0] || at_end[1] ? !at_end[0] : norm(edge.end[1].at - z) < norm(edge.end[0].at - z))

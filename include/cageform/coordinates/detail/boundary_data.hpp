@@ -20,7 +20,7 @@ public:
     virtual ~FaceData() = default;
     /// Calls visit(handle, weight) for the handles with a non-zero value at a surface point.
     virtual void weights(const BoundaryValue<3>& value, const Visit& visit) const = 0;
-    /// Calls visit(handle, 1) for handles that include all with a non-zero value at a surface point.
+    /// Calls visit(handle, 1) for a superset of the handles with a non-zero value at a surface point.
     virtual void handles(const BoundaryValue<3>& value, const Visit& visit) const = 0;
 };
 
@@ -47,7 +47,7 @@ public:
         }
         LinearBoundaryData<D>::for_each_weight(value, f);
     }
-    /// Calls f(handle) for handles that include all with a non-zero value at a boundary point.
+    /// Calls f(handle) for a superset of the handles with a non-zero value at a boundary point.
     template <class F>
     void for_each_handle(const Value& value, F&& f) const {
         const auto visit = [&](std::uint32_t handle, double) { f(handle); };

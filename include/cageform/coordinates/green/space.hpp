@@ -111,10 +111,10 @@ void find_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, Gre
     out.f = log(over / under);
 }
 
-/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ. It is the angle that
-/// the edge subtends at the foot of p in the face's plane, from atan(s₁/ρ) to atan(s₂/ρ), minus the angle
-/// from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). A and B are the distances of the ends from p. The
-/// difference at each end is one arctangent:
+/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ: a difference of two
+/// angles. The edge subtends the first at the foot of p in the face's plane, from atan(s₁/ρ) to atan(s₂/ρ).
+/// The second is from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). A and B are the distances of the ends from p.
+/// The difference at each end is one arctangent:
 ///
 ///   atan2(ρ s₂, D + |H| B) − atan2(ρ s₁, D + |H| A),   D = ρ² + H²
 ///

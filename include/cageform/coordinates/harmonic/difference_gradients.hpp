@@ -117,8 +117,8 @@ private:
         return q;
     }
     /// Returns the factors of (value at p − value below) and (value above − value at p) in the derivative.
-    /// They are exact for parabolas, but only for linear functions if one distance is below a tenth of the
-    /// other: errors of values are divided by the distance.
+    /// The factors are exact for parabolas, but for linear functions only if one distance is below a tenth of
+    /// the other. Factors for parabolas would then divide errors of values by the small distance.
     static std::array<double, 2> difference_factors(double below, double above) noexcept {
         if (below < 0.1 * above) return {0, 1 / above};
         if (above < 0.1 * below) return {1 / below, 0};

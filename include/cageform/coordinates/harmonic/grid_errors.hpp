@@ -11,10 +11,10 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// Two interpolants of the same functions at points spread over the leaves: in the leaf and in its parent
 /// cell. Where functions are smooth, their difference is three times the error of the first; next to kinks
 /// once or twice. Errors of node values are of the same size. Against finer grids, the largest difference is
-/// between 0.5 and 4 times the largest error anywhere. In 2D, harmonic means exact for four powers and for
-/// two are compared. For leaves with models, fits of harmonic polynomials of degree 3 and of degree 1 are
-/// compared: the largest error on random meshes is 1.1 to 5.6 times their largest difference, which is
-/// therefore multiplied by 4.
+/// between 0.5 and 4 times the largest error anywhere. In 2D, two stencils by HarmonicMean are compared:
+/// exact for four powers and for two. For leaves with models, fits of harmonic polynomials of degree 3 and of
+/// degree 1 are compared. On random meshes the largest error is 1.1 to 5.6 times the largest difference, so
+/// the difference is multiplied by 4.
 template <std::size_t D>
 class GridErrors {
 public:

@@ -67,8 +67,8 @@ public:
         return least + (1 - least) * factor;
     }
 
-    /// Returns the offset of a datum from the middle of the leaf, in half leaf sizes, plus 16. It is an
-    /// integer if no face is near the leaf, because all data are then nodes.
+    /// Returns the offset of a datum from the middle of the leaf, in half leaf sizes, plus 16. The offset is
+    /// an integer if no face is near the leaf, because all data are then nodes.
     std::array<char, D> place_in_leaf(const Datum& datum) const noexcept {
         std::array<char, D> place{};
         for (std::size_t k = 0; k < D; ++k) place[k] = char(16 + 2 * (datum.at[k] - middle_[k]) / size_);

@@ -15,7 +15,7 @@
 //
 // The data d are nodes around the leaf and boundary points with function values y_i(d). The vector b has 16
 // harmonic polynomials up to degree 3, and two functions for each of up to four bent edges. Row d of B is
-// b(d). The diagonal matrix W holds the weights of the data, which decrease with the distance from the middle
+// b(d). The diagonal matrix W holds the weights of the data. They decrease with the distance from the middle
 // of the leaf and are tripled at boundary points. The diagonal matrix R is a ridge, nearly zero for linear
 // functions, so that constants and positions are reproduced. E_i corrects the errors of the models at the
 // nearest faces and is 0 farther from faces than a fifth of a leaf:

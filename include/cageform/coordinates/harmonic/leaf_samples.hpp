@@ -94,9 +94,9 @@ public:
         make_sums(points.size(), emit);
     }
 
-    /// Returns a point where the functions are differentiable: x unless it lies on the boundary, else the
-    /// point farthest from faces among the inside points a hundredth of a leaf from x along the leaf's
-    /// diagonals. Returns nothing if there is none.
+    /// Returns a point where the functions are differentiable: x unless x lies on the boundary. For such an
+    /// x, tries the points a hundredth of a leaf from x along the leaf's diagonals, and returns the inside
+    /// point that is farthest from faces. Returns nothing if none is inside.
     std::optional<Point> differentiable_place(const Point& x) const {
         const double size = tree_.leaf_at(x).size;
         double most = least_free;

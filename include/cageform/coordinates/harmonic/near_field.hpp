@@ -128,9 +128,9 @@ public:
         }
         return corners;
     }
-    /// Returns the barycentric weights of a point q inside face f, near x and a smooth function of x: the
-    /// minimum of |q − x|² / (2 width²) − Σ_k log(distance of q from edge k). Found by a damped Newton method
-    /// from `nearest`, the weights of the point of the face nearest to x.
+    /// Returns the barycentric weights of a point q inside face f and near x. q is a smooth function of x:
+    /// the minimum of |q − x|² / (2 width²) − Σ_k log(distance of q from edge k), by a damped Newton method.
+    /// The method starts from `nearest`, the weights of the point of the face nearest to x.
     std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const Corners<3>& corners,
                                        const std::array<double, 3>& nearest, double width) const {
         const auto& face = this->face(f);
@@ -167,8 +167,8 @@ public:
         return nearest_on_facet(q, corners);
     }
 
-    /// Moves a boundary point inside: towards x if all faces at the point allow it, else against their
-    /// normals.
+    /// Moves a boundary point inside: towards x if x lies behind all faces at the point, else against the
+    /// normals of these faces.
     Point moved_inside(const BoundaryValue<3>& value, const Point& x) const noexcept {
         const auto place = position(value);
         const auto way = x - place;

@@ -356,8 +356,8 @@ private:
             }
         }
     }
-    /// Adds the layers at the images of points in the mirrors whose bits are set: of all faces without bits,
-    /// else of the faces in the other mirrors.
+    /// Adds layers at the images of points in the mirrors whose bits are set. If no bit is set, these are the
+    /// layers of all faces, else those of the faces that lie in the other mirrors.
     CAGEFORM_DETAIL_FLATTEN void add_layers(Vec<Simd<double>, 3> p, unsigned mirrored,
                                             Lanes<double>* to) noexcept {
         using X = Simd<double>;

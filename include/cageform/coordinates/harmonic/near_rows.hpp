@@ -15,16 +15,16 @@
 //     D_v(x) = ∫ φ_v ∂G/∂n over the faces around v,   Σ_v D_v = 1 inside,
 //
 // which is the vertex part of Green coordinates (coordinates/green/space.hpp). On a plane, the double layer
-// of its own faces is half of the hat. With the set V of vertices near x, and the linear functions β of a
-// simplex of vertices of V (β_i is 1 at vertex i of the simplex and 0 at the others),
+// of its own faces is half of the hat. Let V be the set of vertices near x, and β the linear functions of a
+// simplex of vertices of V: β_i is 1 at vertex i of the simplex and 0 at the others. Then
 //
-//     L_i = β_i + 2 Σ_{v∈V} (δ_iv − β_i(v)) D_v.
+//     L_i = β_i + 2 Σ_{v∈V} (δ_iv − β_i(v)) D_v,
 //
-// Then Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i and any V: partition of unity and linear
+// so Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i and any V: partition of unity and linear
 // precision are kept. At a convex bend of about 90 degrees, the double layer of each face is wrong on the
-// other; there it is reflected at the other's plane with the opposite sign (mirrors).
+// other face. There the layer is reflected at the plane of the other face with the opposite sign (mirrors).
 //
-// Next to a bent edge, u_i − L_i is nearly k + c S, with S of coordinates/harmonic/wedge.hpp, its value k on
+// Next to a bent edge, u_i − L_i is nearly k + c S, with S of coordinates/harmonic/wedge.hpp, the value k on
 // the edge, and an unknown c. There the s_n are multiplied by a factor ρ that makes the mean exact for S. φ_i
 // at the edge gets the share (1 − ρ) Σ s_n, which makes the mean exact for k.
 #pragma once
@@ -72,8 +72,8 @@ public:
     }
 
     /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and removes the rows.
-    /// Rows that see each other are corrected together. Calls scale(number, factor) where the weights of a
-    /// row's nodes change.
+    /// Rows with a common viewpoint are corrected together. Calls scale(number, factor) where the weights of
+    /// a row's nodes change.
     template <class Emit, class Scale>
     void flush(const Emit& emit, const Scale& scale) {
         pending_.resize(rows_.size());
@@ -155,8 +155,8 @@ private:
             for (auto row = begin; row != end; ++row) correct(row->second, emit);
         }
     }
-    /// Makes a row exact for the singular function S of a wedge too, if no other edge is near: multiplies its
-    /// weights of nodes by a factor, and gives the missing sum of weights to the nearest point of the edge,
+    /// Makes a row exact for the singular function S of a wedge too, if no other edge is near. Multiplies the
+    /// weights of the row's nodes by a factor. The nearest point of the edge gets the missing sum of weights,
     /// so that constants stay exact.
     template <class Scale>
     void fit_to_wedge(std::uint32_t row, const Wedge& wedge, const Scale& scale) {
@@ -185,7 +185,7 @@ private:
         points_.push_back(foot + (std::min)(1e-5 / at.r, 0.5) * (rows_[row].position - foot)); // inside
         scale(rows_[row].number, factor);
     }
-    /// Whether the edge of a wedge is near a row, and the only one, so that S matters.
+    /// Whether the edge of a wedge is the only edge near a row, so that S matters.
     bool is_alone(const Wedge& wedge, const Wedge::Place& at, const Row& row) const noexcept {
         constexpr double most_sizes = 3, free = 2; // unit: leaf size; distance from the edge
         return wedge.is_singular() && at.r < most_sizes * row.size && wedge.has(at) && at.along > at.r &&

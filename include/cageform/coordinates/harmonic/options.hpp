@@ -29,12 +29,12 @@ struct HarmonicOptions {
     /// near field (harmonic/near_rows.hpp); their errors can reach 0.1 at points nearer to a small face than
     /// its width. SolverReport::grid_error estimates the largest error.
     double accuracy = 1e-3;
-    /// UniformGrid: number of cells along the cage's longest side, 8 … 16384, in 3D 8 … 1024. Ignores
-    /// `accuracy`.
+    /// UniformGrid: number of cells along the cage's longest side, 8 … 16384, in 3D 8 … 1024. UniformGrid
+    /// ignores `accuracy`. AdaptiveGrid: 0.
     std::size_t resolution = 0;
-    /// In bytes. A solve that needs more on one thread (hierarchy, block, and for `solve` the kept functions)
-    /// is refused before it starts, with estimates in SolverReport::cells and bytes. Default: 8 GiB, or 1 GiB
-    /// for 32-bit addresses.
+    /// Limit in bytes. If a solve needs more on one thread (hierarchy, block, and for `solve` the kept
+    /// functions), it is refused before it starts. SolverReport::cells and bytes are then estimates.
+    /// Default: 8 GiB, or 1 GiB for 32-bit addresses.
     std::size_t memory_limit = std::size_t{1} << (sizeof(std::size_t) > 4 ? 33 : 30);
     MultigridOptions multigrid{};
 };

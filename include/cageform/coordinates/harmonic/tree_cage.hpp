@@ -74,7 +74,7 @@ public:
 
     /// Returns the cell sizes for an accuracy. The factors are empirical. 2D errors are of order four in the
     /// cell size, and within the accuracy on all cages with known solutions and on random cages. With a 3D
-    /// near field, cells need not resolve the kinks of the data, and may be far larger than small facets and
+    /// near field, cells need not resolve the kinks of the data. They may be far larger than small facets and
     /// than the thickness of the domain (HarmonicOptions::accuracy). Without a near field, 3D errors are of
     /// order two.
     static grid::RefinementOptions sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {

@@ -98,8 +98,8 @@ class TreeSolver {
     using Cage = detail::TreeCage<D>;
     using Multigrid = grid::TreeMultigrid<D>;
     static constexpr std::size_t width = Multigrid::width;
-    /// Cycles stop at this fraction of the accuracy. It is smaller in 2D, where cycles are cheap, and where
-    /// gradients around corners, with tiny cells, are differences of nearly equal values.
+    /// Cycles stop at this fraction of the accuracy. The fraction is smaller in 2D, because cycles are cheap
+    /// there. Also, 2D gradients in tiny cells around corners are differences of nearly equal values.
     static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
 
 public:

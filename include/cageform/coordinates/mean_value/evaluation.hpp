@@ -21,7 +21,7 @@ compute_weights_inlined(const Frame& frame, const MeanValueLimits<S>& limits, co
 }
 
 /// The base of MeanValueCoordinates. Points are evaluated a SIMD register at a time, gradients always in
-/// double. Next to the boundary and far away, where the formula cancels, single points are evaluated in a
+/// double. Next to the boundary and far away the formula cancels. There single points are evaluated in a
 /// wider scalar, in units of their distance from the boundary, so that nothing overflows.
 template <class Cage>
 class MeanValueEvaluation : public CheckedCage<Cage> {
@@ -83,10 +83,10 @@ private:
         return at;
     }
 
-    /// Returns the limits for evaluation in registers, in units of 1/scale_ (half a diagonal to a diagonal).
+    /// Returns the limits for evaluation in registers, in units of 1/scale_ (one to two diagonals).
     /// `far_distance` limits cancellation to some ten roundings, for gradients to a hundred. Next to the
-    /// boundary, gradients in double lose accuracy in proportion to 1/distance; the rounding to float hides
-    /// that loss.
+    /// boundary, gradients in double lose accuracy in proportion to 1/distance. In float this loss is below
+    /// rounding.
     template <class N>
     MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
         using S = ScalarOf<ValueOf<N>>;

@@ -104,9 +104,9 @@ X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
 template <class S>
 inline constexpr S least_divisor = (std::numeric_limits<S>::min)() * S(1e6);
 
-/// Returns whether both ends of an edge lie on the same side of a point's foot on the edge's line, and far
-/// from the foot relative to the distance √rr from the line. Each term of the series in r/begin and r/end
-/// then adds two digits.
+/// Returns whether a point lies beyond the ends of an edge: both ends are on the same side of the point's
+/// foot on the edge's line, and more than 10 √rr from the foot. √rr is the distance of the point from the
+/// line. Each term of the series in r/begin and r/end then adds two digits.
 template <class U>
 bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
     using K = ValueOf<U>;
@@ -128,8 +128,9 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
     return sum;
 }
 
-/// An edge relative to a point p: the vector u from p to its start, its direction t, the positions `begin`
-/// and `end` of its ends along its line, measured from the foot of p, and the distance R of p from its line.
+/// An edge relative to a point p: the vector u from p to the start, the direction t of the edge, and the
+/// distance R of p from its line. `begin` and `end` are the positions of the ends on the line, from the foot
+/// of p.
 template <class X, class S>
 struct RelativeEdge {
     Vec<X, 3> u, t;

@@ -36,7 +36,7 @@ struct Cavity {
     std::span<const Simplex> simplices;
     std::span<const RimFacet> rim;
 
-    /// Numbers a cavity. `cavity` is ascending, without ghosts, and referred to.
+    /// Numbers a cavity, given by ascending simplex numbers without ghosts. Refers to `cavity`.
     void fill(const Delaunay<D>& sites, std::span<const std::uint32_t> cavity) {
         if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
         if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
@@ -119,8 +119,8 @@ enum class OverlapSums : std::uint8_t {
 ///
 /// The corners of V_p ∩ V_i are circumcentres: of the cavity's simplices, and of p with each rim facet. The
 /// measure is a sum of determinants over the edges, with p as origin (the shoelace formula in 2D, cones over
-/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet, so one pass over
-/// the facets of the cavity visits all edges, in any order. N is double or WideFloat.
+/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet: a pass over the
+/// facets of the cavity visits all edges, in any order. N is double or WideFloat.
 template <class N, std::size_t D>
 struct CellOverlap {
     using Vector = Numbers<N, D>;
@@ -180,7 +180,7 @@ struct CellOverlap {
 private:
     static constexpr bool measures_error = std::is_same_v<N, double>;
 
-    /// Returns the vertices of a simplex other than k, so that followed by k they are an even permutation.
+    /// Returns the vertices of a simplex except k, in an order that makes them and k an even permutation.
     static constexpr auto others(std::uint32_t k) noexcept {
         if constexpr (D == 2) {
             constexpr std::uint32_t all[3][2] = {{1, 2}, {2, 0}, {0, 1}};

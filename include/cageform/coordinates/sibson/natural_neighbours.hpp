@@ -177,8 +177,8 @@ private:
 
     // ---- inside ---------------------------------------------------------------------------------
 
-    /// Computes the weights of a point inside the hull. The cavity is found; the search began at simplex
-    /// `at`. Returns false if the point's cell has no measure.
+    /// Computes the weights of a point inside the hull from its cavity in `scratch`. `at` is the simplex
+    /// where the search for the cavity began. Returns false if the point's cell has no measure.
     bool find_inside(const LatticePoint<D>& position, std::uint32_t at, Scratch& scratch) const {
         if (scratch.search.cavity().empty())
             return find_site(position, sites_.simplices()[at].vertex, scratch);

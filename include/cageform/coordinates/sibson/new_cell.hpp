@@ -8,8 +8,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The overlaps, facets and moments of a new point's cell (see CellOverlap). A facet lies between the cells
 /// of the point and of a site. Its moment, the integral of the position relative to the point, gives the
 /// gradient of the overlap. Sums are computed in double if their rounding bound allows it. Otherwise
-/// circumcentres come from integers and sums have 120 bits, which long thin cells next to flat facets of the
-/// hull need.
+/// circumcentres come from integers and sums have 120 bits. Long thin cells next to flat facets of the hull
+/// need this precision.
 template <std::size_t D>
 class NewCell {
 public:

@@ -17,7 +17,7 @@ namespace cageform::inline CAGEFORM_ABI {
 enum class SiteGradients : std::uint8_t {
     /// Also exact for a + b·x + γ|x|² at inner sites: the most accurate for evenly spread sites.
     facets,
-    /// μ = |F| |d|, so (g·d − Δz)² has the weight |F| / |d|: less negative weights, less accurate.
+    /// μ = |F| |d|, so (g·d − Δz)² has the weight |F| / |d|. Negative weights are smaller, accuracy is lower.
     gentle,
     /// Cuts all cells by mirrored neighbours: for closely spaced rings of sites.
     mirrored,

@@ -88,7 +88,7 @@ template <class N>
 struct NumberTraits {
     using Value = N;
     static constexpr std::size_t derivatives = 0;
-    // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): a part of it, used while it lives
+    // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): callers use it only while `n` exists
     static const Value& component(const N& n, std::size_t) noexcept { return n; }
     static Value& component(N& n, std::size_t) noexcept { return n; }
 };

@@ -10,8 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Makes the smallest change (in the 2-norm) of a block of points' weights that restores Σwκ = 1 and
-/// ΣwH = p. For weights of a vector t it restores Σwκ = 0 and ΣwH = t.
+/// Changes the weights of each point p as little as possible (in the 2-norm), so that Σwκ = 1 and ΣwH = p.
+/// Weights of a vector t are changed so that Σwκ = 0 and ΣwH = t.
 ///
 /// The rows of A are the affine rows of the handles; r is the residual of the row sums. With A = QR the
 /// change is Q R⁻ᵀ r. This equals A(AᵀA)⁻¹ r but does not square the condition number, which is large
@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// may exceed the residual.
 ///
 /// With `local`, zero weights stay zero. The change is then the smallest one among the other handles, Q
-/// M⁻¹ R⁻ᵀ r, where M is their part of QᵀQ.
+/// M⁻¹ R⁻ᵀ r. M is the sum of q qᵀ over the rows q of Q of these handles.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:

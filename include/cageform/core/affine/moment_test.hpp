@@ -9,9 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Far outside thin cages, unnormalised weights are small differences of large numbers. If they lose
-/// their digits, they violate Σ w_i (C_i − p) = 0. This class tests that equation. Lengths in each
-/// direction are relative to the cage's extent in that direction.
+/// Far outside thin cages, unnormalised weights are small differences of large numbers. Weights that lost
+/// their digits violate Σ w_i (C_i − p) = 0. This class tests that equation. Lengths in each direction are
+/// relative to the cage's extent in that direction.
 template <class S, std::size_t D>
 class MomentTest {
 public:
@@ -46,7 +46,7 @@ public:
         std::array<X, D + 1> row{one};
         for (std::size_t k = 0; k < D; ++k) row[k + 1] = p[k];
         const auto position = in_basis(triangle_, row);
-        X missed = zero, square = one; // grows with the distance
+        X missed = zero, square = one; // square: 1 + |p|²
         for (std::size_t k = 0; k < D; ++k) {
             missed = (max)(missed, abs(moments[k] - sum * position[k + 1]));
             square += p[k] * p[k];

@@ -1,4 +1,4 @@
-// Orthonormalises the columns of a matrix of rows.
+// Orthonormalises the columns of a matrix that is stored by rows.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>

@@ -21,7 +21,7 @@ inline constexpr auto binomials = [] {
     return table;
 }();
 
-/// The polynomial Σ c_i B_i. Degree 15 is that of a polynomial of degree 5 composed with a cubic.
+/// The polynomial Σ c_i B_i, of degree 15 at most: that of a polynomial of degree 5 composed with a cubic.
 struct Bernstein {
     static constexpr std::size_t most = 15;
     std::size_t degree = 0;

@@ -65,7 +65,8 @@ inline void add_quadratic_roots(const ComplexNumber& a, const ComplexNumber& b, 
     roots.add(h / a);
 }
 
-/// Returns the root of x³ + a x² + b x + c whose nearest other root is farthest, by Cardano's formula.
+/// Returns the most isolated root of x³ + a x² + b x + c: the root with the largest distance to its nearest
+/// other root. Uses Cardano's formula.
 inline ComplexNumber most_isolated_root(const ComplexNumber& a, const ComplexNumber& b,
                                         const ComplexNumber& c) noexcept {
     const ComplexNumber third = (1 / 3.0) * a, p = b - a * third, q = third * (2.0 * (third * third) - b) + c;
@@ -97,7 +98,7 @@ inline PolynomialRoots roots_of(const Polynomial& of) noexcept {
     if (of.degree == 1) roots.add(-(c[0] / c[1]));
     if (of.degree == 2) add_quadratic_roots(c[2], c[1], c[0], roots);
     if (of.degree < 3) return roots;
-    // Solves for 1/s instead of s where that makes the leading coefficient the larger one.
+    // Solves for 1/s if the constant coefficient is larger than the leading one.
     const bool inverted = norm(c[0]) > norm(c[3]);
     const Polynomial p = inverted ? of.reversed() : of;
     const ComplexNumber share = inverse(p.c[3]);

@@ -52,8 +52,8 @@ struct TriangleEdges {
 ///     same edges posed
 ///
 /// A similarity therefore transforms the handle in the same way as the triangle. With `posed` = `rest`
-/// this is the handle at rest. Zero if a triangle has no area. Finite if coordinates are below epsilon
-/// times the largest number and the lengths of the sides at rest differ by a factor below 1/epsilon.
+/// this is the handle at rest. The result is zero if a triangle has no area. It is finite if coordinates are
+/// below epsilon times the largest number and the ratio of two sides at rest is below 1/epsilon.
 /// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
 template <Scalar T>
 Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec<T, 3>, 3>& posed) noexcept {
@@ -83,8 +83,8 @@ auto mean_of_loop(const std::uint32_t* loop, std::size_t count, const At& at) no
     return (T(1) / T(count)) * sum;
 }
 
-/// Returns whether the point is finite and small enough that posed vectors stay finite, in the narrower
-/// of the scalars of the binding and of the output.
+/// Returns whether a point is finite and small enough for finite posed vectors. The limit is that of the
+/// narrower of two scalars: the binding's and the output's.
 template <Scalar T, class Out, std::size_t D>
 bool can_be_posed(const Vec<T, D>& p) noexcept {
     using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,

@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Nodes in (0, 1) and weights with sum 1; exact for polynomials of degree 2N − 1.
+/// N nodes in (0, 1) and their weights, with sum 1. Exact for polynomials up to degree 2N − 1.
 template <std::size_t N>
 struct Gauss {
     std::array<double, N> node{}, weight{};

@@ -1,4 +1,4 @@
-// Scalar versions of the functions of registers, so that one template serves both.
+// Scalar versions of the register functions, so that one template can use scalars or registers.
 #pragma once
 
 #include <cageform/core/detail/simd_angle.hpp>

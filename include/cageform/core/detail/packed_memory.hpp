@@ -67,7 +67,8 @@ inline void place_array(std::uint64_t& end, std::uint64_t& offset, std::uint64_t
     offset = is_there ? end : 0;
     if (is_there) end += whole_lines(bytes);
 }
-/// Returns whether an array is present as `wanted`, aligned, and between the header and the end.
+/// Checks the offset of an array: 0 if not `wanted`; else a multiple of 64, with the array between the header
+/// and the end of the data.
 template <class Header>
 bool holds_array(const Header& header, std::uint64_t offset, std::uint64_t bytes, bool wanted) noexcept {
     if (offset == 0) return !wanted;

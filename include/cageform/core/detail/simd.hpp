@@ -91,11 +91,11 @@ CAGEFORM_DETAIL_INLINE inline void optimizer_barrier([[maybe_unused]] R& r) noex
         __asm__("" : "+w"(r));
     }
 #elif defined(CAGEFORM_DETERMINISTIC) && !(defined(__GNUC__) && (defined(__arm__) || defined(__wasm__)))
-#error "CAGEFORM_DETERMINISTIC knows GNU and clang on x86 with SSE2, on ARM and on WebAssembly"
-#endif // the other targets have no instruction that merges
+#error "CAGEFORM_DETERMINISTIC supports GNU and clang on x86 with SSE2, on ARM and on WebAssembly"
+#endif // the other targets have no fused instruction
 }
 
-/// Returns a · b for numbers or registers; under CAGEFORM_DETERMINISTIC it is rounded before any addition.
+/// Returns a · b for numbers or registers. Under CAGEFORM_DETERMINISTIC, the product is rounded separately.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
@@ -159,7 +159,7 @@ struct Simd {
         for (std::size_t k = 0; k < count; ++k) r[k] = x - Register{};
     }
     static Simd load(const Lanes<T>& lanes) noexcept {
-        Simd p; // one register at a time, because GCC would copy the whole in pieces of another width
+        Simd p; // one register at a time: GCC would copy the array in pieces of another width
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k)
             p.r[k] = load_bytes<Register>(lanes.v + k * (64 / sizeof(T) / count));
@@ -294,8 +294,8 @@ T ordered_sum(const Simd<T>& x) noexcept {
     return sum;
 }
 
-/// Evaluates a polynomial in x with the k + 1 coefficients c[last], c[last − 2], …, from the highest
-/// power down.
+/// Evaluates a polynomial in x by Horner's rule. Its coefficients are c[last], c[last − 2], …, from the
+/// highest power down. Its degree is the length of the index sequence.
 template <Scalar T, std::size_t n, std::size_t... k>
 CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, std::size_t last,
                                                    const Simd<T>& x, std::index_sequence<k...>) noexcept {

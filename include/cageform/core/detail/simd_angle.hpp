@@ -5,8 +5,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns atan(√u)/√u for 0 ≤ u ≤ tan²(π/8), by the minimax polynomial of the relative error: 4e-17 (float
-/// 7e-10) before its coefficients are rounded. The Taylor series would need 20 terms (10).
+/// Returns atan(√u)/√u for 0 ≤ u ≤ tan²(π/8), by the minimax polynomial of the relative error. The error is
+/// 4e-17 (float: 7e-10) before coefficients are rounded. The Taylor series would need 20 terms (float: 10).
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> atan_over(const Simd<T>& u) noexcept {
     if constexpr (sizeof(T) == 8) {

@@ -5,8 +5,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns artanh(√u)/√u for 0 ≤ u ≤ (3 − √8)², by the minimax polynomial of the relative error:
-/// 2e-18 (float 7e-10) before its coefficients are rounded.
+/// Returns artanh(√u)/√u for 0 ≤ u ≤ (3 − √8)², by the minimax polynomial of the relative error. The error
+/// is 2e-18 (float: 7e-10) before coefficients are rounded.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> artanh_over(const Simd<T>& u) noexcept {
     if constexpr (sizeof(T) == 8) {

@@ -13,7 +13,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Points in a block: 16 for float, 8 for double. A row is one cache line, whatever the target's registers.
+/// Points in a block: 16 for float, 8 for double. A row is one cache line on every target.
 template <Scalar T>
 inline constexpr std::size_t lane_count = 64 / sizeof(T);
 

@@ -1,6 +1,6 @@
-// A std::vector for trivially copyable types whose reallocation is compiled once for all types.
+// A vector of trivially copyable elements. The code that reallocates is compiled once, not once per type.
 //
-// The compiler instantiates about sixty functions per vector type, ten per Buffer type. This saves a
+// The compiler instantiates about sixty functions per std::vector type, ten per Buffer type. This saves a
 // fifth of the compile time of a file that binds with a solver. Buffer is for private memory;
 // interfaces use std::vector and spans.
 #pragma once

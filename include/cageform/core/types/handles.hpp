@@ -9,7 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How an affine map x ↦ A x + b acts on a handle, a point or vector H at rest that becomes H'.
+/// How an affine map x ↦ A x + b moves a handle from H at rest to H'.
 enum class HandleKind : std::uint8_t {
     point,  ///< H' = A H + b
     vector, ///< H' = A H
@@ -41,9 +41,9 @@ using HandleFace = std::array<std::uint32_t, D>;
 ///
 ///     Σ w_i κ_i = 1,   Σ w_i H_i = p
 ///
-/// The pair (κ_i, H_i) is the affine row of the handle; the two sums are the row sums of p. The vector
-/// of a face has the length of its edge in 2D and the square root of its area in 3D
-/// (core/detail/face_handles.hpp), so all handles have the unit of length.
+/// The pair (κ_i, H_i) is the affine row of the handle; the two sums are the row sums of p. All handles
+/// have the unit of length: the vector of a face has the length of its edge in 2D, and √area in 3D
+/// (core/detail/face_handles.hpp).
 template <Scalar T, std::size_t D>
 struct HandleView {
     const Vec<T, D>* rest = nullptr; ///< #handles

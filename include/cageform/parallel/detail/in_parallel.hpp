@@ -36,14 +36,14 @@ inline void report_progress([[maybe_unused]] const Running& running, [[maybe_unu
 #endif
 }
 
-/// Divides [0, count) into runs whose lengths do not depend on the threads. Returns the result of each
-/// run, in order.
+/// Divides [0, count) into runs whose lengths do not depend on the number of threads. Returns the result of
+/// each run, in order.
 ///
 ///  least    the length of a run; it is larger if there would be more than 256 runs
 ///  work_of  work_of() returns a function object: work(begin, end, part) writes the result of a run
 ///           to `part`. Each call of the loop's body makes one object for all of its runs
-///  fails    throws Cancelled if the progress callback cancels. The calling thread calls it after each
-///           of its runs. Without exceptions, cancellation is ignored
+///  fails    throws Cancelled if the progress callback cancels. The calling thread calls the callback after
+///           each of its own runs. Without exceptions, cancellation is ignored
 template <class Part, class WorkOf>
 std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t least,
                           const WorkOf& work_of) {
