@@ -60,7 +60,7 @@ public:
         return *this;
     }
     ~Binding() = default;
-    /// Copies the handles. A copy may throw std::bad_alloc.
+    /// Copies the handles; may throw std::bad_alloc.
     Binding(std::vector<Lanes<T>> weights, std::vector<Lanes<T>> rest, const HandleView<T, D>& handles,
             std::size_t point_count)
         : weights_(std::move(weights))

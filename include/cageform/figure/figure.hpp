@@ -136,9 +136,9 @@ struct OpenReport : BlobReport {
 ///   returns   the view and its report. Status: not_a_figure, not_a_blob, not_a_clip; blob_version_differs,
 ///             blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed, blob_of_another_cage,
 ///             blob_of_another_figure, for the figure or the part `culprit`; bindings_differ, if the points,
-///             their order or the handles differ between parts; or ok. A clip belongs to another cage if its
-///             number of vertices differs, a level if its handles differ. An opened figure never reads or
-///             writes out of bounds, whatever its bytes. Parts of the user are not checked
+///             their order or the handles differ between parts; or ok. blob_of_another_cage also for a clip
+///             with another number of vertices and a level with other handles. An opened figure never
+///             reads or writes out of bounds, whatever its bytes. Parts of the user are not checked
 ///   cost      no allocation; with BlobCheck::all reads every byte once, else the tables and clips
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)

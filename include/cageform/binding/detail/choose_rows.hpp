@@ -171,7 +171,7 @@ private:
 
     /// Rejects a format that is too coarse: more rows do not reduce its rounding errors. Once rounding
     /// dominates the distance, the format is tested with all rows, and rejected if these exceed the limit.
-    /// The time of this test does not depend on the limit, so neither does the reported reachable distance.
+    /// The limit does not decide when this test runs, nor therefore the reported reachable distance.
     void reject_if_too_coarse(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         packer_.restore(points_, kept);

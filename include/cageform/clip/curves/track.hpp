@@ -13,7 +13,7 @@ struct TrackView {
     Extrapolation before = Extrapolation::constant;
     Extrapolation after = Extrapolation::constant;
 
-    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
+    /// Returns the value at a time. The track must have pieces; `cursor` as for PiecewiseCubicView.
     T operator()(T x, std::size_t& cursor) const noexcept {
         const auto folded = fold_time(x, curve.begin(), curve.end, before, after);
         const T value = curve(folded.time, cursor);
@@ -37,7 +37,7 @@ struct Track {
 
     TrackView<T> view() const noexcept { return {curve.view(), before, after}; }
 
-    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
+    /// Returns the value at a time. The track must have pieces; `cursor` as for PiecewiseCubicView.
     T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
     T operator()(T x) const noexcept { return view()(x); }
 };

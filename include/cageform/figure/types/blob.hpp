@@ -1,7 +1,7 @@
 // The binary layout of a packed binding, which is written to a file, mapped, and cloned in place.
 //
 // Byte order is that of the machine that wrote the blob; a field records it. Every array begins at a
-// multiple of 64 bytes. Offsets are relative, without pointers. A block has L = 64 / sizeof(T) points
+// multiple of 64 bytes. The block contains offsets, no pointers. A block has L = 64 / sizeof(T) points
 // (16 for float, 8 for double); B = ⌈#points / L⌉.
 //
 //     BlobHeader
@@ -20,7 +20,7 @@
 //                   have faces
 //     handle_loops  #loop_numbers × uint32: HandleView::loops; only if corners of faces are means
 //
-// Older readers reject blobs with loops, because their corners are out of range. Version 1 has no
+// Older readers reject blobs with loops, because they see corners out of range. Version 1 has no
 // vectors and can be opened too. GPUs can use these bytes as buffers (clone/glsl.hpp).
 #pragma once
 

@@ -12,7 +12,7 @@ class PoseSystem {
 public:
     PinRows<T, D> pins;
     std::vector<std::uint32_t> unknowns, held; ///< handles, ascending
-    double proximity = 0;                      ///< ε κ
+    double proximity = 0;                      ///< 1e-9 of the mean diagonal entry of K
 
     /// Factors the matrix for the members `pins` and `held`. May throw std::bad_alloc.
     ///

@@ -186,8 +186,8 @@ Result<PackedPoseSamples> pack(const PoseSamples<T, D>& samples, const PosePackO
     return result;
 }
 
-/// Reads packed samples for a PoseSolver, whose results are bitwise those before packing. The points and
-/// clusters of the samples are empty unless they were packed.
+/// Reads packed samples for a PoseSolver. Its results equal those with the unpacked samples bit for bit.
+/// The points and clusters of the samples are empty unless they were packed.
 ///
 ///   data      at least the blob, aligned to 64 bytes; later bytes are ignored
 ///   expected  as for `open_blob`, without a hash of a figure

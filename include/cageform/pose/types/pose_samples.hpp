@@ -15,6 +15,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///               + (ℓ²/#samples) Σ_neighbours |J_s − J_t|² / |s − t|²
 ///     J_s = Σ_i h_i ∇w_i(s)ᵀ,   Σ a_s = 1,   c(s) the cluster of sample s,   R_c a rotation for each cluster
 ///
+/// The second sum is over spokes: u_i is the unit vector at rest from the centre of the nearest cluster c(i)
+/// to handle i, or along a vector handle; g_iᵀh is its image in the pose.
+///
 /// In the displacements d = h − H from rest, cluster c has the matrix J_c = M_c + d G_cᵀ. The matrix K of the
 /// energy includes all samples. The cost of a frame therefore depends on the number of clusters, not of
 /// samples.
