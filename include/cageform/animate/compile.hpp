@@ -49,7 +49,7 @@ Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& optio
 ///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent. If the first
 ///            time is farther from 0 than the clip is long, times are stored relative to it
 ///   options  the extrapolation applies to the clip as a whole. The default tolerance is relative to
-///            the extent of the motion; set one for a figure that moves far
+///            the extent of the motion; set a tolerance for a figure that moves far
 ///   fails    input_malformed if the number of curves is no multiple of D; as `compile`
 ///            of a track, for the first refused curve
 template <Scalar T, std::size_t D, detail::KeysOfCurves R>

@@ -18,8 +18,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              length / edge length)², at most 25. Handles with the smallest weights, smoothed over the
 ///              mesh, are dropped in ten rounds
 ///   weights    non-negative, Σw = 1 and, with K > D, Σwc = p as in skin_weights(), restored by the least
-///              relative change. If the kept handles do not surround the point, others replace them
-///              and the surface may crease: in 3D everywhere with 4 handles, rarely with 8
+///              relative change. If the kept handles do not surround the point, other handles replace
+///              them, and the surface may crease: in 3D everywhere for K = 4, rarely for K = 8
 ///   returns    the skin and its report, as skin_weights()
 ///   cost       480 passes over the kept weights, about thirty numbers per weight: 0.7 ms per point for
 ///              60 handles and K = 8. Memory: #points · (2 #handles floats and 120 doubles)

@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A non-owning view of a clip, in a `CageClip` or in packed memory (clip/clip_blob.hpp).
+/// A non-owning view of a `CageClip` or of a packed clip (clip/clip_blob.hpp).
 template <Scalar T, std::size_t D>
 struct CageClipView {
     static_assert(D == 2 || D == 3);

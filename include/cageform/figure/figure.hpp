@@ -31,7 +31,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The labels of handles; owns nothing.
+/// A non-owning view of the labels of handles.
 struct HandleLabels {
     const std::uint32_t* begin = nullptr; ///< #handles + 1; null if there are none
     const char* text = nullptr;

@@ -19,6 +19,7 @@ enum class KeyKind : std::uint8_t {
     automatic, ///< monotone between keys (Fritsch & Butland 1984)
 };
 
+/// A key of one value. Times and values have any units, such as seconds and metres.
 struct Key {
     double time = 0, value = 0;
     KeyKind kind = KeyKind::automatic;

@@ -170,7 +170,7 @@ private:
     }
 
     /// Rejects a format that is too coarse: more rows do not reduce its rounding errors. Once rounding
-    /// dominates the distance, the format is tested with all rows, and rejected if these exceed the limit.
+    /// dominates the distance, the format is tested with all rows, and rejected if it exceeds the limit.
     /// The limit does not decide when this test runs, nor therefore the reported reachable distance.
     void reject_if_too_coarse(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);

@@ -13,8 +13,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Finds the weights of one point that are closest to given ones in the least-squares sense, among the
-/// non-negative weights for chosen handles that have the sum 1 and reproduce a point q.
+/// Finds the weights of one point that are closest to given ones in the least-squares sense. They are
+/// non-negative, non-zero only for chosen handles, have the sum 1 and reproduce a point q.
 ///
 /// Let a_i be the affine rows of the handles in a frame at q. The solution is w_i = max(0, w0_i +
 /// a_i·y), where y has D + 1 numbers such that Σ w_i a_i = (1, 0). Newton's method solves the dual

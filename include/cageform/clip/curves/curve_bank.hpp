@@ -17,7 +17,7 @@ struct BankCurve {
     std::uint32_t first_knot = 0;
     std::uint32_t knots = 0; ///< #pieces + 1
     T low = 0, step = 0;     ///< for a quantised curve: integer n means low + n · step
-    T end_value = 0;         ///< constant from the last knot on
+    T end_value = 0;         ///< at and after the last knot
 };
 
 /// The curve enters its next piece at this knot.
@@ -61,7 +61,7 @@ Cursor started(const Player& player, Cursor cursor) noexcept {
 
 } // namespace detail
 
-/// A non-owning view of a bank, in a `CurveBank` or in a packed clip.
+/// A non-owning view of a `CurveBank` or of the curves of a packed clip.
 template <Scalar T>
 struct CurveBankView {
     using scalar = T;
@@ -70,8 +70,8 @@ struct CurveBankView {
     std::span<const BankCurve<T>> curves;
     /// The knots of the unquantised curves, one curve after the other, then those of the quantised curves.
     std::span<const T> knots;
-    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from each knot of an unquantised curve on
-    /// Bernstein coefficients from each knot of a quantised curve on; unused at the last knot of a curve.
+    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 after each knot of an unquantised curve
+    /// Bernstein coefficients after each knot of a quantised curve; unused at the last knot of a curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
     std::span<const BankEntry> entries; ///< one per knot, sorted by time, then by knot
 

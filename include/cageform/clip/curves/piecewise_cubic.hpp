@@ -44,7 +44,7 @@ std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
 
 } // namespace detail
 
-/// A non-owning view of a piecewise cubic, in a `PiecewiseCubic` or in a packed clip.
+/// A non-owning view of a `PiecewiseCubic` or of a piecewise cubic of a packed clip.
 template <Scalar T>
 struct PiecewiseCubicView {
     using scalar = T;

@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A non-owning view of a track, in a `Track` or in a packed clip.
+/// A non-owning view of a `Track` or of a track of a packed clip.
 template <Scalar T>
 struct TrackView {
     PiecewiseCubicView<T> curve;

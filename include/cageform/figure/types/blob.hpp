@@ -54,6 +54,7 @@ struct BlobHeader {
 };
 static_assert(sizeof(BlobHeader) == 192);
 
+/// What `open_blob` requires of a blob, and how much it checks.
 struct BlobExpectation {
     std::uint64_t cage_hash = 0;   ///< the required hash; 0: any
     std::uint64_t figure_hash = 0; ///< the required hash; 0: any

@@ -51,7 +51,7 @@ struct PoseSamples {
     double stiffness_of(std::size_t i, std::size_t j) const noexcept {
         return i < j ? stiffness[j * (j + 1) / 2 + i] : stiffness[i * (i + 1) / 2 + j];
     }
-    /// Returns the size in bytes of all parts except those by sample, which frames do not need.
+    /// Returns the size in bytes of the handles, G, M and K, which frames read.
     std::size_t bytes() const noexcept {
         return rest_handles.size() * (sizeof(Vec<T, D>) + sizeof(HandleKind)) +
                (gradients.size() + moments.size()) * sizeof(Lanes<T>) + stiffness.size() * sizeof(double);

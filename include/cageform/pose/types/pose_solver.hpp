@@ -20,7 +20,7 @@ struct PoseOptions {
     /// The number of previous steps used by Anderson acceleration, at most 10; 0: no acceleration, with slow
     /// convergence for long limbs.
     std::size_t history = 5;
-    /// A pose has settled if no handle moves farther in a frame, relative to the cage's size.
+    /// A pose has settled if no handle moves farther than this in a frame, relative to the cage's size.
     double settled_step = 3e-5;
 };
 
