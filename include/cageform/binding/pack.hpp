@@ -67,7 +67,7 @@ Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const
 }
 
 /// Packs a figure for `open`: its bindings as above, the tangents in the order of the points, its
-/// labels, clips and levels, and parts of the user.
+/// labels, clips and levels, and custom parts.
 ///
 ///   returns  the packed figure and its report; fails as `pack`, with the part in FigurePackReport::culprit;
 ///            duplicate_tag, duplicate_name, too_many_parts; for a clip or level as `open_clip` and `open`,

@@ -1,5 +1,5 @@
-// A packed figure: bindings of its points and tangents, labels of its handles, clips, levels, and data
-// of the user. It is written to one file, mapped, and cloned in place (clone/clone_figure.hpp).
+// A packed figure: bindings of its points and tangents, labels of its handles, clips, levels, and custom
+// parts. It is written to one file, mapped, and cloned in place (clone/clone_figure.hpp).
 //
 // Byte order is that of the machine that wrote the figure; a field records it. Every part begins at a
 // multiple of 64 bytes.
@@ -17,11 +17,11 @@
 //              (clip/clip_blob.hpp) that begin at multiples of 64; only if there are clips
 //     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
 //     ORIG     D × double, optional: the origin of the coordinates of points, handles and clips
-//     …        parts of the user, with other tags
+//     …        custom parts, with other tags
 //
 // All blobs have the same points in the same order, and the same handles. Version 1 has no clips and
 // levels. Figures without clips and levels are written as version 1; in version 1, the parts CLPS and
-// LVL1 … LVL9 are parts of the user.
+// LVL1 … LVL9 are custom parts.
 #pragma once
 
 #include <cageform/clip/clip_blob.hpp>
@@ -138,7 +138,7 @@ struct OpenReport : BlobReport {
 ///             blob_of_another_figure, for the figure or the part `culprit`; bindings_differ, if the points,
 ///             their order or the handles differ between parts; or ok. blob_of_another_cage also for a clip
 ///             with another number of vertices and a level with other handles. An opened figure never
-///             reads or writes out of bounds, whatever its bytes. Parts of the user are not checked
+///             reads or writes out of bounds, whatever its bytes. Custom parts are not checked
 ///   cost      no allocation; with BlobCheck::all reads every byte once, else the tables and clips
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)

@@ -136,7 +136,7 @@ private:
 
     Status begin();
 
-    /// Factors a system made by set(system). Takes the system only on success.
+    /// Factors a system made by set(system). Replaces the current system only on success.
     template <class Set>
     Status change_system(const Set& set);
     void take(detail::PoseSystem<T, D>&& system);

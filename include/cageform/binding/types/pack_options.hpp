@@ -99,7 +99,7 @@ struct FigurePackOptions {
     /// Levels of less detail, at most 9: packed figures of the same handles (PackedFigure::bytes),
     /// which have no levels themselves.
     std::span<const std::span<const std::byte>> levels{};
-    /// Parts of the user to store in the figure, with other tags.
+    /// Custom parts to store in the figure, with tags other than FigureTags.
     std::span<const FigurePartData> parts{};
 };
 

@@ -1,5 +1,5 @@
-// A piecewise cubic function of time: an animation curve at run time. Does not throw; evaluation does
-// not allocate.
+// A piecewise cubic function of time: an animation curve at run time. Evaluation neither throws nor
+// allocates.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>

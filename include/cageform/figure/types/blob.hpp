@@ -7,7 +7,7 @@
 //     BlobHeader
 //     weights       #rows × L of the format: a row holds the weights of a block's points for one
 //                   handle, block by block
-//     row_begin     B + 1 × uint32    only in sparse bindings; else #rows = B · #handles
+//     row_begin     (B + 1) × uint32  only in sparse bindings; else #rows = B · #handles
 //     row_handle    #rows × uint16    with row_begin
 //     order         #points × uint32: the point at each position; only if points are reordered
 //     scale         B × T             not with scalar weights
@@ -18,7 +18,7 @@
 //     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only if some are vectors
 //     handle_faces  #vectors × D × uint32: the corners of a face (HandleFace); only if the vectors
 //                   have faces
-//     handle_loops  #loop_numbers × uint32: HandleView::loops; only if corners of faces are means
+//     handle_loops  #loop_numbers × uint32: HandleView::loops; only if corners of faces are means of loops
 //
 // Older readers reject blobs with loops, because they see corners out of range. Version 1 has no
 // vectors and can be opened too. GPUs can use these bytes as buffers (clone/glsl.hpp).
