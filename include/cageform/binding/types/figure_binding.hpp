@@ -95,7 +95,7 @@ private:
 };
 
 struct FigureBindReport {
-    Status status = Status::ok; ///< that of the points unless ok, else that of the vectors
+    Status status = Status::ok; ///< that of the points; if ok, that of the vectors
     BindReport points;
     BindReport vectors; ///< of tangents and bitangents; `points` is 0 without normals
     double seconds = 0; ///< wall-clock time, including the solver's

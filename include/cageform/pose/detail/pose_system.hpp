@@ -90,8 +90,8 @@ private:
             sum += pins.rows[r].weight * pin_weight(r, blocks, i) * pin_weight(r, blocks, j);
         return sum;
     }
-    /// Computes Z = A⁻¹Wᵀ and factors W Z plus 1e-3 / (μ m) of each pin on the diagonal (augmented Lagrangian,
-    /// Powell).
+    /// Computes Z = A⁻¹Wᵀ and factors W Z plus 1e-3 / (μ m) of each pin on the diagonal (augmented
+    /// Lagrangian, Powell).
     void correct() {
         const std::size_t blocks = pins.rows.empty() ? 0 : pins.weights.size() / pins.rows.size();
         of_unknowns_.clear();
