@@ -47,9 +47,9 @@ Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& optio
 /// Compiles key frames to a clip, curve by curve, in parallel with `running.parallel`.
 ///
 ///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent. If the first
-///            time is larger than the clip's length, times are stored relative to it
+///            time is farther from 0 than the clip is long, times are stored relative to it
 ///   options  the extrapolation applies to the clip as a whole. The default tolerance is relative to
-///            the extent of the motion; set one for a figure that moves far
+///            the extent of the motion; set a tolerance for a figure that moves far
 ///   fails    input_malformed if the number of curves is no multiple of D; as `compile`
 ///            of a track, for the first refused curve
 template <Scalar T, std::size_t D, detail::KeysOfCurves R>
@@ -68,7 +68,7 @@ Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOption
             first = (std::min)(first, of_curve.front().time);
             last = (std::max)(last, of_curve.back().time);
         }
-        const double origin = std::fabs(first) > last - first ? first : 0; // 0 where one is not finite
+        const double origin = std::fabs(first) > last - first ? first : 0; // 0 if a time is not finite
         // A track may take seconds if its pieces are coupled.
         const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
         for (std::size_t begin = 0; begin < keys.size(); begin += step) {

@@ -26,8 +26,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///     const auto [binding, report] = bind(coordinates_of(cage, true), points);
 ///
 /// Results equal those of the contained type bit for bit. Copies share the contained coordinates: a
-/// copy costs as much as a pointer, and `solve` serves all copies. Every call of default-constructed
-/// coordinates returns coordinates_empty.
+/// copy costs as much as a pointer, and all copies use the functions that `solve` stores. Every call of
+/// default-constructed coordinates returns coordinates_empty.
 template <Scalar T, std::size_t D>
 class AnyCoordinates {
 public:
@@ -68,7 +68,7 @@ public:
     }
 
     /// Pack the solved functions for a file, and load packed functions instead of solving
-    /// (HarmonicCoordinates). Return solver_not_supported if there are none.
+    /// (HarmonicCoordinates). Return solver_not_supported if the type cannot do this.
     Result<std::vector<std::byte>, Evaluation> save_solution(const Running& running = {}) const {
         if (model_) return model_->save_solution(running);
         return {{}, {Status::coordinates_empty, {}}};
@@ -78,7 +78,7 @@ public:
         return model_->load_solution(data, running);
     }
 
-    /// Calls f(cell) for the cells of the adaptive grid. Returns solver_not_supported if there is none.
+    /// Calls f(cell) for the cells of the adaptive grid. Returns solver_not_supported without such a grid.
     Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>& f) const {
         if (!model_) return {Status::coordinates_empty, {}};
         return model_->for_each_cell(f);
@@ -109,8 +109,8 @@ public:
                                    std::move(recycled), running);
     }
 
-    /// Binds a figure; called by `bind(coordinates, figure, …)`. Normals without gradients give
-    /// gradients_not_supported.
+    /// Binds a figure; called by `bind(coordinates, figure, …)`. For normals, coordinates
+    /// without gradients return gradients_not_supported.
     template <PointRangeIn<D> P, class N, class G>
         requires(detail::NormalsIn<N, D> && detail::TangentsIn<G, N, D>)
     Result<FigureBinding<T, D>, FigureBindReport> bind(const FigurePoints<P, N, G>& figure,

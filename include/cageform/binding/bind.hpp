@@ -11,8 +11,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// The type of `bind`: a function object, because argument-dependent lookup would find std::bind.
 struct Bind {
-    /// Binds points to the cage of `coordinates`: evaluates all weights, handles points outside,
-    /// restores linear precision, and reports.
+    /// Binds points to the cage of `coordinates`: evaluates all weights, treats points outside
+    /// as `options` say, restores linear precision, and reports.
     ///
     ///   points   any PointRange of the same dimension, converted to the scalar of the coordinates. float
     ///            rounds positions by up to 6e-8 of their distance from the origin: choose an origin near
@@ -30,8 +30,8 @@ struct Bind {
         return (*this)(coordinates, points, options, Binding<typename C::scalar, C::dimension>{}, running);
     }
 
-    /// Binds points as above and reuses the memory of a binding. New memory costs the system as much
-    /// time as the weights that fill it.
+    /// Binds points as above and reuses the memory of a binding. Allocating new memory often takes longer
+    /// than computing the weights.
     template <CageCoordinates C, PointRangeIn<C::dimension> R,
               std::same_as<Binding<typename C::scalar, C::dimension>> Recycled>
     Result<Binding<typename C::scalar, C::dimension>, BindReport>
@@ -97,16 +97,16 @@ inline constexpr Bind bind{};
 ///
 ///   points    as for `bind`
 ///   vectors   an array of K families, for instance from `tangents_of`; one vector of any length per
-///             point, read in the scalar of the coordinates
+///             point, converted to the scalar of the coordinates
 ///   options   as for `bind`. With nearest_boundary, vectors of points outside transform as at the
 ///             nearest boundary point. Without extension, or with keep_in_place, they do not change. With
 ///             a falloff f, t' = t + Σ (f t·∇w_i + (t·∇f) w_i) (C'_i − C_i)
 ///   returns   a binding per family and a report as of `bind`: lists of points (not_finite: the point or
-///             one of its vectors); the largest |Σw| and |Σwc − t|; the changes and the least of the
+///             one of its vectors); the largest |Σw| and |Σwc − t|; measures of weights are those of the
 ///             directional derivatives
 ///   cost      evaluate_gradients once for all families, plus O(K #handles) per point. Closed forms
 ///             process a few points at a time. A solver computes all gradients at once, in D #handles
-///             scalars per point, and again with nearest_boundary if points lie outside
+///             scalars per point; with nearest_boundary, twice if points lie outside
 ///   fails     as `bind`, and as evaluate_gradients
 template <GradientCoordinates C, PointRangeIn<C::dimension> R, PointRangeIn<C::dimension> V, std::size_t K>
 Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>

@@ -23,9 +23,9 @@ struct BindBonesReport : BindReport {
 /// (`skin_weights` makes a skin for engines and glTF from the same weights.)
 ///
 ///   points   any PointRange of the bones' dimension
-///   bones    frames at rest: columns are axes, of any length, linearly independent. Their pose is a pose of
-///            the handles: the posed frames, or the result of `pose_bones` for the bones' transforms. For
-///            packing, use axes as long as the figure: formats round all weights by the same scale
+///   bones    frames at rest: columns are axes, of any length, linearly independent. For `clone`, pass the
+///            posed frames, or the result of `pose_bones` for the bones' transforms. For packing, use axes
+///            as long as the figure, because formats round all weights by the same scale
 ///   weights  #points · #bones: the weights of a point are consecutive
 ///   options  `restore` divides the weights of a point by their sum and corrects rounding errors;
 ///            BindReport::weight_change has the largest change

@@ -21,9 +21,10 @@ namespace cageform::inline CAGEFORM_ABI {
 /// of weights for every handle that is kept for at least one of its points. A point therefore keeps its
 /// own largest weights and those of the other rows of its block.
 ///
-/// Points with equal positions and weights may lie in different blocks. Such points do not keep the
-/// weights of other rows of their blocks, so a seam stays closed. Quantised formats open a seam by the
-/// rounding with the scale of each block. A tolerance opens a seam by at most twice the tolerance.
+/// Points with equal positions and weights may lie in different blocks, on a seam. Such points do not
+/// keep the weights of other rows of their blocks, so the seam stays closed. Quantised formats open a
+/// seam by rounding errors, since each block has its own scale. A tolerance opens a seam by at most
+/// twice the tolerance.
 ///
 /// With PackOptions::tolerance, two measures apply. The square loss δᵀKδ of a change δ of a point's
 /// weights ranks handles and fits weights: it is the mean squared displacement over the poses, with a
@@ -35,8 +36,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///      with large losses have more weight.
 ///   2. Refit: for a number of rows, the kept weights are those with the least δᵀKδ among all weights
 ///      with the exact sums Σ w and Σ w c.
-///   3. Test: the weights are stored in each possible format and read back. The block gets the fewest
-///      rows found with which all its points meet the tolerance.
+///   3. Test: the weights are stored in each possible format and read back. The block gets the smallest
+///      number of rows found for which all its points meet the tolerance.
 ///   4. Format: the whole binding gets the smallest format that meets the tolerance in every block.
 ///
 /// The tolerance is not guaranteed in poses between the given ones and in other motion. Rounding errors
@@ -66,7 +67,7 @@ Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const
 }
 
 /// Packs a figure for `open`: its bindings as above, the tangents in the order of the points, its
-/// labels, clips and levels, and parts of the user.
+/// labels, clips and levels, and custom parts.
 ///
 ///   returns  the packed figure and its report; fails as `pack`, with the part in FigurePackReport::culprit;
 ///            duplicate_tag, duplicate_name, too_many_parts; for a clip or level as `open_clip` and `open`,
@@ -82,9 +83,9 @@ pack(const FigureBinding<T, D>& figure, const FigurePackOptions& options = {}, c
     return result;
 }
 
-/// Binds points and packs the result in batches, without holding all weights in memory. The bytes are those
-/// of `pack` after `bind`, and so are the reports, except for times and PackReport::culprit after an error. A
-/// solver solves once and keeps its functions during the call. Points that fit one batch are bound by `bind`.
+/// Binds points and packs the result in batches, without holding all weights in memory. Bytes and reports
+/// equal those of `bind`, then `pack`, except for times and PackReport::culprit after an error. A solver
+/// solves once and keeps its functions during the call. Points that fit one batch are bound by `bind`.
 ///
 ///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
 ///   fails   as `bind` and `pack`; too_many_handles also if all blocks have more than 2³² rows

@@ -11,9 +11,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   coordinates  any with gradients; AnyCoordinates keep solved functions after the call
 ///   returns      the samples, empty unless the status is ok, and a report
-///   cost         that of `bind_jacobians` at the samples, and #samples D #handles² operations; for
-///                coordinates with a solver one solve, whose functions are kept meanwhile. O(#handles²)
-///                memory, and the samples
+///   cost         that of `bind_jacobians` at the samples, and #samples D #handles² operations. A solver
+///                solves once and keeps its functions during the call. O(#handles²) memory, and the
+///                samples
 ///   fails        as the cage's check and the coordinates; samples_missing (no sample is inside or has
 ///                gradients); too_many_handles (more than 4,096); value_not_finite (an option);
 ///                gradients_not_supported (AnyCoordinates); cancelled; out_of_memory

@@ -46,8 +46,8 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
 ///                which stores points at rest in full precision
 ///   coordinates  of the edited cage
 ///   old_handles  #handles of the edited cage: the old index of each, or `new_handle`. Empty: the result
-///                of `match_handles`, which interprets a removed and an added vertex as a moved one. Only
-///                labels depend on it
+///                of `match_handles`, which treats a removed and an added vertex as a moved one. Affects
+///                only labels
 ///   options      as for `bind`
 ///   returns      the figure and its report; fails as `bind`; labels_do_not_match, if old_handles has
 ///                another length or an index out of range; vectors_do_not_match, if there is not one

@@ -18,8 +18,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Returns the skin closest to a binding: at most K non-negative weights per point, with Σw = 1 and Σwc
 /// = p. Rest and affine poses are therefore exact.
 ///
-///   influences  K. A point in the hull of the handles needs at most D + 1 of them (Carathéodory). So no
-///               point within a cage fails if K > D. Otherwise Σwc is close to the nearest possible
+///   influences  K. A point in the hull of the handles needs at most D + 1 of them (Carathéodory). If K > D,
+///               all points within a cage are reproduced. Otherwise Σwc is close to the nearest possible
 ///               point, and the report lists the point
 ///   weights     closest to the binding's by least squares for the kept handles; handles are dropped
 ///               greedily, by ascending weight. If no handle moves by more than d, the distance to the

@@ -12,17 +12,17 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///   triangles  #triangles · 3 indices of points. Points at the same position with the same weights get
 ///              the same skin
-///   objective  the loss in poses that move close handles similarly: the sum over edges of the squared
-///              difference of the loss, weighted by the inverse square of the length, plus a small
-///              multiple of the loss itself and of the error of the reproduced point. The covariance of
-///              the handles' displacements is a Gaussian with σ = 1/5 of the cage's diagonal. Handles
-///              with the smallest weights, smoothed over the mesh, are dropped in ten rounds
+///   objective  Σ_edges e |r_i − r_j|² + 0.02 Σ_points |r|² + 100 Σ_points |Σwc − p|² / L². r is the loss of
+///              a point in poses that move close handles similarly: the covariance of the handles'
+///              displacements is a Gaussian with σ = L/5. L is the cage's diagonal; e is (mean edge
+///              length / edge length)², at most 25. Handles with the smallest weights, smoothed over the
+///              mesh, are dropped in ten rounds
 ///   weights    non-negative, Σw = 1 and, with K > D, Σwc = p as in skin_weights(), restored by the least
-///              relative change. If the kept handles do not surround the point, others replace them
-///              and the surface may crease: in 3D everywhere with 4 handles, rarely with 8
+///              relative change. If the kept handles do not surround the point, other handles replace
+///              them, and the surface may crease: in 3D everywhere for K = 4, rarely for K = 8
 ///   returns    the skin and its report, as skin_weights()
 ///   cost       480 passes over the kept weights, about thirty numbers per weight: 0.7 ms per point for
-///              60 handles and K = 8. Memory: #points · (#handles floats twice, and 120 doubles)
+///              60 handles and K = 8. Memory: #points · (2 #handles floats and 120 doubles)
 ///   fails      as skin_weights(); index_out_of_range
 template <Scalar T, std::size_t D, FaceRange F>
 Result<SkinWeights, SkinWeightsReport>

@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Restores a packed figure bit for bit: bindings, handedness and labels. Read clips, levels, parts of
-/// the user, and the faces of the cage if they are a part, from the packed figure itself. `pack` with
+/// Restores a packed figure bit for bit: bindings, handedness and labels. Read clips, levels
+/// and custom parts, such as the faces of the cage, from the packed figure itself. `pack` with
 /// default options makes a dense figure, which this function can restore: an editor saves such a file
 /// beside the run-time file, opens it later and packs it again.
 ///

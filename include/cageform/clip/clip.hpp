@@ -6,7 +6,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A non-owning view of a clip, in a `CageClip` or in packed memory (clip/clip_blob.hpp).
+/// A non-owning view of a `CageClip` or of a packed clip (clip/clip_blob.hpp).
 template <Scalar T, std::size_t D>
 struct CageClipView {
     static_assert(D == 2 || D == 3);
@@ -16,7 +16,7 @@ struct CageClipView {
 
     CurveBankView<T> bank; ///< #vertices · D curves, the coordinates of a vertex adjacent
     T first_time = 0, last_time = 0;
-    /// Added to all times of the bank, first_time and last_time. T alone is inexact far from zero.
+    /// Added to all times of the bank, first_time and last_time, since T is inexact far from zero.
     double origin = 0;
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
     /// 3 · #curves: the slopes at the first time, the slopes at the last time, the differences of the
@@ -37,15 +37,15 @@ struct CageClipView {
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
         return detail::started(*this, Cursor(memory));
     }
-    /// Resets a cursor of any clip to this clip; its memory must suffice.
+    /// Resets a cursor of any clip to this clip. The cursor's memory must be at least `cursor_rows` long.
     void start(Cursor& cursor) const noexcept {
-        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
+        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "cursor memory of cursor_rows()");
         bank.start(cursor);
     }
 
     /// Writes the cage's vertices at a time to `pose` (#vertices), the input of `clone`.
     void sample(double time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
-        CAGEFORM_ASSERT(pose.size() >= vertex_count(), "a place for every vertex");
+        CAGEFORM_ASSERT(pose.size() >= vertex_count(), "an element of pose per vertex");
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this clip");
         if (bank.size() == 0) return;
         const auto folded = fold_time(static_cast<T>(time - origin), first_time, last_time, before, after);
@@ -80,15 +80,15 @@ public:
     CageClip() = default;
 
     /// `curves`: #vertices · D, none empty, the coordinates of a vertex adjacent. The clip lasts from
-    /// the first begin of a curve to the last end, and is extrapolated as a whole. Times of the curves
-    /// are relative to `origin`, those of a rigid motion are absolute.
+    /// the earliest begin of a curve to the latest end, and is extrapolated as a whole. Times of the
+    /// curves are relative to `origin`; times of a rigid motion are absolute.
     CageClip(std::span<const PiecewiseCubic<T>> curves, Extrapolation before = Extrapolation::constant,
              Extrapolation after = Extrapolation::constant, double origin = 0)
         : bank_(curves)
         , origin_(origin)
         , before_(before)
         , after_(after) {
-        CAGEFORM_ASSERT(curves.size() % D == 0, "D curves a vertex");
+        CAGEFORM_ASSERT(curves.size() % D == 0, "D curves per vertex");
         if (curves.empty()) return;
         begin_ = curves[0].begin();
         end_ = curves[0].end();

@@ -1,7 +1,7 @@
 // The format of a packed clip: one block of memory that is written to a file, mapped, and played in place.
 //
 // Byte order is that of the machine that wrote the clip; a field records it. Every table begins at a
-// multiple of 64 bytes. Offsets are relative, without pointers. T is the clip's scalar, D its
+// multiple of 64 bytes. The block contains offsets, no pointers. T is the clip's scalar, D its
 // dimension. A curve of n pieces has n + 1 knots: the begins of its pieces and the end of the last
 // piece. Knots, begin and end are relative to the header's origin; the motion's times are absolute.
 //
@@ -45,8 +45,8 @@ struct OpenClipReport {
 ///   check    BlobCheck::structure skips the checksum
 ///   returns  not_a_clip, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
 ///            blob_malformed, or ok: times ascend, all numbers are finite, and rotations have
-///            length 1. An opened clip never reads or writes out of bounds, whatever its bytes. Without
-///            quantisation it gives the same bits as the clip that was packed
+///            length 1. An opened clip never reads or writes out of bounds, whatever its bytes. If no
+///            curve is quantised, it gives the same bits as the clip that was packed
 ///   cost     no allocation; O(#pieces), about 50 ns each; with BlobCheck::all reads every byte twice
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)

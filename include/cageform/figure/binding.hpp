@@ -60,7 +60,7 @@ public:
         return *this;
     }
     ~Binding() = default;
-    /// Copies the handles. A copy may throw std::bad_alloc.
+    /// Copies the handles; may throw std::bad_alloc.
     Binding(std::vector<Lanes<T>> weights, std::vector<Lanes<T>> rest, const HandleView<T, D>& handles,
             std::size_t point_count)
         : weights_(std::move(weights))
@@ -108,7 +108,7 @@ private:
     std::vector<Vec<T, D>> rest_handles_;
     std::vector<HandleKind> handle_kinds_;    // empty: all are points
     std::vector<HandleFace<D>> handle_faces_; // empty: the vectors belong to no faces
-    std::vector<std::uint32_t> handle_loops_; // empty: no corner of a face is a mean
+    std::vector<std::uint32_t> handle_loops_; // empty: no corner of a face is a mean of a loop
     std::size_t point_count_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// A packed figure: bindings of its points and tangents, labels of its handles, clips, levels, and data
-// of the user. It is written to one file, mapped, and cloned in place (clone/clone_figure.hpp).
+// A packed figure: bindings of its points and tangents, labels of its handles, clips, levels, and custom
+// parts. It is written to one file, mapped, and cloned in place (clone/clone_figure.hpp).
 //
 // Byte order is that of the machine that wrote the figure; a field records it. Every part begins at a
 // multiple of 64 bytes.
@@ -17,11 +17,11 @@
 //              (clip/clip_blob.hpp) that begin at multiples of 64; only if there are clips
 //     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
 //     ORIG     D × double, optional: the origin of the coordinates of points, handles and clips
-//     …        parts of the user, with other tags
+//     …        custom parts, with other tags
 //
 // All blobs have the same points in the same order, and the same handles. Version 1 has no clips and
 // levels. Figures without clips and levels are written as version 1; in version 1, the parts CLPS and
-// LVL1 … LVL9 are parts of the user.
+// LVL1 … LVL9 are custom parts.
 #pragma once
 
 #include <cageform/clip/clip_blob.hpp>
@@ -31,7 +31,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The labels of handles; owns nothing.
+/// A non-owning view of the labels of handles.
 struct HandleLabels {
     const std::uint32_t* begin = nullptr; ///< #handles + 1; null if there are none
     const char* text = nullptr;
@@ -136,9 +136,9 @@ struct OpenReport : BlobReport {
 ///   returns   the view and its report. Status: not_a_figure, not_a_blob, not_a_clip; blob_version_differs,
 ///             blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed, blob_of_another_cage,
 ///             blob_of_another_figure, for the figure or the part `culprit`; bindings_differ, if the points,
-///             their order or the handles differ between parts; or ok. A clip belongs to another cage if its
-///             number of vertices differs, a level if its handles differ. An opened figure never reads or
-///             writes out of bounds, whatever its bytes. Parts of the user are not checked
+///             their order or the handles differ between parts; or ok. blob_of_another_cage also for a clip
+///             with another number of vertices and a level with other handles. An opened figure never
+///             reads or writes out of bounds, whatever its bytes. Custom parts are not checked
 ///   cost      no allocation; with BlobCheck::all reads every byte once, else the tables and clips
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)

@@ -1,10 +1,10 @@
 // A packed binding: sparse, quantised and reordered weights in one relocatable block of memory.
 //
 // Points are stored in blocks (core/types/blocks.hpp). A block of a sparse binding has a row of weights
-// for each handle that has a non-zero weight at any of its points; a block of a dense one has a row for
-// every handle. Dropping and rounding weights changes Σ w and Σ w c. The changes are stored per point
-// as D + 1 numbers e_r. Each frame they are multiplied by the least-squares affine map of the handles'
-// displacements. Poses at rest and affine poses therefore stay exact:
+// for each handle that has a non-zero weight at any of its points; a block of a dense binding has a row
+// for every handle. Dropping and rounding weights changes Σ w and Σ w c. The changes are stored per point
+// as D + 1 numbers e_r. Each frame multiplies e_r by the least-squares affine map a of the handles'
+// displacements d. Poses at rest and affine poses therefore stay exact:
 //
 //     p' = p + s Σ q_i d_i + Σ_r e_r a_r,   d_i = C'_i − C_i,   a = Σ_i F_i d_i
 #pragma once
@@ -46,7 +46,7 @@ struct PackedBindingView {
 
     WeightFormat format = WeightFormat::scalar;
     std::size_t handles = 0, points = 0;
-    const std::byte* weights = nullptr; ///< a row: the weights of a block's points for one handle
+    const std::byte* weights = nullptr; ///< a row: the weights q of a block's points for one handle
     /// #blocks + 1: the first row of each block; null if every block has a row for every handle.
     const std::uint32_t* row_begin = nullptr;
     /// #rows: the handle of each row, ascending within a block; null if `row_begin` is.
@@ -76,7 +76,7 @@ struct PackedBindingView {
         , handle_loops(dense.handle_loops) {}
 
     /// Returns a view for a figure whose points are stored in the order of the binding: output point n is the
-    /// bound point `order[n]`. This avoids the scattered writes, a third of the time of sparse clones.
+    /// bound point `order[n]`. This avoids scattered writes, which take a third of the time of sparse clones.
     PackedBindingView in_order() const noexcept {
         auto view = *this;
         view.order = nullptr;

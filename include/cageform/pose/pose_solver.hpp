@@ -49,8 +49,8 @@ public:
     ///          (a handle without constraint, the culprit); out_of_memory. The previous pins are then kept
     Status set_pins(const PosePins<T, D>& pins);
 
-    /// Sets the handles that `solve` keeps at their positions in the caller's pose; all others follow. With
-    /// held handles, frames do not start with a rigid motion.
+    /// Sets the handles that `solve` keeps at their positions in the caller's pose; `solve` computes all
+    /// others. With held handles, frames do not start with a rigid motion.
     ///
     ///   handles  in any order
     ///   fails    index_out_of_range, and as `set_pins`. The previous handles are then kept
@@ -136,7 +136,7 @@ private:
 
     Status begin();
 
-    /// Factors a system made by set(system). Takes the system only on success.
+    /// Factors a system made by set(system). Replaces the current system only on success.
     template <class Set>
     Status change_system(const Set& set);
     void take(detail::PoseSystem<T, D>&& system);

@@ -19,6 +19,7 @@ enum class KeyKind : std::uint8_t {
     automatic, ///< monotone between keys (Fritsch & Butland 1984)
 };
 
+/// A key of one value. Times and values have any units, such as seconds and metres.
 struct Key {
     double time = 0, value = 0;
     KeyKind kind = KeyKind::automatic;
@@ -44,7 +45,7 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     case KeyKind::hold:
     case KeyKind::linear: return out ? after : before;
     case KeyKind::tcb: {
-        // Of slopes instead of differences; for equally spaced keys both are equal.
+        // Uses slopes where the paper uses differences; for equally spaced keys both are equal.
         const double c = out ? key.continuity : -key.continuity;
         return 0.5 * (1 - key.tension) *
                ((1 + key.bias) * (1 + c) * before + (1 - key.bias) * (1 - c) * after);

@@ -187,7 +187,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     CageClipView<T, D> made = clip;
     made.bank = mixed.view();
     PackedClip<T, D> smaller(made);
-    if (smaller.bytes().size() < packed.bytes().size()) { // not the case if there are only a few constants
+    if (smaller.bytes().size() < packed.bytes().size()) { // false for a few constant curves
         packed = std::move(smaller);
         report.quantised = std::size_t(std::count(chosen.begin(), chosen.end(), char(1)));
     } else {

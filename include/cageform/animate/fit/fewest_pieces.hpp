@@ -109,7 +109,7 @@ private:
             if (round == 100) return {Status::tolerance_not_met, {}};
             good = fitter_.fit_piece(begin, begin + 0.95 * (good.end - begin));
         }
-        // Without a piece, the tolerance is below the resolution of double.
+        // If there is no piece, the tolerance is below the resolution of double.
         return {good.solved ? Status::ok : Status::tolerance_not_met, good};
     }
 

@@ -24,7 +24,7 @@ inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
 
 struct KnotOptions {
     FitOptions fit{};
-    std::size_t max_trials = 1000000; ///< search_knots then fails with too_many_trials
+    std::size_t max_trials = 1000000; ///< for more, search_knots fails with too_many_trials
     std::size_t steps = 40;           ///< of the grid of optimal_knots; at least two per piece are used
     /// Rounds of optimal_knots. Each moves every knot once. At most 20 for more than 64 pieces.
     int rounds = 100;
@@ -38,7 +38,7 @@ struct BestKnots {
 
 /// The result of a knot search.
 struct KnotReport {
-    /// As for a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces; cancelled.
+    /// As for a fit; too_many_trials; knots_not_ascending for 0 pieces or too few candidates; cancelled.
     Status status = Status::ok;
     double objective = std::numeric_limits<double>::infinity(); ///< weighted squared errors
     std::size_t trials = 0;                                     ///< number of fits
@@ -188,8 +188,11 @@ inline double optimise_each_knot(const SobolevFitter& fitter, KnotSearch& search
 
 } // namespace detail
 
-/// Finds the optimal inner knots among candidates, which ascend from 0 to 1. For independent pieces it
-/// does not try all choices. For `end_value | knot_c0` it uses the knots of `end_value | knot_value`.
+/// Finds the optimal inner knots among candidates, which ascend from 0 to 1. For `end_value | knot_c0`,
+/// unless slope_weight < 1e-3 value_weight, uses the knots of `end_value | knot_value`, whose pieces are
+/// independent.
+///
+///   cost  O(#candidates²) fits of one piece if pieces are independent; else a fit per choice of knots
 inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
                                                   std::span<const double> candidates, std::size_t pieces,
                                                   const KnotOptions& options = {},

@@ -1,5 +1,5 @@
-// Linear solvers of a fit: a small dense one per piece, and a banded one for all pieces. (Eigen's take
-// five seconds to compile.)
+// Linear solvers of a fit: a small dense one per piece, and a banded one for all pieces. (Eigen's
+// solvers take five seconds to compile.)
 #pragma once
 
 #include <cageform/animate/fit/fit_problem.hpp>

@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The distance of a vertex is the maximum, over all times, between its positions in the packed clip
-/// and in the original.
+/// The distance of a vertex is that between its positions in the packed and in the original clip, the
+/// maximum over all times.
 struct ClipPackOptions {
     /// The maximum distance of a vertex, in the units of the cage, that quantisation may cause. 0: no
     /// limit in these units.

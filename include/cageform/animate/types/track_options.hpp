@@ -23,7 +23,7 @@ struct CompileReport {
     Status status = Status::ok;
     std::size_t curve = 0;   ///< of a clip: the refused curve
     std::size_t culprit = 0; ///< the refused key, or the first key of the refused interval
-    double sup_error = 0;    ///< the largest of all intervals and curves, excluding rounding to T
+    double sup_error = 0;    ///< the largest error of all curves, excluding rounding to T
     double seconds = 0;      ///< wall-clock time
 };
 

@@ -170,8 +170,9 @@ private:
     }
 
     /// Rejects a format that is too coarse: more rows do not reduce its rounding errors. Once rounding
-    /// dominates the distance, the format is tested with all rows, and rejected if these exceed the limit.
-    /// The time of this test does not depend on the limit, so neither does the reported reachable distance.
+    /// dominates the distance, the format is tested with all rows, and rejected if the distance exceeds the
+    /// limit. The limit does not influence when this test runs. So the reported reachable distance does not
+    /// depend on the limit.
     void reject_if_too_coarse(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         packer_.restore(points_, kept);

@@ -13,13 +13,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Finds the weights of one point that are closest to given ones in the least-squares sense, among the
-/// non-negative weights for chosen handles that have the sum 1 and reproduce a point q.
+/// Finds the weights of one point that are closest to given ones in the least-squares sense. They are
+/// non-negative, non-zero only for chosen handles, have the sum 1 and reproduce a point q.
 ///
 /// Let a_i be the affine rows of the handles in a frame at q. The solution is w_i = max(0, w0_i +
 /// a_i·y), where y has D + 1 numbers such that Σ w_i a_i = (1, 0). Newton's method solves the dual
 /// problem, which is smooth, convex and piecewise quadratic. A proximal term E keeps the equations
-/// solvable if q cannot be reproduced; y then gives the closest point that can be. The term is centred
+/// solvable if q cannot be reproduced; y then gives the closest reproducible point. The term is centred
 /// at the previous y, so it vanishes on convergence if q can be reproduced.
 template <std::size_t D>
 class ConvexWeights {

@@ -1,4 +1,4 @@
-// Packs a figure: its bindings, labels, clips, levels, and parts of the user.
+// Packs a figure: its bindings, labels, clips, levels, and custom parts.
 #pragma once
 
 #include <cageform/binding/detail/packer.hpp>

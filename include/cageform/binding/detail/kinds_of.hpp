@@ -16,7 +16,7 @@ template <class T>
 inline constexpr std::uint32_t kinds_of<TriangleMesh<T>> = cage_kinds::triangles;
 template <class T>
 inline constexpr std::uint32_t kinds_of<PolyhedralMesh<T>> = cage_kinds::fans | cage_kinds::planar_faces;
-template <class T, std::size_t D> // also stands for its boundary, if it has no cells
+template <class T, std::size_t D> // without cells, a CellComplex stands for its boundary
 inline constexpr std::uint32_t kinds_of<CellComplex<T, D>> =
     cage_kinds::cells | (D == 2 ? cage_kinds::polygon : cage_kinds::triangles);
 template <class T>

@@ -131,7 +131,7 @@ private:
         return false;
     }
 
-    /// Calls f(lane, rows, change) for each seam point of a block. `rows` are those that the point has
+    /// Calls f(lane, rows, change) for each seam point of a block. `rows` are those of the point if it were
     /// alone in a block, with restored sums; `change` is the largest change of a weight by restoring.
     template <class F>
     void for_each_seam_lane(const BlockPoints<T>& points, const F& f) const {

@@ -133,7 +133,7 @@ protected:
         return unreached;
     }
     /// Clears the weights of unreached points and of lanes without weights. Where lengths overflow, the
-    /// restorer does not leave them at zero.
+    /// restorer does not leave these weights at zero.
     void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (bound[lane] == T(0) || states_[block * lanes + lane] == PointState::unreached)
@@ -236,7 +236,7 @@ private:
         }
     }
 
-    /// Handles points outside, restores linear precision, and measures.
+    /// Treats points outside, restores linear precision, and measures.
     void finish(std::size_t piece) {
         const auto weights = piece_of(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;

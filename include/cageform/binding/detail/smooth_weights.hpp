@@ -93,7 +93,7 @@ public:
     std::span<const HandleWeight> wide_row(std::size_t node) const { return wide_.row(node); }
 
 private:
-    // The best of several values for a head and a lamp.
+    // The best of several values, tried on two models: a head and a lamp.
     static constexpr double alpha = 0.02, beta = 100;
     // σ relative to the cage's diagonal: handles closer than this move similarly.
     static constexpr double sigma = 0.2;
@@ -165,8 +165,8 @@ private:
         }
     }
 
-    /// Builds the neighbours of every node. The weight of an edge is the inverse square of its length,
-    /// which penalises changes of angles.
+    /// Builds the neighbours of every node. The weight of an edge penalises changes of angles: the inverse
+    /// square of its length relative to the mean length, at most 25.
     void connect() {
         sort_unique(edges_);
         const auto length = [&](const std::array<std::size_t, 2>& edge) {
@@ -338,7 +338,7 @@ private:
     Vec<double, D> middle_{};
     std::vector<double> columns_;              // #handles · width: B, then positions
     std::vector<Vec<double, D>> positions_;    // #nodes
-    std::vector<double> target_, loss_, step_; // #nodes · width twice, #nodes
+    std::vector<double> target_, loss_, step_; // #nodes · width; the same; #nodes
     std::vector<float> smoothed_;              // #nodes · #handles
     std::vector<std::array<std::size_t, 2>> edges_;
     std::vector<std::size_t> begins_;

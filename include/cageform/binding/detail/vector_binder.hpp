@@ -205,7 +205,7 @@ private:
                     i < count_ && this->is_bound(states_[i]) && !this->is_faded_out(i) ? T(1) : T(0);
             }
             for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, gradients, bound, measures);
-            // A point with one unreached vector has no weights for any.
+            // A point with one unreached vector has no weights for any of its vectors.
             for (const BlockView<T>& weights : this->weights_)
                 this->clear_unreached(bound, b, weights.block(b));
         }

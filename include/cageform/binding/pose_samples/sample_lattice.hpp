@@ -47,7 +47,7 @@ public:
             Status status = locate(running.subtask(0, 0.5));
             if (status != Status::ok) return status;
             const std::size_t inside = inside_count();
-            if (8 * inside < 64 && tried * 8 <= most) continue; // too few for a share
+            if (8 * inside < 64 && tried * 8 <= most) continue; // too few to estimate the fraction
             if (inside == 0) break;
             const double wanted = double(count) * double(states_.size()) / double(inside);
             divide(wanted < double(most) ? wanted : double(most));

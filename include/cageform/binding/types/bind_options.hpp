@@ -9,10 +9,10 @@ namespace cageform::inline CAGEFORM_ABI {
 // X(name, NAME, "description"). In C the enumerators are CAGEFORM_NAME. Append new ones at the end.
 // clang-format off
 #define CAGEFORM_OUTSIDE_POINTS(X)                                                                           \
-    X(extend, EXTEND, "by the coordinate type's own extension; kept in place if it has none")                \
-    X(keep_in_place, KEEP_IN_PLACE, "no pose moves them")                                                    \
+    X(extend, EXTEND, "by the extension of the coordinate type; without one, no pose moves the points")      \
+    X(keep_in_place, KEEP_IN_PLACE, "no pose moves the points")                                              \
     X(nearest_boundary, NEAREST_BOUNDARY,                                                                    \
-      "they follow the nearest point of the cage's boundary, at the same offset")
+      "points follow the nearest point of the cage's boundary, at the same offset")
 // clang-format on
 
 /// How points outside the cage are bound.
@@ -66,15 +66,15 @@ struct BindReport {
     Status status = Status::ok;
     CageReport cage;
     SolverReport solver;
-    std::size_t points = 0; ///< given
+    std::size_t points = 0; ///< number of points
     std::vector<std::size_t> on_boundary;
     std::vector<std::size_t> outside; ///< treated according to BindOptions::outside
     /// The points outside within BindOptions::falloff; the other points outside do not move.
     std::vector<std::size_t> faded;
     std::vector<std::size_t> not_finite; ///< not moved by any pose
     std::vector<std::size_t> unreached;  ///< without weights, or with overflow; kept in place
-    /// Residuals above rounding errors after LinearPrecision::restore: the weights are so large (thin
-    /// cages) that changes would not lower the residual.
+    /// Points with residuals above rounding errors after LinearPrecision::restore: the weights are so large
+    /// (thin cages) that changes would not lower the residual.
     std::vector<std::size_t> not_restored;
     /// Largest |Σw − 1| of the final weights, before a falloff.
     Extreme partition_error;
@@ -82,8 +82,8 @@ struct BindReport {
     /// OutsidePoints::nearest_boundary, p is the boundary point.
     Extreme reproduction_error;
     Extreme weight_change;     ///< largest change of a weight in a round of LinearPrecision::restore
-    Extreme residual_restored; ///< largest |Σwc − p| before it
-    Extreme least_weight;      ///< closed forms may have negative weights
+    Extreme residual_restored; ///< largest |Σwc − p| before restoring
+    Extreme least_weight;      ///< negative for some closed forms
     /// Largest Σ|w| of a point: an upper bound of its displacement if no handle moves by more than 1.
     /// It is 1 if no weight is negative.
     Extreme amplification;

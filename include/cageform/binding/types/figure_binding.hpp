@@ -12,7 +12,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// The input of `bind` for a figure: `FigurePoints{points, normals, tangents}`. Tangents, or normals
-/// and tangents, may be omitted. It refers to lvalue arguments and stores temporaries.
+/// and tangents, may be omitted. Refers to lvalue arguments and stores temporaries.
 ///
 ///   points    as for `bind`
 ///   normals   of any length, one per point
@@ -95,9 +95,9 @@ private:
 };
 
 struct FigureBindReport {
-    Status status = Status::ok; ///< of the points, or else of the vectors
+    Status status = Status::ok; ///< that of the points; if ok, that of the vectors
     BindReport points;
-    BindReport vectors; ///< of tangents and bitangents; without normals it has no points
+    BindReport vectors; ///< of tangents and bitangents; `points` is 0 without normals
     double seconds = 0; ///< wall-clock time, including the solver's
 };
 

@@ -11,9 +11,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The *distance* of a point is that between its positions by the packed binding and by the original
-/// one, in the units of the figure. For a vector it is the length of the difference. The distance is
-/// zero in rest and affine poses.
+/// The *distance* of a point is that between its positions from the packed and from the original binding,
+/// in the units of the figure. For a vector it is the length of the difference. The distance is zero in
+/// rest and affine poses.
 struct PackOptions {
     /// Storage of the weights. Empty: the smallest format that meets the tolerance; without a
     /// tolerance, scalar.
@@ -71,10 +71,10 @@ struct PackReport {
     std::size_t bytes = 0;        ///< of the blob
     std::size_t dense_bytes = 0;  ///< of the binding
     std::vector<float> errors;    ///< #points
-    Extreme error;                ///< the largest of them
+    Extreme error;                ///< the largest of `errors`
     double mean_error = 0;
     std::vector<float> distances; ///< #points: the largest one over the poses
-    /// The largest of them. With format_too_coarse: a tolerance that the format can meet.
+    /// The largest of `distances`. With format_too_coarse: a tolerance that the format can meet.
     Extreme distance;
     std::size_t distance_pose = Extreme::none; ///< the pose with that distance; none without poses
     double mean_distance = 0;
@@ -90,7 +90,7 @@ struct FigurePackOptions {
     PackOptions weights{};
     /// The maximum change of a unit tangent (radians for a rotation), with or without a tolerance of
     /// the points. 0: ten times the tolerance of the points divided by the size of the figure, at most
-    /// 1; no limit if the points have none. Reason: for features of a tenth of the figure's size,
+    /// 1; no limit if the points have no tolerance. Reason: for features of a tenth of the figure's size,
     /// moving a point by d rotates the surface by ten times d divided by the size.
     double tangent_tolerance = 0;
     /// Clips of the figure, packed by `pack_clip`, with different names. A clip has one vertex per
@@ -99,7 +99,7 @@ struct FigurePackOptions {
     /// Levels of less detail, at most 9: packed figures of the same handles (PackedFigure::bytes),
     /// which have no levels themselves.
     std::span<const std::span<const std::byte>> levels{};
-    /// Parts of the user to store in the figure, with other tags.
+    /// Custom parts to store in the figure, with tags other than FigureTags.
     std::span<const FigurePartData> parts{};
 };
 

@@ -19,7 +19,7 @@ struct SkinWeightsOptions {
 struct SkinWeights {
     std::size_t influences = 0;        ///< K
     std::vector<std::uint16_t> joints; ///< #points · K: handles
-    /// #points · K, non-negative; the sum of a point's weights is 1 within half an epsilon.
+    /// #points · K, non-negative; the sum of a point's weights is 1 within half an epsilon of float.
     std::vector<float> weights;
 
     std::size_t point_count() const noexcept { return influences == 0 ? 0 : joints.size() / influences; }
@@ -40,7 +40,7 @@ struct SkinWeightsReport {
     /// #points: Σ|w − w0| over all handles, where w0 are the binding's weights, divided by their sum
     /// for points with falloff.
     std::vector<float> weight_errors;
-    Extreme weight_error;         ///< the largest of them
+    Extreme weight_error;         ///< the largest of `weight_errors`
     double mean_weight_error = 0; ///< of the points with weights
     Extreme partition_error;      ///< largest |Σw − 1| of the final weights
     /// Largest |Σwc − p| of the final weights, in the units of the cage.

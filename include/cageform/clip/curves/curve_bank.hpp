@@ -11,16 +11,16 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A curve of a bank. Its knots are the begins of its pieces, and the end of the last one.
+/// A curve of a bank. Its knots are the begins of its pieces, and the end of the last piece.
 template <Scalar T>
 struct BankCurve {
     std::uint32_t first_knot = 0;
     std::uint32_t knots = 0; ///< #pieces + 1
     T low = 0, step = 0;     ///< for a quantised curve: integer n means low + n · step
-    T end_value = 0;         ///< constant from the last knot on
+    T end_value = 0;         ///< at and after the last knot
 };
 
-/// At this knot, the curve enters its next piece.
+/// The curve enters its next piece at this knot.
 struct BankEntry {
     std::uint32_t knot, curve;
 
@@ -61,7 +61,7 @@ Cursor started(const Player& player, Cursor cursor) noexcept {
 
 } // namespace detail
 
-/// A non-owning view of a bank, in a `CurveBank` or in a packed clip.
+/// A non-owning view of a `CurveBank` or of the curves of a packed clip.
 template <Scalar T>
 struct CurveBankView {
     using scalar = T;
@@ -70,8 +70,8 @@ struct CurveBankView {
     std::span<const BankCurve<T>> curves;
     /// The knots of the unquantised curves, one curve after the other, then those of the quantised curves.
     std::span<const T> knots;
-    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from each knot of an unquantised curve on
-    /// Bernstein coefficients from each knot of a quantised curve on; unused at the last knot of a curve.
+    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 after each knot of an unquantised curve
+    /// Bernstein coefficients after each knot of a quantised curve; unused at the last knot of a curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
     std::span<const BankEntry> entries; ///< one per knot, sorted by time, then by knot
 
@@ -96,7 +96,7 @@ struct CurveBankView {
     }
     /// Resets a cursor of any bank to this bank, before the first knot.
     void start(Cursor& cursor) const noexcept {
-        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
+        CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "cursor memory of cursor_rows()");
         for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
             for (std::size_t lane = 0; lane < lane_count<T>; ++lane) // zero after the last curve
                 set(block(cursor, b), lane, constant(T(0)));
@@ -110,7 +110,7 @@ struct CurveBankView {
     /// O(#curves), wherever the cursor was.
     void sample(T x, Cursor& cursor, std::span<T> out, std::span<T> slopes = {}) const noexcept {
         CAGEFORM_ASSERT(out.size() >= size() && (slopes.empty() || slopes.size() >= size()),
-                        "a place for every curve");
+                        "an element per curve");
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this bank");
         move_to(x, cursor);
         constexpr std::size_t lanes = lane_count<T>;
@@ -208,7 +208,8 @@ private:
 /// may differ.
 ///
 /// A cursor holds the current piece of each curve, in rows of one cache line. The knots of all curves are
-/// sorted by time. The knots between two times give the curves that enter another piece, in either direction.
+/// sorted by time. Playing from one time to another, in either direction, visits the knots in between:
+/// at each of them, one curve enters another piece.
 ///
 ///   cost    playing: a few vector operations and five loads per value, and a few nanoseconds for each
 ///           curve that enters another piece; a jump: a binary search in each curve
@@ -236,7 +237,7 @@ public:
                 add_knot(piece.begin);
                 pieces_.push_back({piece.c0, piece.c1, piece.c2, piece.c3});
             }
-            // At the end time the last piece still applies, for its slope, unless the value jumps there.
+            // The last piece includes the end time, so that its slope applies there, unless the value jumps.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
             add_knot(jumps ? curve.end() : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
             pieces_.push_back({curve.end_value(), T(0), T(0), T(0)});

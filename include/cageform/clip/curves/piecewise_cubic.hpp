@@ -1,5 +1,5 @@
-// A piecewise cubic function of time: an animation curve at run time. Does not throw; evaluation does
-// not allocate.
+// A piecewise cubic function of time: an animation curve at run time. Evaluation neither throws nor
+// allocates.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -37,14 +37,14 @@ std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
         first += begin(first + half) <= x ? half : 0;
         count -= half;
     }
-    std::size_t found = first; // counts through the last few
+    std::size_t found = first; // linear search among the last times
     for (std::size_t i = 1; i < count; ++i) found += begin(first + i) <= x ? 1 : 0;
     return found;
 }
 
 } // namespace detail
 
-/// A non-owning view of a piecewise cubic, in a `PiecewiseCubic` or in a packed clip.
+/// A non-owning view of a `PiecewiseCubic` or of a piecewise cubic of a packed clip.
 template <Scalar T>
 struct PiecewiseCubicView {
     using scalar = T;
@@ -75,7 +75,7 @@ struct PiecewiseCubicView {
         const T inside = clamped(x);
         return pieces[locate(inside)](inside);
     }
-    /// `cursor` is the piece of the last call, initially 0.
+    /// `cursor` is the index of the piece of the last call, initially 0.
     T operator()(T x, std::size_t& cursor) const noexcept {
         if (x >= end) {
             cursor = pieces.size() - 1;
@@ -85,7 +85,7 @@ struct PiecewiseCubicView {
         cursor = locate(inside, cursor);
         return pieces[cursor](inside);
     }
-    /// Returns the derivative by time; 0 outside the range. At the end, it is that of the last piece.
+    /// Returns the derivative by time; 0 outside the range. At the end: the derivative of the last piece.
     T derivative(T x) const noexcept {
         return x >= pieces.front().begin && x <= end ? pieces[locate(x)].derivative(x) : T(0);
     }
@@ -137,7 +137,7 @@ public:
     T derivative(T x) const noexcept { return view().derivative(x); }
     /// Evaluates at many times; this is fastest if they ascend.
     void sample(std::span<const T> times, std::span<T> out) const noexcept {
-        CAGEFORM_ASSERT(out.size() >= times.size(), "a place for every time");
+        CAGEFORM_ASSERT(out.size() >= times.size(), "an element of out per time");
         std::size_t cursor = 0;
         for (std::size_t i = 0; i < times.size(); ++i) out[i] = (*this)(times[i], cursor);
     }

@@ -40,7 +40,7 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T fraction) noexcep
     return q;
 }
 
-/// A non-owning view of a rigid motion, in a `RigidMotion` or in a packed clip.
+/// A non-owning view of a `RigidMotion` or of the motion of a packed clip.
 template <Scalar T, std::size_t D>
 struct RigidMotionView {
     Vec<T, D> pivot{};

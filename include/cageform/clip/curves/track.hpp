@@ -6,14 +6,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A non-owning view of a track, in a `Track` or in a packed clip.
+/// A non-owning view of a `Track` or of a track of a packed clip.
 template <Scalar T>
 struct TrackView {
     PiecewiseCubicView<T> curve;
     Extrapolation before = Extrapolation::constant;
     Extrapolation after = Extrapolation::constant;
 
-    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
+    /// Returns the value at a time. The track must have pieces; `cursor` as for PiecewiseCubicView.
     T operator()(T x, std::size_t& cursor) const noexcept {
         const auto folded = fold_time(x, curve.begin(), curve.end, before, after);
         const T value = curve(folded.time, cursor);
@@ -37,7 +37,7 @@ struct Track {
 
     TrackView<T> view() const noexcept { return {curve.view(), before, after}; }
 
-    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
+    /// Returns the value at a time. The track must have pieces; `cursor` as for PiecewiseCubicView.
     T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
     T operator()(T x) const noexcept { return view()(x); }
 };

@@ -102,7 +102,7 @@ bool is_valid(const CurveBankView<T>& bank) noexcept {
     return next == end;
 }
 
-/// Whether the entries of a valid bank are all of its knots, sorted, and agree with the clip's times.
+/// Whether the entries of a valid bank list all its knots in order and agree with the clip's times.
 template <Scalar T, std::size_t D>
 bool is_in_order(const CageClipView<T, D>& clip) noexcept {
     const auto& bank = clip.bank;

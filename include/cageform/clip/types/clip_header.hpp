@@ -9,10 +9,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 192 bytes of a packed clip. Offsets are in bytes from its beginning.
+/// The first 192 bytes of a packed clip. Offsets are in bytes from the beginning of the clip.
 struct ClipHeader {
     static constexpr std::uint64_t magic_number = 0x70696C6365676163u; // "cageclip" in little endian
-    static constexpr std::uint32_t current_version = 2;                ///< 1 where the origin is 0
+    static constexpr std::uint32_t current_version = 2;                ///< 1 if the origin is 0
 
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;

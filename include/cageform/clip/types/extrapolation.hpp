@@ -13,8 +13,8 @@ enum class Extrapolation : std::uint8_t {
     constant,          ///< the nearest value
     linear,            ///< a straight line with the slope at the nearest key
     cycle,             ///< repeats from the beginning
-    cycle_with_offset, ///< repeats, shifted each time to start where it ended
-    ping_pong,         ///< back and forth
+    cycle_with_offset, ///< repeats; each cycle starts at the last value of the one before
+    ping_pong,         ///< repeats, alternately backwards and forwards
 };
 
 /// A time mapped into the range of a curve by its extrapolation.

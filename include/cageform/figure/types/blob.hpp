@@ -1,13 +1,13 @@
 // The binary layout of a packed binding, which is written to a file, mapped, and cloned in place.
 //
 // Byte order is that of the machine that wrote the blob; a field records it. Every array begins at a
-// multiple of 64 bytes. Offsets are relative, without pointers. A block has L = 64 / sizeof(T) points
+// multiple of 64 bytes. The block contains offsets, no pointers. A block has L = 64 / sizeof(T) points
 // (16 for float, 8 for double); B = ⌈#points / L⌉.
 //
 //     BlobHeader
 //     weights       #rows × L of the format: a row holds the weights of a block's points for one
 //                   handle, block by block
-//     row_begin     B + 1 × uint32    only in sparse bindings; else #rows = B · #handles
+//     row_begin     (B + 1) × uint32  only in sparse bindings; else #rows = B · #handles
 //     row_handle    #rows × uint16    with row_begin
 //     order         #points × uint32: the point at each position; only if points are reordered
 //     scale         B × T             not with scalar weights
@@ -18,9 +18,9 @@
 //     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only if some are vectors
 //     handle_faces  #vectors × D × uint32: the corners of a face (HandleFace); only if the vectors
 //                   have faces
-//     handle_loops  #loop_numbers × uint32: HandleView::loops; only if corners of faces are means
+//     handle_loops  #loop_numbers × uint32: HandleView::loops; only if corners of faces are means of loops
 //
-// Older readers reject blobs with loops, because their corners are out of range. Version 1 has no
+// Older readers reject blobs with loops, because they see corners out of range. Version 1 has no
 // vectors and can be opened too. GPUs can use these bytes as buffers (clone/glsl.hpp).
 #pragma once
 
@@ -54,6 +54,7 @@ struct BlobHeader {
 };
 static_assert(sizeof(BlobHeader) == 192);
 
+/// What `open_blob` requires of a blob, and how much it checks.
 struct BlobExpectation {
     std::uint64_t cage_hash = 0;   ///< the required hash; 0: any
     std::uint64_t figure_hash = 0; ///< the required hash; 0: any

@@ -12,7 +12,7 @@ class PoseSystem {
 public:
     PinRows<T, D> pins;
     std::vector<std::uint32_t> unknowns, held; ///< handles, ascending
-    double proximity = 0;                      ///< ε κ
+    double proximity = 0;                      ///< 1e-9 of the mean diagonal entry of K
 
     /// Factors the matrix for the members `pins` and `held`. May throw std::bad_alloc.
     ///
@@ -90,8 +90,8 @@ private:
             sum += pins.rows[r].weight * pin_weight(r, blocks, i) * pin_weight(r, blocks, j);
         return sum;
     }
-    /// Computes Z = A⁻¹Wᵀ and factors W Z + δ 1, with δ a thousandth of a soft pin's (augmented Lagrangian,
-    /// Powell).
+    /// Computes Z = A⁻¹Wᵀ and factors W Z plus 1e-3 / (μ m) of each pin on the diagonal (augmented
+    /// Lagrangian, Powell).
     void correct() {
         const std::size_t blocks = pins.rows.empty() ? 0 : pins.weights.size() / pins.rows.size();
         of_unknowns_.clear();

@@ -42,7 +42,7 @@ public:
         target_ = target_ + weight * target;
         weight_ += weight;
     }
-    /// To be called after all centres are added.
+    /// Call after all centres are added.
     void add_point(const Vec<double, D>& place, const Vec<double, D>& target, double weight) noexcept {
         add_vector(place - (1 / weight_) * place_, target - (1 / weight_) * target_, weight);
     }

@@ -15,7 +15,7 @@ template <Scalar T, std::size_t D>
 class RotationPass {
     using Register = typename Simd<T>::Register;
     static constexpr std::size_t lanes = lane_count<T>;
-    static constexpr std::size_t step = lanes / Simd<T>::count; ///< numbers of a register
+    static constexpr std::size_t step = lanes / Simd<T>::count; ///< numbers per register
 
 public:
     /// Allocates the rotations and sets them to the identity. May throw std::bad_alloc.

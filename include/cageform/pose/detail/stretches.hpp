@@ -41,8 +41,8 @@ inline Vec<double, 2> squared_stretches(const LinearMap<double, 2>& m) noexcept 
     const double p = std::sqrt(x * x + y * y), q = std::sqrt(z * z + w * w);
     return {(p - q) * (p - q) / 4, (p + q) * (p + q) / 4};
 }
-/// From the eigenvalues of MᵀM in trigonometric form (Smith, Eigenvalues of a symmetric 3 × 3 matrix, Comm.
-/// ACM 4 (1961)). The least is computed from the determinant, without cancellation.
+/// As above, from the eigenvalues of MᵀM in trigonometric form (Smith, Eigenvalues of a symmetric 3 × 3
+/// matrix, Comm. ACM 4 (1961)). The least one is computed from the determinant, without cancellation.
 inline Vec<double, 2> squared_stretches(const LinearMap<double, 3>& m) noexcept {
     double s[3][3];
     for (std::size_t r = 0; r < 3; ++r) {

@@ -12,7 +12,7 @@
 //     moments          B × D × D × L × T
 //     stiffness        #handles (#handles + 1) / 2 × double
 //     weak_handles     #weak_handles × uint32, ascending; absent if empty
-//     points           #samples × D × T          this and the following are optional:
+//     points           #samples × D × T          optional, as the next two:
 //     sample_clusters  #samples × uint32         not needed for frames
 //     centres          #clusters × uint32
 #pragma once
@@ -37,7 +37,7 @@ struct PoseBlobHeader {
     std::uint64_t checksum = 0; ///< `hash_memory` of all bytes after this field
     std::uint32_t scalar_bytes = 0, dimension = 0;
     std::uint64_t handles = 0, clusters = 0, weak_handle_count = 0;
-    std::uint64_t samples = 0; ///< 0: the arrays by sample are absent
+    std::uint64_t samples = 0; ///< 0: `points`, `sample_clusters` and `centres` are absent
     std::uint64_t cage_hash = 0;
     double centre[3] = {}; ///< PoseSamples::centre, padded by 0 in 2D
     double size = 0;
@@ -176,7 +176,7 @@ Status read_pose_samples(const std::byte* data, const PoseBlobHeader& header, Po
 ///
 ///   returns  the bytes, empty unless the status is ok; samples_missing; too_many_handles (more than 4,096);
 ///            input_malformed (parts that do not agree, or a number that is not finite); out_of_memory
-///   cost     a copy of all parts, except those by sample unless kept
+///   cost     a copy of all arrays; those with an element per sample only for PosePackOptions::keep_points
 template <Scalar T, std::size_t D>
 Result<PackedPoseSamples> pack(const PoseSamples<T, D>& samples, const PosePackOptions& options = {}) {
     Result<PackedPoseSamples> result;
@@ -186,8 +186,8 @@ Result<PackedPoseSamples> pack(const PoseSamples<T, D>& samples, const PosePackO
     return result;
 }
 
-/// Reads packed samples for a PoseSolver, whose results are bitwise those before packing. The points and
-/// clusters of the samples are empty unless they were packed.
+/// Reads packed samples for a PoseSolver. Its results equal those with the original samples bit for bit.
+/// The points and clusters of the samples are empty unless they were packed.
 ///
 ///   data      at least the blob, aligned to 64 bytes; later bytes are ignored
 ///   expected  as for `open_blob`, without a hash of a figure

@@ -15,6 +15,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///               + (ℓ²/#samples) Σ_neighbours |J_s − J_t|² / |s − t|²
 ///     J_s = Σ_i h_i ∇w_i(s)ᵀ,   Σ a_s = 1,   c(s) the cluster of sample s,   R_c a rotation for each cluster
 ///
+/// The second sum is over spokes: u_i is the unit vector at rest from the centre of the nearest cluster c(i)
+/// to handle i, or along a vector handle; g_iᵀh is its image in the pose.
+///
 /// In the displacements d = h − H from rest, cluster c has the matrix J_c = M_c + d G_cᵀ. The matrix K of the
 /// energy includes all samples. The cost of a frame therefore depends on the number of clusters, not of
 /// samples.
@@ -48,7 +51,7 @@ struct PoseSamples {
     double stiffness_of(std::size_t i, std::size_t j) const noexcept {
         return i < j ? stiffness[j * (j + 1) / 2 + i] : stiffness[i * (i + 1) / 2 + j];
     }
-    /// Returns the size in bytes of all parts except those by sample, which frames do not need.
+    /// Returns the size in bytes of the handles, G, M and K, which frames read.
     std::size_t bytes() const noexcept {
         return rest_handles.size() * (sizeof(Vec<T, D>) + sizeof(HandleKind)) +
                (gradients.size() + moments.size()) * sizeof(Lanes<T>) + stiffness.size() * sizeof(double);

@@ -11,8 +11,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 struct PoseOptions {
     /// μ: the stiffness of a pin of weight 1, relative to the stretch of the whole figure. The distance of a
-    /// pin from its target is about 1/μ of its pull. Lower it if there are more pins than a quarter of the
-    /// handles.
+    /// pin from its target is proportional to 1/μ: about 1e-5 of the figure's size by default. Lower μ if
+    /// there are more pins than a quarter of the handles.
     double pin_weight = 1e4;
     /// Corrects every step, so that pins are a thousand times nearer to their targets. Does not affect turns.
     bool hard_pins = false;
@@ -20,7 +20,7 @@ struct PoseOptions {
     /// The number of previous steps used by Anderson acceleration, at most 10; 0: no acceleration, with slow
     /// convergence for long limbs.
     std::size_t history = 5;
-    /// A pose has settled if no handle moves farther in a frame, relative to the cage's size.
+    /// A pose has settled if no handle moves farther than this in a frame, relative to the cage's size.
     double settled_step = 3e-5;
 };
 
