@@ -25,7 +25,7 @@ SplatPart part_of(const SplatFile& scene, std::size_t row);
 /// The ellipsoid of a deformed part: singular values of J · factor.
 SingularValues posed_shape(const SplatPart& part, const Matrix3& jacobian);
 
-/// Length of a deformed part relative to the whole splat at rest; 1 for a splat of no length.
+/// Length of a deformed part relative to the whole splat at rest; 1 if the splat has size 0.
 double stretch_of(const SplatPart& part, const SingularValues& posed);
 
 /// Splits a part in two halves, see half_of().

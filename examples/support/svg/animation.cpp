@@ -31,8 +31,8 @@ int fewest_decimals(double sensitivity, double tolerance) {
     return enough;
 }
 
-/// Easing between two key frames: a Bézier curve of time with control points at the times `handle` and 1 -
-/// `handle` and the values `first` and `second`.
+/// Easing between two key frames: a cubic Bézier curve from (0, 0) to (1, 1), time first, with the control
+/// points (handle, first) and (1 - handle, second).
 struct Ease {
     double handle = handles.front(), first = handle, second = 1 - handle;
 

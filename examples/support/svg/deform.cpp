@@ -42,8 +42,7 @@ void add_transform_track(pugi::xml_node node, const Affine2& to_root, const std:
     tracks.push_back(std::move(track));
 }
 
-/// Moves an element into a group that takes over its clip path and mask, whose shapes are deformed
-/// separately.
+/// Moves an element into a group that takes over its clip path and mask: these are deformed separately.
 void wrap_with_clips(const Drawing& drawing, const StyleSheets& styles, pugi::xml_node node) {
     const auto is_its = [&](const Reference& each) { return each.node == node && !is_filter(each); };
     if (std::none_of(drawing.references.begin(), drawing.references.end(), is_its)) return;
@@ -148,7 +147,7 @@ bool is_skewed(const Affine2& map) {
     return largest * largest > (1 + 1e-6) * std::abs(map.a * map.d - map.b * map.c);
 }
 
-/// The rotation, or reflection, about a point that is nearest to a map: its polar factor. The identity if the
+/// The rotation or reflection about `centre` that is nearest to a map (its polar factor); the identity if the
 /// map does not rotate.
 Affine2 turn_of(const Affine2& map, const Point2& centre) {
     const double side = map.a * map.d < map.b * map.c ? -1 : 1;
@@ -391,7 +390,7 @@ private:
                 result_.report.warnings.push_back(
                     label(work_, r.node) +
                     (local_name(r.node) == "svg"
-                         ? ": its filter does not turn, as its element is an svg"
+                         ? ": its filter does not turn, since its element is an svg"
                          : ": its filter does not turn: other elements share its clip path or mask"));
             }
         }
@@ -567,7 +566,7 @@ private:
     ViewBox view_;
     double diagonal_ = 0, tolerance_ = 0;
     std::map<std::string, std::string> turned_markers_; // ids of copies, by marker and angles
-    Drawing rest_;                                      // its paths are those of the frame looked at last
+    Drawing rest_;                                      // its paths are those of the frame processed last
     std::vector<bool> moves_;
     std::vector<Moved> moved_;
     static constexpr std::size_t none = std::size_t(-1);

@@ -99,7 +99,7 @@ struct MovedRegion {
 };
 
 /// Enlarges the regions of masks, filters and filter primitives in user space to their content in all frames.
-/// Light sources of a filter with a single user follow that user's best map.
+/// Light sources of a filter move by the best map of the element that uses it, if there is only one.
 ///
 ///   regions   #references of the drawing
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
