@@ -97,7 +97,7 @@ std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
     };
     std::vector<std::string> notes;
     const bool is_numbered = std::is_sorted(files.begin(), files.end(), by_number);
-    // Two names, and names in neither order, are not sorted.
+    // Two names, and names in neither numeric nor alphabetical order, are not sorted.
     if (files.size() < 3 || (!is_numbered && !std::is_sorted(files.begin(), files.end()))) return notes;
     if (!is_numbered) {
         std::stable_sort(files.begin(), files.end(), by_number);

@@ -195,8 +195,8 @@ private:
     }
 };
 
-/// A matrix animation as a product of animated transforms, since SVG cannot animate a matrix: translation,
-/// rotation, skew and scale. All but the translation are about `centre`.
+/// A matrix animation as a product of animated translation, rotation, skew and scale, since SVG cannot
+/// animate a matrix. All but the translation are about `centre`.
 class AnimatedTransform {
 public:
     enum Part { shift, turn, skew, scale };

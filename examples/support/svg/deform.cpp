@@ -226,7 +226,7 @@ public:
             if (curves.is_lost(i))
                 result_.report.warnings.push_back(
                     label(work_, rest_.shapes[i].node) +
-                    ": has a point that cannot be computed, and stays unchanged");
+                    ": stays unchanged, since a deformed point is out of range or not finite");
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
@@ -354,7 +354,7 @@ private:
     }
 
     /// Finds the map of each element with a filter: the best affine map of its shapes. With strokes or
-    /// markers, only its rotation and the shift of the centre are used. The shapes get the remaining
+    /// markers, only the map's rotation and the shift of the centre are used. The shapes get the remaining
     /// deformation.
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
@@ -463,8 +463,8 @@ private:
         }
         if (moved.pen_stays)
             result_.report.warnings.push_back(
-                label(work_, shape.node) + ": its stroke keeps its direction: its transform is skewed, and "
-                                           "it has a clip path, a mask or a filter");
+                label(work_, shape.node) + ": the pen of its stroke is not rotated, since the transform is "
+                                           "skewed and it has a clip path, a mask or a filter");
         for (std::size_t f = 0; f < moved.turns.size(); ++f) // the map without the rotation
             moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
         if (moved.gains_inside) styles_.set(shape.node, "fill", "none");

@@ -214,10 +214,12 @@ Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///   document   changed only on success
 ///   deformer   called with all points of the document, then with those of halved pieces: at most 1 +
 ///              max_halvings times
-///   accuracy   all samples of a deformed curve are within the tolerance of the path before rounding to
-///              `decimals`; features narrower than 1/64 of the diagonal of the viewBox may be missed
+///   accuracy   all samples of a deformed curve, except DeformReport::coarse segments, are within the
+///              tolerance of the path before rounding to `decimals`; features narrower than 1/64 of the
+///              diagonal of the viewBox may be missed
 ///   skipped    shapes out of range, and shapes with a point whose image is not finite, with a warning
-///   fails      if copies are too many or nested too deeply, or the deformer returns false
+///   fails      if copies or points are too many, elements are nested too deeply, a layer has no shape, or
+///              the deformer returns false
 Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                               const DeformOptions& options = {});
 

@@ -16,7 +16,7 @@ namespace cageform_support::detail {
 /// The gradient or pattern with this id and those it inherits from; empty if there is none.
 std::vector<pugi::xml_node> server_chain(const IdTable& ids, const std::string& id);
 
-/// The first of a chain that has stops or a tile; nothing if none has.
+/// The first element of a chain with stops or tile content; nothing if there is none.
 pugi::xml_node content_owner(const std::vector<pugi::xml_node>& chain);
 
 /// A gradient or pattern, and those it inherits from.

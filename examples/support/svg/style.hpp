@@ -85,7 +85,7 @@ public:
     /// Sets a value such that it wins the cascade.
     void set(pugi::xml_node node, const std::string& property, const std::string& text) const;
 
-    /// Marks the copy for a `use` with the rules that match its original if the original had no ancestors and
+    /// Marks the copy for a `use` with the rules that would match its original without ancestors and
     /// siblings, as in SVG 2.
     void match_in_isolation(pugi::xml_node copy);
 
