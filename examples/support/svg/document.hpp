@@ -218,8 +218,8 @@ Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///              tolerance of the path before rounding to `decimals`; features narrower than 1/64 of the
 ///              diagonal of the viewBox may be missed
 ///   skipped    shapes out of range, and shapes with a point whose image is not finite, with a warning
-///   fails      if copies or points are too many, elements are nested too deeply, a layer has no shape, or
-///              the deformer returns false
+///   fails      if copies or points are too many, elements are nested too deeply, a layer has no shape, a
+///              coordinate is out of range in its element, or the deformer returns false
 Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                               const DeformOptions& options = {});
 
@@ -238,7 +238,7 @@ struct AnimatedSvg {
         double scale = 1; // upper bound of the scale from the attribute's units to root units
         std::vector<double> numbers = {};
         std::vector<Affine2> maps = {};
-        std::vector<Point2> places = {}; // of maps: corners of the content's box, in its own user space
+        std::vector<Point2> places = {}; // of maps: corners of the content's box, before the map
         std::vector<Path> paths = {};
         int decimals = 6; // of numbers and paths in show()
     };
