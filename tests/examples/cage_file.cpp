@@ -342,7 +342,7 @@ TEST_CASE("CSV files of spreadsheets are read, or refused with a reason", "[exam
         };
         std::string commas = kind.text;
         std::replace(commas.begin(), commas.end(), ',', ';');
-        refused(commas, "separated by semicolons, and commas are read");
+        refused(commas, "separated by semicolons, but only commas are read");
         std::replace(commas.begin(), commas.end(), '.', ',');
         refused(commas, "separated by semicolons and has decimal commas");
         std::replace(commas.begin(), commas.end(), ';', '\t');
@@ -359,7 +359,7 @@ TEST_CASE("CSV files of spreadsheets are read, or refused with a reason", "[exam
     const auto mesh = load_obj(path);
     std::filesystem::remove(path);
     REQUIRE_FALSE(mesh);
-    CHECK(to_string(mesh.error()) == path + ": is UTF-16 text, and UTF-8 is read: save it as UTF-8");
+    CHECK(to_string(mesh.error()) == path + ": is UTF-16 text, but only UTF-8 is read: save it as UTF-8");
 }
 
 TEST_CASE("a first row with a number is not a header", "[examples][csv]") {

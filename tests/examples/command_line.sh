@@ -2557,7 +2557,7 @@ report $ok "they are one"
 head -c 300 packed.svgz >broken.svgz
 refuses 'broken.svgz: a damaged gzip file' "$deform" broken.svgz --cage "$cage" --pose "$pose" -o out.svg
 head -c 300000000 /dev/zero | gzip -c >bomb.svgz
-refuses 'bomb.svgz: unpacked it is larger than 256 MiB' "$deform" bomb.svgz --cage auto -o out.svg
+refuses 'bomb.svgz: is larger than 256 MiB when unpacked' "$deform" bomb.svgz --cage auto -o out.svg
 refuses "is a share of the figure's diagonal: 5% or, as a number, 0.05?" "$make_cage" "$cat" --margin 5 -o out.svg
 hostile large '<path d="M 0,0 L 1e12,0 L 0,1e12 z"/>'
 works "a figure of 1e12 units" "$animate" large.svg --cage auto -o large_look.svg

@@ -384,7 +384,7 @@ TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") 
     CHECK(fault_of(good.substr(0, 60)).starts_with("scene.ply: the header is cut off"));
     CHECK(fault_of(with(good, "property float rot_2\n", "")) == "scene.ply: a splat has no property rot_2");
     CHECK(fault_of(with(good, "float opacity", "double opacity")) ==
-          "scene.ply: the property opacity is no float");
+          "scene.ply: the property opacity is not a float");
     CHECK(fault_of(with(good, "float f_rest_8", "float f_other")) ==
           "scene.ply: 8 properties f_rest_: degrees 0 to 3 have 0, 9, 24 or 45");
     CHECK(fault_of(with(good, "float f_rest_8", "float f_rest_9")) ==
@@ -402,9 +402,8 @@ TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") 
     CHECK(fault_of(with(good, "end_header", "element face 1\nproperty list uchar int a\nend_header")) ==
           "scene.ply: is cut off in its element \"face\"");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex four")) ==
-          "scene.ply: line 3: \"four\" is no number of splats");
-    CHECK(fault_of(with(good, "element vertex 4", "element vertex 0")) ==
-          "scene.ply: there is no splat in it");
+          "scene.ply: line 3: \"four\" is not a number of splats");
+    CHECK(fault_of(with(good, "element vertex 4", "element vertex 0")) == "scene.ply: has no splats");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 18446744073709551615"))
               .starts_with(
                   "scene.ply: is cut off: the header declares 18446744073709551615 splats of 104 bytes"));

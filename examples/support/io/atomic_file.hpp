@@ -47,7 +47,8 @@ public:
     /// Whether the failure may be temporary (is_temporary_failure()): the disk is full or does not respond.
     bool may_retry() const { return may_retry_; }
 
-    /// Closes the temporary file; afterwards only the renaming can fail. Nothing can be written after it.
+    /// Closes the temporary file; returns the error, if any. Afterwards nothing can be written, and only the
+    /// renaming can fail.
     [[nodiscard]] std::optional<std::string> finish();
 
     /// Finishes the file and renames it to target(); returns the error, if any.
@@ -71,7 +72,7 @@ private:
     std::filesystem::path temporary_;
     std::filesystem::path old_; // hard link to the old file; empty if none
     bool in_place_ = false;
-    std::string registered_; // the temporary's name, for the signal handler
+    std::string registered_; // name of the temporary file, for the signal handler
     std::filesystem::file_status status_;
     std::FILE* file_ = nullptr;
     std::optional<std::string> error_;

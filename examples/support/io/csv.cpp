@@ -48,9 +48,9 @@ std::string separator_fault(std::string_view line) {
     if (separators.empty() && !has_decimal_commas) return {};
     std::string text = "; the line ";
     if (!separators.empty()) (text += "is separated by ") += separators;
-    if (!has_decimal_commas) return text + ", and commas are read";
+    if (!has_decimal_commas) return text + ", but only commas are read";
     return text + (separators.empty() ? "has" : " and has") +
-           " decimal commas; commas are read as separators, and points as decimal";
+           " decimal commas; commas are read as separators, points as decimal points";
 }
 
 FileError row_fault(const std::string& name, std::size_t number, std::string_view line,

@@ -67,8 +67,8 @@ std::string short_number(double number);
 /// Returns the error if a number is not finite in single precision; else empty.
 std::string single_precision_fault(double number);
 
-/// Returns the error "NAME:NUMBER: WHY" on a line of CSV. A hint follows if the line has semicolons, tabs,
-/// blanks or decimal commas: "; the line is separated by tabs, and commas are read".
+/// Returns the error "NAME:NUMBER: WHY" of a CSV line, NUMBER from 1. A hint follows if the line has
+/// semicolons, tabs, blanks or decimal commas: "; the line is separated by tabs, but only commas are read".
 FileError row_fault(const std::string& name, std::size_t number, std::string_view line,
                     const std::string& why);
 
@@ -193,8 +193,8 @@ Expected<std::vector<CageBlock>> read_cage_csv(const std::string& path);
 
 /// Help text on vertex labels.
 inline constexpr const char* labels_format =
-    "Labels are a text file with a line for every vertex of the cage, in its order. A\n"
-    "vertex whose line is empty has no label; lines that begin with # are comments.\n";
+    "A file of labels has one line of text per vertex of the cage, in the order of the\n"
+    "vertices. An empty line is no label; lines that begin with # are comments.\n";
 
 /// Reads one label per vertex of a cage, one per line; an empty line is no label. Lines that begin with '#'
 /// are comments; labels are trimmed.

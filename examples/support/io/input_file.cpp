@@ -97,7 +97,7 @@ std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
     };
     std::vector<std::string> notes;
     const bool is_numbered = std::is_sorted(files.begin(), files.end(), by_number);
-    // Two names, or names in no recognised order, keep the order of the user.
+    // Two names, and names in neither numeric nor alphabetical order, are not sorted.
     if (files.size() < 3 || (!is_numbered && !std::is_sorted(files.begin(), files.end()))) return notes;
     if (!is_numbered) {
         std::stable_sort(files.begin(), files.end(), by_number);
@@ -196,7 +196,7 @@ std::optional<std::uint64_t> InputFile::hash_to_end() {
 
 std::string input_at(const std::filesystem::path& path) {
     const std::lock_guard guard(lock_of_inputs());
-    std::error_code none; // where one of them is no longer there
+    std::error_code none; // for inputs that no longer exist
     for (const std::string& input : inputs()) {
         if (std::filesystem::equivalent(path, input, none)) return input;
     }
@@ -214,7 +214,7 @@ Expected<std::string> read_file(const std::string& path) {
 /// Returns the error if a text begins with the byte order mark of UTF-16; else empty.
 static std::string encoding_fault(std::string_view text) {
     const bool is_wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
-    return is_wide ? ": is UTF-16 text, and UTF-8 is read: save it as UTF-8" : "";
+    return is_wide ? ": is UTF-16 text, but only UTF-8 is read: save it as UTF-8" : "";
 }
 
 Expected<std::string> read_text(const std::string& path) {

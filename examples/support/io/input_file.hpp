@@ -37,8 +37,8 @@ public:
     /// Reads to the end. Returns hash_memory of all bytes of the file; nothing if it cannot be read.
     std::optional<std::uint64_t> hash_to_end();
 
-    /// Maps the file into memory; empty on a failure, for a pipe and for an empty file. The bytes live as
-    /// long as this object, begin at a page and are shared between processes.
+    /// Maps the file into memory; empty on a failure, for a pipe and for an empty file. The bytes are valid
+    /// as long as this object, page-aligned and shared between processes.
     std::span<const std::byte> map();
 
     std::uintmax_t size() const { return size_; }              ///< in bytes; 0 for a pipe
@@ -58,8 +58,8 @@ private:
 /// them: frame_10 before frame_2. One or two files, and files in any other order, keep their order. A '-'
 /// before a number is a sign if some names have none there, as in n-1 and n0.
 ///
-///   returns   notes for the user: that files were reordered, and between which files a number is missing if
-///             the other numbers rise by one step
+///   returns   notes for the user: that files were reordered, and the first gap of more than the smallest
+///             step between two numbers
 std::vector<std::string> order_by_numbers(std::vector<std::string>& files);
 
 /// Reads a file or pipe line by line. Memory: about one line.

@@ -8,8 +8,8 @@
 
 namespace cageform_support {
 
-/// Escapes control characters, invalid UTF-8 and invalid code points as \x1b and so on. Tabs are kept, and
-/// line breaks before two spaces (our lists).
+/// Escapes control characters, invalid UTF-8 and invalid code points as \x1b and so on. Kept: tabs, and line
+/// breaks before two spaces (lists in messages).
 std::string printable(std::string_view text);
 
 /// Exit code for a temporary failure: EX_TEMPFAIL of sysexits.h.

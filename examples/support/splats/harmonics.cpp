@@ -8,8 +8,8 @@ namespace cageform_support {
 
 namespace {
 
-/// Directions; values at the first 2l + 1 determine a function of degree l, 1 to 3, with a small condition
-/// number.
+/// Directions. Values at the first 2l + 1 of them determine a function of degree l, 1 to 3, with a small
+/// condition number.
 const std::array<Point3, 7>& directions() {
     static const std::array<Point3, 7> units = [] {
         std::array<Point3, 7> all{Point3{0, 1, -1}, Point3{1, 0, -1}, Point3{1, 1, 1}, Point3{1, -2, -2},

@@ -27,7 +27,7 @@ inline constexpr double constant_harmonic = 0.28209479177387814; // 1 / (2√π)
 void harmonics_at(const Point3& direction, std::span<double, most_harmonics> values);
 
 /// Rotates functions on the sphere by an orthogonal matrix Q (also reflections): f'(d) = f(Qᵀd). The
-/// coefficients of a degree are determined by the values at 2 · degree + 1 directions; this linear system
+/// coefficients of a degree are determined by the values at 2 · degree + 1 directions. This linear system
 /// (condition number 3) is inverted once.
 class TurnedHarmonics {
 public:
@@ -35,7 +35,7 @@ public:
 
     /// Rotates a function of one channel.
     ///
-    ///   coefficients   in and out: of degrees 1 to 1, 2 or 3
+    ///   coefficients   in and out: 3 of degree 1, 8 of degrees 1 and 2, or 15 of degrees 1 to 3
     void turn(std::span<double> coefficients) const;
 
 private:

@@ -12,8 +12,7 @@ namespace cageform_support {
 
 /// A splat at rest, or a part of a split splat.
 struct SplatPart {
-    std::size_t row =
-        0; ///< row of the scene; before write_posed() its other numbers are those of the whole splat
+    std::size_t row = 0; ///< in the scene; it holds the numbers of the whole splat until write_posed()
     Point3 place;
     Matrix3 factor = identity3;
     double size = 0;    ///< largest standard deviation of the whole splat at rest
@@ -25,10 +24,10 @@ SplatPart part_of(const SplatFile& scene, std::size_t row);
 /// The ellipsoid of a deformed part: singular values of J · factor.
 SingularValues posed_shape(const SplatPart& part, const Matrix3& jacobian);
 
-/// Length of a deformed part relative to the whole splat at rest; 1 for a splat of no length.
+/// Length of a deformed part relative to the whole splat at rest; 1 if the splat has size 0.
 double stretch_of(const SplatPart& part, const SingularValues& posed);
 
-/// Splits a part in two halves, see half_of().
+/// Splits a part into two halves, see half_of().
 ///
 ///   row   of the second half, a copy of the row of the whole
 std::array<SplatPart, 2> halves_of(const SplatPart& part, const SingularValues& posed, std::size_t row);

@@ -13,8 +13,8 @@ Point3 perpendicular(const Point3& v) {
     return (1 / length_of(w)) * w;
 }
 
-/// Jacobi rotation of the columns p and q of both matrices that makes those of `a` orthogonal. Returns
-/// whether they were not.
+/// Makes the columns p and q of `a` orthogonal by a Jacobi rotation, and rotates those of `right` alike.
+/// Returns false if they were orthogonal before.
 bool turn_columns(Matrix3& a, Matrix3& right, std::size_t p, std::size_t q) {
     const double aa = dot(a[p], a[p]), bb = dot(a[q], a[q]), ab = dot(a[p], a[q]);
     constexpr double rounding = 1e-15;

@@ -33,8 +33,8 @@ struct SingularValues {
 };
 
 /// Accepts every finite matrix. For sizes below 1e-14 of the largest, axes are chosen to complete `left` to a
-/// rotation. Each size is accurate relative to its own column, even if they differ much (one-sided Jacobi
-/// rotations by Hestenes; Demmel, Veselić, SIAM J. Matrix Anal. 13, 1992), since A·Aᵀ is not formed.
+/// rotation. Each size is accurate relative to its own column, even if sizes differ much, since A·Aᵀ is not
+/// formed. One-sided Jacobi rotations by Hestenes: Demmel, Veselić, SIAM J. Matrix Anal. 13, 1992.
 SingularValues singular_values(const Matrix3& a);
 
 /// The orthogonal matrix nearest to J: Q of the polar decomposition J = Q·P. If det J < 0, it is a rotation
@@ -47,8 +47,8 @@ struct SplatShape {
     Point3 log_scales{};                        ///< s: logarithms of standard deviations along the axes
 };
 
-/// The least logarithm of a standard deviation that shape_of() returns, near the smallest number of single
-/// precision. Used for flat splats.
+/// The least logarithm of a standard deviation that shape_of() returns, for flat splats. Its exponential is
+/// near the smallest normal number of single precision.
 inline constexpr double least_log_scale = -87;
 
 /// A factor F of the covariance F·Fᵀ: its columns are the half axes of the ellipsoid of one standard

@@ -16,7 +16,7 @@
 
 namespace cageform_support {
 
-static_assert(std::endian::native == std::endian::little, "rows are read as they stand in the file");
+static_assert(std::endian::native == std::endian::little, "rows have the byte order of the file");
 
 namespace {
 
@@ -47,16 +47,16 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
         const bool is_splats = element.name == "vertex";
         if (is_splats && header.splats) return "the element \"vertex\" is defined twice";
         if (!detail::parse_whole(words[2], element.count))
-            return detail::quoted(words[2]) + " is no number of " + (is_splats ? "splats" : "records");
+            return detail::quoted(words[2]) + " is not a number of " + (is_splats ? "splats" : "records");
         if (is_splats) {
             header.splats = header.elements.size() - 1;
             scene.element_at = scene.header.size();
             return {};
         }
     } else if (words[0] == "property") {
-        if (header.elements.empty()) return "a property before the element";
+        if (header.elements.empty()) return "a property before the first element";
         const bool is_list = words.size() == 5 && words[1] == "list";
-        if (is_list && header.is_in_splats()) return "a list: a splat has single numbers";
+        if (is_list && header.is_in_splats()) return "a list: the properties of a splat are single numbers";
         const auto type = words.size() == 3 || is_list ? ply_type(words[words.size() - 2]) : std::nullopt;
         const auto count = is_list ? ply_type(words[2]) : std::nullopt;
         if (!type || (is_list && (!count || *count >= PlyType::float32)))
@@ -71,7 +71,7 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
             return "the property " + detail::quoted(words[2]) + " is defined twice";
         scene.layout.row_bytes += bytes_of(*type);
     } else if (words[0] != "comment" && words[0] != "obj_info") {
-        return detail::quoted(words[0]) + " is no word of a PLY header";
+        return detail::quoted(words[0]) + " is not a keyword of a PLY header";
     }
     scene.header.emplace_back(line);
     return {};
@@ -133,7 +133,7 @@ std::string find_numbers(Header& header) {
             if (why.empty()) why = "a splat has no property " + property;
             return 0;
         }
-        if (!found->second.is_float && why.empty()) why = "the property " + property + " is no float";
+        if (!found->second.is_float && why.empty()) why = "the property " + property + " is not a float";
         return found->second.offset;
     };
     const auto find_all = [&](const std::string& prefix, auto& offsets) {
@@ -178,7 +178,7 @@ std::vector<std::size_t> offsets_of(const SplatLayout& layout) {
     return offsets;
 }
 
-/// Lists the other properties and elements.
+/// Lists the properties and elements that no pose changes, for SplatFile::others.
 std::string others_of(const Header& header) {
     const auto offsets = offsets_of(header.scene.layout);
     std::string text;
@@ -205,8 +205,8 @@ double farthest_coordinate(const Point3& p) {
     return std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});
 }
 
-/// The region around the splats, by medians of a sample, that single precision resolves: 1e7 times the median
-/// distance.
+/// The box around the splats that single precision resolves: up to 1e7 times the median distance from the
+/// median position along each axis. The medians are those of a sample of at most 1000 splats.
 struct NearPlaces {
     explicit NearPlaces(const SplatFile& scene) {
         const std::size_t step = scene.size() / 1000 + 1;
@@ -241,7 +241,7 @@ std::string fault_of(const SplatLayout& layout, std::size_t offset, double numbe
         return " is " + detail::short_number(number) + ": such a splat is beyond single precision";
     const auto axis = std::size_t(std::find(place.begin(), place.end(), offset) - place.begin());
     if (axis < 3 && std::fabs(number - nearby.middle[axis]) > nearby.reach)
-        return " is " + detail::short_number(number) + ": it is more than 1e7 sizes from most splats";
+        return " is " + detail::short_number(number) + ": over 1e7 median distances from the median";
     return {};
 }
 
@@ -370,7 +370,7 @@ Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool stric
     scene.others = others_of(*header);
     const std::size_t row = scene.layout.row_bytes;
     const std::uint64_t splats = header->elements[*header->splats].count;
-    if (splats == 0) return fails("there is no splat in it");
+    if (splats == 0) return fails("has no splats");
     const bool is_alone = header->elements.size() == 1;
     for (std::size_t e = 0; e < header->elements.size(); ++e) {
         const PlyElement& element = header->elements[e];

@@ -17,16 +17,17 @@ namespace cageform_support {
 
 /// Help text on scenes of splats.
 inline constexpr const char* splat_format =
-    "Scenes are PLY files, ASCII or binary, with the element vertex, a splat each. It has the\n"
-    "properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45 of\n"
-    "f_rest, one channel after the other, in any order. Other types become float; a pipe must\n"
-    "have float properties. Scales are logarithms, opacity is a logit, the quaternion is\n"
-    "w x y z. All other properties and elements are kept, and nx ny nz turn where they are not\n"
-    "zero. An opacity may be infinite, and a scale -inf, of a flat splat. Splats with other\n"
-    "numbers that are not finite are left out, with a warning. So are splats farther from the\n"
-    "median place than 1e7 times the median distance, and those with a scale above 88.\n"
+    "Scenes are PLY files, ASCII or binary. Each record of the element vertex is a splat, with\n"
+    "the properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45\n"
+    "properties f_rest_N, channel by channel. Their order in the file is free. Other types\n"
+    "become float; a pipe must be binary little-endian with these properties as float. Scales\n"
+    "are logarithms, opacity is a logit, the quaternion is w x y z. All other properties and\n"
+    "elements are kept; normals nx ny nz that are not zero turn with the splat. An opacity may\n"
+    "be infinite; a scale of -inf makes a splat flat. Splats with other numbers that are not\n"
+    "finite are left out, with a warning. So are splats farther from the median position than\n"
+    "1e7 times the median distance, or with a scale above 88.\n"
     "Scenes are written as binary little-endian. Compressed files are not read. Messages\n"
-    "count splats from 0. A scene is held in memory: 248 bytes a splat of degree 3.\n";
+    "count splats from 0. A scene is held in memory: 248 bytes per splat of degree 3.\n";
 
 /// A splat in units of the file.
 struct Splat {
@@ -52,7 +53,7 @@ struct SplatLayout {
 /// A scene: its header, and the rows of all splats as in the file.
 struct SplatFile {
     std::string name;                // for messages
-    std::vector<std::string> header; // lines between "format" and "end_header" but for that of the element
+    std::vector<std::string> header; // lines between "format" and "end_header", without "element vertex"
     std::size_t element_at = 0;      // index of the header line before which "element vertex" is inserted
     SplatLayout layout;
     std::string before, rows, after; // bytes of elements before the splats, of the splats, and after

@@ -57,7 +57,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
     SplatFile scene = empty_scene(options.degree);
     const double area = area_of(mesh), step = area / double(options.count);
     const auto box = cageform::bounds_of(std::span<const Point3>(mesh.vertices));
-    const double radius = 1.3 * std::sqrt(step / 3.14159265358979323846); // disks without holes between
+    const double radius = 1.3 * std::sqrt(step / 3.14159265358979323846); // no holes between the disks
     std::mt19937_64 random(options.seed);
     std::array<double, most_harmonics> gloss{};
     scene.rows.reserve(options.count * scene.layout.row_bytes);
@@ -81,8 +81,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
             const Point3 light{-0.45, 0.75, 0.49};
             const double shade = 0.6 + 0.4 * std::max(0.0, dot(normal, light));
             const auto own = paint(splat.place, box);
-            // A lobe around viewing directions of the mirrored light. Files store it by the direction from
-            // the eye to the splat.
+            // A lobe around the mirrored light. In files, directions are from the eye to the splat.
             harmonics_at(light - 2 * dot(normal, light) * normal, gloss);
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 splat.colour[channel] = (shade * own[channel] - 0.5) / constant_harmonic;

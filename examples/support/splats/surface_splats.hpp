@@ -16,12 +16,12 @@ struct SurfaceSplatOptions {
     std::uint64_t seed = 1;
 };
 
-/// Distributes splats evenly over the faces of a mesh. Each is flat on its face, 1.3 times as wide as a disk
-/// of its share of the area. Bands of colour make stretching visible. The harmonics add gloss: a reflection
-/// of a light from above and the left.
+/// Distributes splats evenly over the faces of a mesh. Each is flat on its face; its standard deviation is
+/// 1.3 times the radius of a disk with its share of the area. Bands of colour make stretching visible. The
+/// harmonics add gloss: a reflection of a light from above and the left.
 ///
 ///   mesh      with positive area
-///   returns   the same scene for the same options, on all machines with the same mathematical functions
+///   returns   the same scene for the same options, on all machines with the same mathematical library
 SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options);
 
 /// The area of all faces.

@@ -7,7 +7,7 @@ namespace cageform_support::detail {
 
 namespace {
 
-constexpr std::size_t few_numbers = 40; // an animated transform takes about 600 bytes
+constexpr std::size_t few_numbers = 40; // shorter paths take less than an animated transform, 600 bytes
 
 /// Calls `visit` with corresponding control points of two paths with the same segments.
 void visit_pairs(const Path& a, const Path& b, const auto& visit) {
@@ -49,7 +49,7 @@ private:
         part.maps.resize(frames_);
         bool moves = false;
         for (std::size_t n = 0; n < frames_; ++n) {
-            const std::size_t f = (n + frames_ / 2) % frames_; // motions often start at rest: fail early
+            const std::size_t f = (n + frames_ / 2) % frames_; // middle first: motions often start at rest
             Motion motion;
             for (std::size_t i = part.first; i < part.end; ++i) motion.add(curves_.motion(i, f));
             const auto best = motion.best_map();

@@ -19,9 +19,10 @@ struct AffinePart {
     Box box = {};                   // at rest, in its own user space
 };
 
-/// Finds the largest groups and shapes that move affinely in every frame, within the tolerance, strokes
-/// included. Parts are not in a clip path or mask, and contain no markers, clip path, mask, filter or text on
-/// a path. A single shape is skipped if its path takes fewer bytes than a transform.
+/// Finds the largest groups and shapes that move affinely in every frame. `tolerance`, in root user units,
+/// holds for paths and strokes. Parts are not in a clip path or mask, and contain no markers, dashed strokes,
+/// clip path, mask, filter or text on a path. A single shape is skipped if its path takes fewer bytes than a
+/// transform.
 std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& curves, std::size_t frames,
                                      double tolerance);
 

@@ -31,8 +31,8 @@ int fewest_decimals(double sensitivity, double tolerance) {
     return enough;
 }
 
-/// Easing between two key frames: a Bézier curve of time with control points at the times `handle` and 1 -
-/// `handle` and the values `first` and `second`.
+/// Easing between two key frames: a cubic Bézier curve from (0, 0) to (1, 1), time first, with the control
+/// points (handle, first) and (1 - handle, second).
 struct Ease {
     double handle = handles.front(), first = handle, second = 1 - handle;
 
@@ -195,8 +195,8 @@ private:
     }
 };
 
-/// A matrix animation as a product of animated transforms, since SVG cannot animate a matrix: translation,
-/// rotation, skew and scale. All but the translation are about `centre`.
+/// A matrix animation as a product of animated translation, rotation, skew and scale, since SVG cannot
+/// animate a matrix. All but the translation are about `centre`.
 class AnimatedTransform {
 public:
     enum Part { shift, turn, skew, scale };

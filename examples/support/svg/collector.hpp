@@ -83,7 +83,7 @@ private:
     bool visit_use(pugi::xml_node use, const Place& parent);
     /// Returns the target of a `use`; nothing, with a warning or an error, if the target cannot be used.
     pugi::xml_node used_element(pugi::xml_node use);
-    /// Replaces a `use` in a clip path, which may not contain groups, by a copy of the target.
+    /// Replaces a `use` in a clip path by a copy of the target, since a clip path may not contain groups.
     bool replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform, const Place& parent);
     /// Turns a `use` into a group that contains a copy of the target.
     bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
@@ -93,7 +93,7 @@ private:
     /// Replaces images in a copy by uses of a shared definition, so that their data is not repeated.
     void share_images(pugi::xml_node copy);
     bool count_copies(pugi::xml_node top);
-    /// Number of nodes of an element with all uses expanded, or more than the limit.
+    /// Number of nodes of an element with all uses expanded; counting stops above max_svg_copies.
     std::size_t expanded_size(pugi::xml_node top, int depth = 0);
 
     // ---- clip paths, masks and filters (references.cpp) ----
@@ -132,7 +132,7 @@ private:
     bool add_text_path(pugi::xml_node text_path, const Place& place);
     /// Adds the extent of letters on a path: 0.6 em per letter along the path, 0.8 em on both sides.
     bool add_reach(pugi::xml_node text_path, const Path& path, Place place);
-    /// Whether an element is drawn itself, with this transform.
+    /// Whether an element is drawn where it stands, not by a `use`, with this transform and without filter.
     bool is_drawn_under(pugi::xml_node node, const Affine2& to_root) const;
     Box image_box(pugi::xml_node node, const Place& place);
     /// Estimated box of a text: 0.6 em per letter.
@@ -148,7 +148,7 @@ private:
     std::vector<pugi::xml_node> active_;                     // enclosing use targets, clip paths and masks
     std::unordered_map<std::string, pugi::xml_node> images_; // definitions, by position and data
     std::unordered_map<std::size_t, pugi::xml_node> uses_of_images_; // definitions, by the hash of their use
-    double most_ = 0; // largest coordinate: beyond it rounding errors are visible
+    double most_ = 0; // largest coordinate without visible rounding errors
     std::size_t copies_ = 0;
     std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
     std::unordered_map<std::size_t, bool> paints_; // visibility of gradients, by the hash of the node

@@ -405,7 +405,7 @@ private:
         return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
     }
 
-    /// The distance that a shape's stroke extends beyond its box; nothing if joins or caps decide.
+    /// Half the stroke width, 0 without a stroke; nothing if invalid, or joins or caps may extend farther.
     std::optional<double> stroke_reach(pugi::xml_node shape, const Viewport& view) const {
         const auto inherited = [&](const char* property) {
             std::string text;

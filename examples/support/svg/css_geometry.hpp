@@ -11,7 +11,7 @@
 
 namespace cageform_support::detail {
 
-/// The value of a property; empty if not given or inherited.
+/// The value of a property; empty if it is not given, or is a CSS-wide keyword other than `initial`.
 std::string text_of(const StyleSheets::Values& values, std::string_view property);
 
 /// Parses a CSS angle; returns degrees.
@@ -35,7 +35,7 @@ struct BasicShape {
 
 /// Parses a basic shape; nothing if the text is not a supported one.
 ///
-///   fill, stroke   reference boxes: of the geometry, and with strokes
+///   fill, stroke   reference boxes of the element, without and with its stroke
 std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fill, const Box& stroke,
                                             const Viewport& viewport);
 

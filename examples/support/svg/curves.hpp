@@ -44,11 +44,11 @@ struct PathRole {
 
 /// Deforms paths in one or more frames and approximates the result by cubics.
 ///
-/// Every segment is sampled at equal steps, their number a multiple of six. A piece becomes the cubic through
-/// its samples at 0, 1/3, 2/3 and 1 if in every frame all other samples are within the tolerance at the same
-/// parameter. Otherwise it is halved, so a path has the same pieces in all frames. A line that stays straight
-/// in all frames stays a line. All pieces of all paths are sampled together: the deformer is called once per
-/// level of halving.
+/// Every segment is sampled at equal steps of the parameter; the number of steps is a multiple of six. A
+/// piece becomes the cubic through its samples at 0, 1/3, 2/3 and 1. If in any frame another sample is
+/// farther than the tolerance from the cubic at the same parameter, the piece is halved in all frames. A line
+/// that stays straight in all frames stays a line. All pieces of all paths are sampled together: the deformer
+/// is called once per level of halving.
 class CurveDeformer {
 public:
     CurveDeformer(const FrameDeformer& deformer, std::size_t frames, double tolerance, double diagonal,
@@ -60,7 +60,7 @@ public:
         , max_halvings_(max_halvings)
         , report_(report) {}
 
-    /// Deforms all paths; false if the deformer stopped, see failure().
+    /// Deforms all paths; false if the deformer returns false or there are too many points, see failure().
     ///
     ///   roles   #paths, passed to the deformer
     bool run(const std::vector<Path>& paths, std::vector<PathRole> roles) {
@@ -213,8 +213,8 @@ private:
         return std::span(piece.samples).subspan(frame * n, n);
     }
 
-    /// Number of steps: at least six, each at most 1/64 of the diagonal, so that narrow bulges are not
-    /// missed.
+    /// Number of steps: 6 to 1536, each at most 1/64 of the diagonal if possible, so that narrow bulges are
+    /// not missed.
     std::size_t steps(const Point2& from, const Segment& s) const {
         const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
         std::size_t n = 6;
@@ -403,8 +403,8 @@ private:
         return {{(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3}, {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3}, d, 1};
     }
 
-    /// Where the derivative of the curve vanishes, that of the cubic does too. Otherwise rounding would
-    /// determine the tangent, which strokes show.
+    /// If the derivative of the curve vanishes at one end, that of the cubic vanishes there too. Otherwise
+    /// rounding would determine the tangent, which is visible in strokes.
     static Segment cubic_through(std::span<const Point2> samples, Stops stops) {
         const std::size_t n = samples.size() - 1;
         const Point2& a = samples[0];

@@ -42,8 +42,7 @@ void add_transform_track(pugi::xml_node node, const Affine2& to_root, const std:
     tracks.push_back(std::move(track));
 }
 
-/// Moves an element into a group that takes over its clip path and mask, whose shapes are deformed
-/// separately.
+/// Moves an element into a group that takes over its clip path and mask: these are deformed separately.
 void wrap_with_clips(const Drawing& drawing, const StyleSheets& styles, pugi::xml_node node) {
     const auto is_its = [&](const Reference& each) { return each.node == node && !is_filter(each); };
     if (std::none_of(drawing.references.begin(), drawing.references.end(), is_its)) return;
@@ -148,7 +147,7 @@ bool is_skewed(const Affine2& map) {
     return largest * largest > (1 + 1e-6) * std::abs(map.a * map.d - map.b * map.c);
 }
 
-/// The rotation, or reflection, about a point that is nearest to a map: its polar factor. The identity if the
+/// The rotation or reflection about `centre` that is nearest to a map (its polar factor); the identity if the
 /// map does not rotate.
 Affine2 turn_of(const Affine2& map, const Point2& centre) {
     const double side = map.a * map.d < map.b * map.c ? -1 : 1;
@@ -227,7 +226,7 @@ public:
             if (curves.is_lost(i))
                 result_.report.warnings.push_back(
                     label(work_, rest_.shapes[i].node) +
-                    ": has a point that cannot be computed, and stays unchanged");
+                    ": stays unchanged, since a deformed point is out of range or not finite");
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
@@ -355,7 +354,7 @@ private:
     }
 
     /// Finds the map of each element with a filter: the best affine map of its shapes. With strokes or
-    /// markers, only its rotation and the shift of the centre are used. The shapes get the remaining
+    /// markers, only the map's rotation and the shift of the centre are used. The shapes get the remaining
     /// deformation.
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
@@ -391,7 +390,7 @@ private:
                 result_.report.warnings.push_back(
                     label(work_, r.node) +
                     (local_name(r.node) == "svg"
-                         ? ": its filter does not turn, as its element is an svg"
+                         ? ": its filter does not turn, since its element is an svg"
                          : ": its filter does not turn: other elements share its clip path or mask"));
             }
         }
@@ -464,8 +463,8 @@ private:
         }
         if (moved.pen_stays)
             result_.report.warnings.push_back(
-                label(work_, shape.node) + ": its stroke keeps its direction: its transform is skewed, and "
-                                           "it has a clip path, a mask or a filter");
+                label(work_, shape.node) + ": the pen of its stroke is not rotated, since the transform is "
+                                           "skewed and it has a clip path, a mask or a filter");
         for (std::size_t f = 0; f < moved.turns.size(); ++f) // the map without the rotation
             moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
         if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
@@ -567,7 +566,7 @@ private:
     ViewBox view_;
     double diagonal_ = 0, tolerance_ = 0;
     std::map<std::string, std::string> turned_markers_; // ids of copies, by marker and angles
-    Drawing rest_;                                      // its paths are those of the frame looked at last
+    Drawing rest_;                                      // its paths are those of the frame processed last
     std::vector<bool> moves_;
     std::vector<Moved> moved_;
     static constexpr std::size_t none = std::size_t(-1);

@@ -35,7 +35,7 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
         for (std::size_t at = text.find(begin); at != std::string_view::npos; at = text.find(begin, at)) {
             at += begin.size();
             const std::string_view head = text.substr(at, most_of_entity);
-            const auto words = words_of(head); // "%" is one of the document type itself
+            const auto words = words_of(head); // "%": a parameter entity
             const std::size_t length = head.find_first_of("\"'>");
             if (length == std::string_view::npos || words.size() < 2 || head[length] == '>') continue;
             const std::size_t open = at + length;
@@ -167,7 +167,7 @@ private:
                 return {};
             }
             if (depth > 20 || size_ > std::size_t{1} << 24) {
-                fault_ = "the entity \"" + name + "\" expands to too much";
+                fault_ = "the entity \"" + name + "\" expands to more than 16 MiB, or is nested too deeply";
                 return {};
             }
             result += expanded(value, is_attribute, depth + 1);
@@ -306,7 +306,7 @@ Expected<std::string> unpacked(std::string_view packed, const std::string& name)
         text.append(out.begin(), out.end() - static_cast<std::ptrdiff_t>(stream.avail_out));
     }
     inflateEnd(&stream);
-    if (text.size() > most) return FileError{name + ": unpacked it is larger than 256 MiB"};
+    if (text.size() > most) return FileError{name + ": is larger than 256 MiB when unpacked"};
     if (state != Z_STREAM_END) return FileError{name + ": a damaged gzip file"};
     return text;
 }
@@ -386,8 +386,8 @@ std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& lo
     return loops.empty() ? "an empty path" : "";
 }
 
-/// Closes subpaths whose ends are within the coincidence tolerance of their starts, without the line that Z
-/// has added between. Subpaths without segments are removed.
+/// Closes subpaths whose ends are within the coincidence tolerance of their starts; a line that Z has added
+/// between them is removed. Subpaths without segments are removed.
 ///
 ///   returns   #path: whether it is closed
 std::vector<bool> close_loops(std::vector<Subpath>& path) {
@@ -468,7 +468,7 @@ Expected<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& doc
             line.push_back(subpath.start);
             for (const Segment& s : subpath.segments) {
                 if (!s.is_line())
-                    return FileError{document.name + ": a line of points has curves: " + shape.label};
+                    return FileError{document.name + ": curves, where lines are needed: " + shape.label};
                 line.push_back(s.p3);
             }
         }

@@ -9,19 +9,19 @@
 // transforms share it, or if it uses objectBoundingBox units. Each shape becomes a <path>. Shapes that do not
 // move are not rewritten.
 //
-// Affine motion: gradients and patterns of a shape (paint.hpp), and texts, images and foreignObjects as a
-// whole, follow the affine map that fits the motion of their points best, by least squares. Under strong
-// bending this fit is poor. An element with a filter moves as a whole, by the best affine map of its shapes;
-// if a shape has a stroke or markers, only by a rotation and a translation. Regions of filters, filter
-// primitives and masks are enlarged to hold the moved shapes; light sources follow. The clipping region of a
-// mask, a nested svg or a used symbol becomes a clip path. Markers with a fixed direction rotate with their
-// shape.
+// Affine motion: gradients and patterns (paint.hpp) follow the affine map that fits the motion of their
+// shape's points best, by least squares. Texts, images and foreignObjects move as a whole by such a map.
+// Under strong bending this fit is poor. An element with a filter moves as a whole, by the best affine map of
+// its shapes; only by a rotation and a translation if one has a stroke or markers. Regions of filters, filter
+// primitives and masks are enlarged to hold the moved shapes; light sources move with the shapes. The
+// clipping region of a mask, a nested svg or a used symbol becomes a clip path. Markers with a fixed
+// direction rotate with their shape.
 //
-// Not deformed: stroke widths. Shapes under a singular transform stay unchanged. A filter does not rotate on
-// an svg element, or if elements outside share a clip path or mask with the content of its element; warnings
-// name both. Warnings also name every unknown property, attribute or element, and every one that should
-// change with the pose but does not (properties.hpp). If a transform makes a stroke's pen elliptical, the pen
-// rotates with the shape.
+// Not deformed: stroke widths. Shapes under a singular transform stay unchanged. A filter does not rotate if
+// its element is an svg, or if elements outside share a clip path or mask with the content of its element. A
+// warning names it if it has an offset or a drop shadow. Warnings also name every unknown property, attribute
+// or element, and every one that should change with the pose but does not (properties.hpp). If a transform
+// makes a stroke's pen elliptical, the pen rotates with the shape.
 //
 // Markers are drawn at the vertices of the file. If the deformation adds vertices to a path, an unpainted
 // second path carries the markers.
@@ -29,9 +29,9 @@
 // Invalid parts of attributes are ignored, as in browsers, with a warning. For cages and poses they are
 // errors.
 //
-// Style sheets are kept, except geometry and transforms, which become attributes. If the rules that match an
-// element change (a rect has become a path, a copy has another parent), its style attribute gets the values
-// of the earlier rules.
+// Style sheets are kept, except geometry and transforms, which become attributes. An element may then match
+// other rules: a rect has become a path, or a copy has another parent. Its style attribute then gets the
+// values of the earlier rules.
 
 #include "svg/path.hpp"
 
@@ -167,7 +167,7 @@ struct DrawnShape {
     int level = 0;                      // number of enclosing clip paths and masks
     bool clips = false;                 // inside a clip path
     bool is_box = false;                // text or an image
-    std::optional<std::size_t> carrier; // index of the text that follows this path in part
+    std::optional<std::size_t> carrier; // index of the text, part of which follows this path
     bool is_extent = false;             // extent of letters on a path: not written
 };
 
@@ -202,7 +202,7 @@ Expected<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& docu
 ///             counted from 0
 Expected<std::vector<Subpath>> first_outline(const SvgDocument& document);
 
-/// The vertices of every subpath, in root user space, in document order; fails if one has curves.
+/// The vertices of every subpath, in root user space, in document order; fails if a subpath has curves.
 Expected<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document);
 
 /// A figure's vertices: the end points of all segments in root user space, in document order. The start of a
@@ -214,10 +214,12 @@ Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///   document   changed only on success
 ///   deformer   called with all points of the document, then with those of halved pieces: at most 1 +
 ///              max_halvings times
-///   accuracy   all samples of a deformed curve are within the tolerance of the path before rounding to
-///              `decimals`; features narrower than 1/64 of the diagonal of the viewBox may be missed
+///   accuracy   all samples of a deformed curve, except DeformReport::coarse segments, are within the
+///              tolerance of the path before rounding to `decimals`; features narrower than 1/64 of the
+///              diagonal of the viewBox may be missed
 ///   skipped    shapes out of range, and shapes with a point whose image is not finite, with a warning
-///   fails      if copies are too many or nested too deeply, or the deformer returns false
+///   fails      if copies or points are too many, elements are nested too deeply, a layer has no shape, a
+///              coordinate is out of range in its element, or the deformer returns false
 Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                               const DeformOptions& options = {});
 
@@ -236,7 +238,7 @@ struct AnimatedSvg {
         double scale = 1; // upper bound of the scale from the attribute's units to root units
         std::vector<double> numbers = {};
         std::vector<Affine2> maps = {};
-        std::vector<Point2> places = {}; // of maps: corners of the moved box
+        std::vector<Point2> places = {}; // of maps: corners of the content's box, before the map
         std::vector<Path> paths = {};
         int decimals = 6; // of numbers and paths in show()
     };

@@ -21,7 +21,7 @@ struct DrawnFigure {
 /// or in clip paths and masks; shapes off the page, unless all are. A shape that is clipped counts whole,
 /// since it is deformed whole. Texts and images count as their boxes.
 ///
-///   curves   flattened with a tolerance of 5e-4 of the document's diagonal, and thickened by it
+///   curves   flattened with a tolerance of 5e-4 of the diagonal of the shapes' box; radii grow by it
 ///   fails    as shapes() does, and if nothing is visible
 Expected<DrawnFigure> drawn_figure(const SvgDocument& document);
 

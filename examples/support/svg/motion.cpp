@@ -62,7 +62,7 @@ std::optional<Affine2> Motion::best_map() const {
     // the best similarity: columns (a, b) and (-b, a)
     const double a = (mixed_xx_ + mixed_yy_) / spread;
     const double b = (mixed_yx_ - mixed_xy_) / spread;
-    // its residual times the points at rest; the best map adds D with D (second moments + ridge) = this
+    // its residual times the points at rest, M; the best map adds D, with D (second moments + ridge) = M
     const double miss_xx = mixed_xx_ - (a * xx_ - b * xy_);
     const double miss_xy = mixed_xy_ - (a * xy_ - b * yy_);
     const double miss_yx = mixed_yx_ - (b * xx_ + a * xy_);

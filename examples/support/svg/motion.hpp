@@ -18,9 +18,9 @@ public:
     bool moved() const { return moved_; }
 
     /// The least-squares affine map from the points at rest to the moved points, regularised towards the best
-    /// similarity: points on a line determine the map across the line only by it, and so do points whose
-    /// spread across is small compared with the residual. Nothing if all points coincide after the motion, or
-    /// the map is nearly singular.
+    /// similarity. If the points at rest are on a line, or their spread across a line is small compared with
+    /// the residual, the similarity determines the map across that line. If the map is nearly singular, the
+    /// similarity is returned; nothing if all points coincide after the motion.
     std::optional<Affine2> best_map() const;
 
 private:

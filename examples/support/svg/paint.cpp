@@ -139,7 +139,7 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     // Whether maps, in user space or box units, move the paint with the shape.
     const auto goes_right = [&](bool of_box, const auto& map_of) {
         for (std::size_t n = 0; n < local.size(); ++n) {
-            const std::size_t f = (n + local.size() / 2) % local.size(); // motions often start at rest
+            const std::size_t f = (n + local.size() / 2) % local.size(); // often at rest at the start
             const Affine2 placed =
                 of_box ? compose(from_unit_square(moved[f]), compose(map_of(f), *from_rest)) : map_of(f);
             for (const Point2& p : rest.corners()) {
@@ -359,7 +359,7 @@ void write(const Region& region) {
 
 /// Moves a light source in user space, and the point it points at.
 ///
-///   maps    #frames; if there is none, the position of the frame before is kept
+///   maps    #frames; without a map, a frame has the position of the frame before
 ///   scale   to root user space
 void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>& maps, double scale,
                 std::vector<AnimatedSvg::Track>& tracks) {
@@ -410,7 +410,7 @@ void follow_primitives(const SvgDocument& document, const Subject& subject, cons
             };
             if (std::all_of(subject.maps.begin(), subject.maps.end(), stays)) continue;
             if (shared || !subject.maps.front()) {
-                warnings.push_back(label(document, light) + ": stays where it is");
+                warnings.push_back(label(document, light) + ": does not move with the shapes");
             } else {
                 move_light(light, subject.maps, largest_scale(subject.reference.to_root), tracks);
             }

@@ -16,7 +16,7 @@ namespace cageform_support::detail {
 /// The gradient or pattern with this id and those it inherits from; empty if there is none.
 std::vector<pugi::xml_node> server_chain(const IdTable& ids, const std::string& id);
 
-/// The first of a chain that has stops or a tile; nothing if none has.
+/// The first element of a chain with stops or tile content; nothing if there is none.
 pugi::xml_node content_owner(const std::vector<pugi::xml_node>& chain);
 
 /// A gradient or pattern, and those it inherits from.
@@ -99,7 +99,7 @@ struct MovedRegion {
 };
 
 /// Enlarges the regions of masks, filters and filter primitives in user space to their content in all frames.
-/// Light sources of a filter with a single user follow that user's best map.
+/// Light sources of a filter move by the best map of the element that uses it, if there is only one.
 ///
 ///   regions   #references of the drawing
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,

@@ -20,8 +20,8 @@
 
 namespace cageform_support {
 
-/// A segment as a cubic; it starts at the end of the segment before. The control points of a line are at its
-/// thirds, those of a quadratic those of the equal cubic.
+/// A segment as a cubic; it starts at the end of the segment before. A line has its control points at its
+/// thirds, a quadratic has those of the equal cubic.
 struct Segment {
     Point2 p1;
     Point2 p2;
@@ -37,7 +37,7 @@ inline Point2 quadratic_control(const Point2& from, const Point2& p1) {
     return {1.5 * p1.x - from.x / 2, 1.5 * p1.y - from.y / 2};
 }
 
-/// The closing line of a closed subpath is among its segments: it ends exactly at its start.
+/// The segments of a closed subpath include the closing line and end exactly at `start`.
 struct Subpath {
     Point2 start;
     std::vector<Segment> segments;
@@ -92,7 +92,7 @@ std::optional<Affine2> inverse(const Affine2& m);
 
 Path transformed(Path path, const Affine2& map);
 
-/// Largest angle of an arc that one cubic approximates: to 2.8e-4 of the radius in figures, 4e-6 in cages.
+/// Largest angle of an arc per cubic, in radians. Errors: 2.8e-4 of the radius in figures, 4e-6 in cages.
 constexpr double arc_of_figure = std::numbers::pi / 2, arc_of_cage = std::numbers::pi / 4;
 
 /// Builds absolute subpaths from SVG commands. A drawing command after close() starts a new subpath at the
@@ -122,7 +122,7 @@ public:
     void cubic_to(const Point2& p1, const Point2& p2, const Point2& p) { add(p1, p2, p, 3); }
 
     /// Maps the ellipse to the unit circle. There `h` is half the chord, and its length the sine of half the
-    /// angle. If it exceeds one, the radii are too small and are scaled by it.
+    /// angle. If the length exceeds one, the radii are too small and are scaled by the length.
     void arc_to(double rx, double ry, double degrees, bool large, bool sweep, const Point2& end) {
         if (end == current_) return;
         rx = std::abs(rx);
@@ -171,7 +171,7 @@ public:
         }
     }
 
-    /// Closes a gap of the size of rounding errors, as sums of relative steps have, without a line.
+    /// Closes the subpath; by a line, unless the gap is a rounding error, as after relative steps.
     void close() {
         if (!open_) return;
         Subpath& subpath = path_.back();
@@ -237,7 +237,7 @@ std::string lowered(std::string_view text);
 ///   most_turn   largest angle per cubic of an arc
 Expected<Path> parse_path_data(std::string_view text, double most_turn = arc_of_figure);
 
-/// As parse_path_data(), but returns the path up to the error, as browsers do; nothing on overflow.
+/// As parse_path_data(), but returns the path up to the error, as browsers do; an empty path on overflow.
 struct ReadPath {
     Path path;
     std::optional<FileError> fault;
@@ -270,7 +270,7 @@ std::string format_number(double value, int decimals);
 std::string write_path_data(const Path& path, int decimals);
 
 /// Compact path data: relative commands; a final line to the start is left to Z. Paths with equal pieces get
-/// equal commands. No coordinate is off by more than half of the last digit.
+/// equal commands. The error of each coordinate is at most half a unit of the last digit.
 ///
 ///   decimals   0 to 15
 std::string write_short_path_data(const Path& path, int decimals);

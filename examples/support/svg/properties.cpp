@@ -177,7 +177,7 @@ bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute)
     if (kind == "<url>") return name == "url()" || name == "src()";
     if (kind == "<colour>") {
         const bool is_open = name.starts_with("rgb") && word.find_first_of("fn(", open + 1) < word.size();
-        return parse_colour(word) || has_word(other_colours, name) || is_open; // from, none, calc()
+        return parse_colour(word) || has_word(other_colours, name) || is_open; // with from, none, calc()
     }
     if (kind == "<function>")
         return is_function && is_valid(name, word.substr(open + 1, word.size() - open - 2));

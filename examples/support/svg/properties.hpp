@@ -31,7 +31,7 @@ constexpr std::string_view wide_keywords = "inherit initial unset revert revert-
 ///                  or an open bracket
 bool is_valid(std::string_view property, std::string_view value, bool is_attribute = false);
 
-/// The value of a property that nothing sets: "inherit" or the initial value.
+/// The value of a property that nothing sets: "inherit", the initial value, or "unset" if it is unknown.
 std::string neutral_value(const std::string& property);
 
 /// Collects properties, attributes and elements that are not deformed, each with its first location.

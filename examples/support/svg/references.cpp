@@ -154,7 +154,7 @@ StyleSheets::Values ShapeCollector::resolve_context_paint(pugi::xml_node node, c
         const std::string& context = paint == "context-fill" ? place.context_fill : place.context_stroke;
         styles_.set(node, property, context);
         values[property].text = context;
-        if (!referenced_id(context).empty()) warn(node, paint + " is taken in the box of each shape");
+        if (!referenced_id(context).empty()) warn(node, paint + " uses the bounding box of each shape");
     }
     return values;
 }
@@ -243,7 +243,7 @@ bool ShapeCollector::make_clip_path(pugi::xml_node node, const Values& values, c
     if (fill.empty()) return false; // not drawn
     const auto shape = has_text ? std::nullopt : parse_basic_shape(value, fill, stroke, place.viewport);
     if (shape && has_tips && value.find("fill-box") == std::string::npos) {
-        warn(node, "clip-path: the box of its stroke is taken without the tips of mitred corners");
+        warn(node, "clip-path: the stroke box excludes the tips of mitred corners");
     }
     if (!shape) {
         warn(node, "the property \"clip-path\" is not deformed: " + value.substr(0, 60));

@@ -344,7 +344,8 @@ bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, 
     }
 }
 
-/// A failure tells which other candidates fail too, so that no chain of elements is tried twice.
+/// no_sibling: earlier siblings do not match either; never: nor do ancestors. So no chain of elements is
+/// tried twice.
 enum class Match { yes, no, no_sibling, never };
 
 Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pugi::xml_node node,

@@ -85,8 +85,8 @@ public:
     /// Sets a value such that it wins the cascade.
     void set(pugi::xml_node node, const std::string& property, const std::string& text) const;
 
-    /// Marks the copy for a `use` with the rules that match its original without ancestors and siblings, as
-    /// in SVG 2.
+    /// Marks the copy for a `use` with the rules that would match its original without ancestors and
+    /// siblings, as in SVG 2.
     void match_in_isolation(pugi::xml_node copy);
 
     /// Whether a sheet sets geometry or transforms.
@@ -169,7 +169,7 @@ private:
     ///   left   in and out: number of elements that may still be searched for values of var()
     std::optional<std::string> substituted(pugi::xml_node node, std::string_view text, int& left) const;
     std::optional<std::string> custom_property(pugi::xml_node node, std::string_view name, int& left) const;
-    /// Whether the style attribute has changed.
+    /// As above, for one element; returns whether its style attribute has changed.
     bool settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
 
     SvgDocument& document_;

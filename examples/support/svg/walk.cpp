@@ -105,7 +105,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
                        extensions == "http://www.w3.org/1998/Math/MathML";
     if (!known) return true; // not drawn by any renderer
 
-    // Pages and hidden layers need not lie in the cage. For reading (a cage, say), hidden shapes count.
+    // Hidden layers and pages may lie outside the cage. Without follow_references, hidden shapes count.
     const Values values = resolve_context_paint(node, parent);
     if (options_.follow_references && text_of(values, "display") == "none") {
         warn(node, "is not displayed and stays unchanged");
