@@ -411,7 +411,7 @@ refuses 'huge.csv: vertex 2: -1e+39 is beyond single precision' "$weights" --cag
 awk -F, '{ printf "%d,%d\n", $1 + 500000, $2 + 4600000 }' square.csv >far.csv
 for type in mean-value sibson; do
   works "far away, $type" "$weights" --cage far.csv --points far.csv --coordinates $type -o far_weights.csv
-  refuses 'far.csv: is far from the origin: single precision rounds places there' "$weights" --cage far.csv --points far.csv --coordinates $type --scalar float -o out.csv
+  refuses 'far.csv: is far from the origin: single precision rounds positions there' "$weights" --cage far.csv --points far.csv --coordinates $type --scalar float -o out.csv
 done
 awk 'BEGIN { for (i = 0; i < 300000; ++i) printf "7x" }' >long.csv
 refuses 'long.csv:1: ' "$weights" --cage square.csv --points long.csv -o out.csv
@@ -1329,11 +1329,11 @@ refuses 'needs more than 100000000 steps' "$waves" --step 1e-12 -o out.png
 refuses 'lattice:0x4: an axis has 2 points or more' "$deform" "$cat" --cage lattice:0x4 -o out.svg
 refuses 'cat.svg: a lattice about a drawing has two axes: lattice:4x4' "$deform" "$cat" --cage lattice:4x4x4 -o out.svg
 refuses 'cube.obj: a lattice about a mesh has three axes: lattice:4x4x4' "$mesh" cube.obj --cage lattice:4x4 -o out.obj
-refuses 'lattice:4x4/9: the degree is 1, 2 or 3; /bernstein takes the highest' "$animate" "$cat" --cage lattice:4x4/9 -o out.svg
+refuses 'lattice:4x4/9: the degree is 1, 2 or 3; for the highest, use /bernstein' "$animate" "$cat" --cage lattice:4x4/9 -o out.svg
 refuses 'lattice:4: a lattice has two axes' "$field" --cage lattice:4 --figure "$cat" --vertex 0 -o out.png
 refuses '--lattice: lattice:70x4/bernstein: Bernstein polynomials take at most 64 points along an axis' "$make_cage" "$cat" --lattice 70x4/bernstein -o out.svg
-refuses 'lattice:4x4x4@30: @ANGLE turns the box of a drawing alone' "$bind" cube.obj --cage lattice:4x4x4@30 -o out.figure
-refuses 'cube.lattice.json: this lattice has three axes, and a drawing two' "$deform" "$cat" --cage cube.lattice.json -o out.svg
+refuses 'lattice:4x4x4@30: @ANGLE is only for the box of a drawing' "$bind" cube.obj --cage lattice:4x4x4@30 -o out.figure
+refuses 'cube.lattice.json: this lattice has three axes, but a drawing needs two' "$deform" "$cat" --cage cube.lattice.json -o out.svg
 refuses 'cat.lattice.json: this lattice has two axes, and a mesh three' "$mesh" cube.obj --cage cat.lattice.json -o out.obj
 refuses 'make_cage --lattice writes a .lattice.json file' "$weights" --cage lattice:4x4 --points places.csv -o out.csv
 refuses 'cat_cage.svg: holds 1 line, and the lattice the lattice about' "$deform" "$cat" --cage lattice:4x4 --pose "$cage" -o out.svg
@@ -1423,7 +1423,7 @@ svg fewer.svg '<path d="M0 0C1 1 2 2 9 9C1 5 1 1 0 0Z"/>'
 refuses 'fewer.svg: the pose has 2 edges, the cage' "$deform" "$leaf" --cage "$leaf_cage" --pose fewer.svg --coordinates curved-green -o out.svg
 sed 's/C 510 290 400 365 290 365/L 290 365/' "$leaf_cage" >lower.svg
 refuses 'lower.svg: edge 2, counted from 0, a line (L), is a cubic (C) in the cage' "$animate" "$leaf" --cage "$leaf_cage" --pose lower.svg --coordinates curved-green -o out.svg
-refuses 'cat_cage_head.csv: this coordinate type does not support interior cells: --coordinates curved-green takes loops alone' "$weights" --cage "$data/cat_cage_head.csv" --points leaf_points.csv --coordinates curved-green -o out.csv
+refuses 'cat_cage_head.csv: this coordinate type does not support interior cells: --coordinates curved-green supports only loops' "$weights" --cage "$data/cat_cage_head.csv" --points leaf_points.csv --coordinates curved-green -o out.csv
 refuses 'the disk does not contain the cage' "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved-green --disk-radius 10 -o out.csv
 refuses '--disk-radius' "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved-green --disk-radius -1 -o out.csv
 refuses '--curve "0:0:1,1": the cage has no curves; --coordinates curved-green makes its edges curves' "$deform" "$cat" --cage "$cage" --curve 0:0:1,1 -o out.svg
@@ -1606,10 +1606,10 @@ refuses_markers 'markers.csv:2: 5 columns, and the first row has 3' '0,480,420\n
 refuses_markers 'markers.csv:2: a time is not later than the one before it' '0,480,420\n0,480,420\n'
 refuses_markers 'markers.csv:2: not a number: "x"' '0,480,420\n1,x,420\n'
 refuses_markers 'markers.csv:2: not a number: ""' '0,480,420\n1,,420\n'
-refuses_markers 'markers.csv: "marker 2" has no place at rest' '0,480,420,,\n1,480,420,3,4\n'
-refuses_markers 'markers.csv: "2" is never seen' 'time,1,,2,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
-refuses_markers 'markers.csv: "b" is never seen' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
-refuses_markers 'markers.csv:2: the row of rest is the first' '0,480,420\nrest,480,420\n1,480,420\n'
+refuses_markers 'markers.csv: "marker 2" has no rest position' '0,480,420,,\n1,480,420,3,4\n'
+refuses_markers 'markers.csv: "2" has no position at any time' 'time,1,,2,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
+refuses_markers 'markers.csv: "b" has no position at any time' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
+refuses_markers 'markers.csv:2: the rest row has to be the first row' '0,480,420\nrest,480,420\n1,480,420\n'
 refuses_markers 'markers.csv:1: "late" takes an element and seconds' 'late,3\n'
 refuses_markers 'pin 1 (markers.csv: marker 1) at (5, 5) lies outside the cage' '0,5,5\n1,6,6\n'
 refuses_markers 'markers.csv: its length needs' '0,480,420\n1e9,480,420\n'
@@ -2500,9 +2500,9 @@ clip() { # LENGTH TIMES…   a control whose keys have these times
 clip 1e9 0 1 >many.csv
 refuses 'many.csv: "a": repeated over the clip it has 1e+09 keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1e300 0 1e-300 >many.csv
-refuses 'many.csv: "a": its duration does not divide the clip' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: "a": the length of the clip is not a multiple of the duration of these keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 1e9 1000000001 >many.csv
-refuses 'many.csv: "a": its first key, at 1e+09, is a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: "a": its first key, at 1e+09, is more than a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1e9 0 1e9 >many.csv
 refuses 'many.csv: its length needs 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 1 | sed '1aground,1,1e-300' >many.csv

@@ -107,7 +107,7 @@ Expected<CageFile> with_curves(CageFile cage) {
     if (cage.has_cells())
         return FileError{
             cage.name + ": " + cageform::to_string(cageform::Status::interior_cells_not_supported) +
-            ": --coordinates curved-green takes loops alone, --coordinates harmonic chains and points"};
+            ": --coordinates curved-green supports only loops; --coordinates harmonic supports all three"};
     return make_curved_cage(cage.name, outline_of(cage));
 }
 

@@ -46,8 +46,8 @@ public:
             ClipControl& marker = clip_.controls[n];
             if (marker.name.empty()) marker.name = "marker " + std::to_string(n + 1);
             auto& rows = marker.rows;
-            if (rows.empty()) return detail::quoted(marker.name) + " is never seen";
-            if (!marker.pin) return detail::quoted(marker.name) + " has no place at rest";
+            if (rows.empty()) return detail::quoted(marker.name) + " has no position at any time";
+            if (!marker.pin) return detail::quoted(marker.name) + " has no rest position";
             const Point2& rest = marker.pin->place;
             for (auto& row : rows) {
                 row.move = {row.move[0] - rest.x, row.move[1] - rest.y, 0};
@@ -108,7 +108,7 @@ private:
     }
 
     std::string take_rest(std::span<const std::string_view> fields) {
-        if (has_rest_ || times_ > 0) return "the row of rest is the first, and there is one";
+        if (has_rest_ || times_ > 0) return "the rest row has to be the first row, and only one is allowed";
         has_rest_ = true;
         return set_rest(fields);
     }

@@ -34,7 +34,7 @@ std::string single_spaced(const std::string& line) {
     return name;
 }
 
-/// Finds a file inside a folder; a path to elsewhere is reduced to its file name. Links out of the folder are
+/// Finds a file inside a folder; of a path to another folder, only the file name is used. Links out of the folder are
 /// not followed.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
@@ -344,7 +344,7 @@ private:
                 (names += names.empty() ? "" : ", ") +=
                     detail::quoted(keyword) + " (" + std::to_string(count) + ")";
         }
-        if (!names.empty()) warn("glTF has no place for these statements: " + names);
+        if (!names.empty()) warn("glTF has no equivalent of these statements: " + names);
     }
 
     const ObjFile& file_;
@@ -379,7 +379,7 @@ std::string statement_table() {
 std::string describe_unused(const ObjParts& of_file) {
     std::string text;
     for (const auto& [keyword, count] : of_file.unused)
-        text += (text.empty() ? "statements without a place in glTF: " : ", ") + detail::quoted(keyword) +
+        text += (text.empty() ? "statements without equivalent in glTF: " : ", ") + detail::quoted(keyword) +
                 ' ' + std::to_string(count);
     return text.empty() ? text : text + '\n';
 }
