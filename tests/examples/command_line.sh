@@ -702,7 +702,7 @@ grep -q 'a tenth of the cage, vectors of its faces too$' log && ok=yes || ok=no
 report $ok "what is off is over faces as well"
 awk '$1 == "v" && ++n == 8 { print "v 0 1 1"; next } { print }' box.obj >flat_box.obj
 works "a motion through a cage that folds" "$bind" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj --coordinates green -o green.figure
-[ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area, first v 6, v 8, v 7: which way they face is unknown$' log && ok=yes || ok=no
+[ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area, first v 6, v 8, v 7: their normals are undefined$' log && ok=yes || ok=no
 report $ok "which faces have no area, and when"
 works "targets of a cage that folds" "$programs/export_gltf" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj bent_box.obj --morph --coordinates green -o green.glb
 [ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area' log && ok=yes || ok=no
@@ -1196,7 +1196,7 @@ for words in '--vertices 20' '--lattice 3x3x3'; do
   report $ok "is about what faces have"
 done
 works "quads" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o quads.obj --picture quads.png
-grep -qE '^faces: [0-9]+ quads and [0-9]+ triangles; .* % of the triangles were paired, the diagonals of the most warped' log &&
+grep -qE '^faces: [0-9]+ quads and [0-9]+ triangles; .* % of the triangles were paired; the diagonals of the most warped' log &&
   awk '/^v/ { v++ } /^f/ { cut += NF - 3; if (NF == 5) quads++ } END { exit !(cut == 2 * v - 4 && quads > 19) }' quads.obj && ok=yes || ok=no
 report $ok "says how many; cut, they are the triangles of a closed cage"
 works "quads again" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o again.obj
@@ -1208,7 +1208,7 @@ for words in mean-value harmonic green 'mean-value --faces fan' 'mean-value --fa
 done
 refuses '--quads is for figures in space: a cage in the plane has no faces' "$make_cage" "$cat" --quads -o out.svg
 works "no rings" "$make_cage" few.obj --vertices 40 --margin 10% --rings -o rings.obj
-grep -qF -e '--rings: no limb was found, or none whose ring a quarter of the vertices' log && ok=yes || ok=no
+grep -qF -e '--rings: no limb was found, or every ring would take more than a quarter of the vertices' log && ok=yes || ok=no
 report $ok "says that there is no limb"
 refuses '--rings is for figures in space: a cage in the plane has no limbs' "$make_cage" "$cat" --rings -o out.svg
 refuses '--lattice' "$make_cage" few.obj --lattice 3x3x3 --rings -o out.obj
@@ -1235,7 +1235,7 @@ refuses '--turn "part 3:30,z": "part 3" is no part of the cage, which has part 1
 refuses '"part two" is no part of the cage' "$programs/pose_cage" arm_cage.obj --turn 'part two:30,z' -o out.obj
 refuses '"part 1" selects nothing: the cage has no parts' "$programs/pose_cage" "$cage" --turn 'part 1:30' -o out.svg
 refuses '--mirror' "$make_cage" "$cat" --mirror w -o out.svg
-refuses 'it spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
+refuses 'the grid spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
 refuses 'nothing to write: give -o, --picture or both' "$make_cage" "$cat"
 refuses '--fill-tunnels is for figures in space' "$make_cage" "$cat" --fill-tunnels -o out.svg
 cp "$cat" kept.svg
@@ -2209,11 +2209,11 @@ grep -q 'M4.5 1.5 L4 2.5 L3.5 1.5 Z' turned.svg && ok=yes || { ok=no; cat turned
 report $ok "Green coordinates take a similarity along"
 printf '0,0\n1,0\n1,0\n0,1\n' >green_pose.csv
 works "an edge without length" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
-grep -q 'warning: green_pose.csv: 1 edge has no length, from vertex 1 to 2: which way it faces is unknown$' log && ok=yes || ok=no
+grep -q 'warning: green_pose.csv: 1 edge has no length, from vertex 1 to 2: its normal is undefined$' log && ok=yes || ok=no
 report $ok "it is told of"
 sed 's/^v 0 3 0/v 1 0 0/' green.obj >green_pose.obj
 works "faces without area" "$mesh" green.obj --cage green.obj --pose green_pose.obj --coordinates green -o turned.obj
-grep -q 'warning: green_pose.obj: 1 face has no area, v 1, v 3, v 2: which way it faces is unknown$' log && ok=yes || ok=no
+grep -q 'warning: green_pose.obj: 1 face has no area, v 1, v 3, v 2: its normal is undefined$' log && ok=yes || ok=no
 report $ok "they are told of"
 # The younger types in every program of the plane: a sound cage, cells inside, a vertex that is no number, a pose with one.
 printf '0,0\n1,0\nnan,1\n0,1\n' >nan_cage.csv

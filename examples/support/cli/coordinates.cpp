@@ -79,9 +79,9 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         .show_default(name);
     if (in_space) {
         line.add("--faces", faces,
-                 "faces of more than three corners in space: planar keeps those that are planar, with plane "
-                 "coordinates in each (mean-value, harmonic), and makes fans about the mean of their corners "
-                 "of the others; fan makes fans of all; triangles cuts them")
+                 "faces of more than three corners in space: planar keeps planar faces, with 2D coordinates "
+                 "in each (mean-value, harmonic), and divides the others into fans about the mean of their "
+                 "corners; fan divides all into fans; triangles cuts them into triangles")
             .one_of({"planar", "fan", "triangles"})
             .show_default();
         line.add("--divisions", divisions,
@@ -122,8 +122,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     if (limits_memory) {
         line.add_number(
                 "--memory", [this](double megabytes) { memory = std::size_t(megabytes * (1 << 20)); },
-                "harmonic: the most memory for the grid and its solver, in MB; what needs more stops before "
-                "it begins")
+                "harmonic: the most memory for the grid and its solver, in MB; if they need more, the "
+                "program stops before it solves")
             .range(1.0, 1e8)
             .show_default("half of what is free");
     }
@@ -193,9 +193,9 @@ void OutsideChoice::add_options(CommandLine& line) {
 
 void OutsideChoice::add_falloff(CommandLine& line, double& falloff) {
     line.add("--falloff", falloff,
-             "points outside move less the farther they are from the cage, and not at all from this distance "
-             "on, in its units, so that a cage about a part of the figure does; with less than 1.5 times the "
-             "largest move the figure may fold there; 0: they do not fade")
+             "the distance from the cage, in its units, at which the displacements of points outside have "
+             "faded to 0, so that a cage can enclose a part of the figure; below 1.5 times the largest "
+             "displacement, the figure may fold there; 0: no fading")
         .range(0.0, 1e100)
         .show_default();
 }
@@ -237,7 +237,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               what + figure + " lie outside the " +
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               names_of(report.outside);
-    // Finding the nearest places of many points is slow, so it is done only for messages.
+    // Finding the nearest boundary points of many points is slow, so it is done only for messages.
     double largest = 0;
     const bool is_told = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
     for (std::size_t n = 0; is_told && n < report.outside.size(); ++n) {

@@ -40,7 +40,7 @@ void add_batch(cageform::BindReport& total, const cageform::BindReport& part, st
 /// Formats the report of a bind.
 std::string describe(const cageform::BindReport& report);
 
-/// The distance of vertices with stored weights from their positions with all weights.
+/// The distance of the figure's vertices, as a file stores them, from their exact positions.
 struct StoredLoss {
     static constexpr double worth_a_warning = 0.01; // relative to the figure's size
 

@@ -22,9 +22,8 @@ struct DrawnLine {
     std::vector<double> part; // #points: fraction of the arc length before the point, 0 to 1
     std::size_t vertices = 0; // of the original subpath; the start of a closed one counts once
     bool closed = false;
-    std::function<std::string(const char*)>
-        attribute;      // value of an attribute of its element; empty if missing
-    std::string stroke; // computed value
+    std::function<std::string(const char*)> attribute; // of its element, by name; empty if missing
+    std::string stroke;                                // computed value
 };
 
 struct StrokeFile {
