@@ -102,7 +102,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     if (in_plane && with_normals) {
         line.add_flag(
             "--disk", in_disk,
-            "curved-green: use the function of the smallest disk that holds the cage; the figure follows "
+            "curved-green: use Green's function of the smallest disk around the cage; the figure follows "
             "a round cage more closely, and angles change a little");
         line.add_number(
                 "--disk-radius",
@@ -110,7 +110,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                     in_disk = true;
                     disk_radius = radius;
                 },
-                "curved-green: use the function of a disk of this radius in place of the smallest")
+                "curved-green: use Green's function of a disk of this radius instead of the smallest")
             .range(1e-100, 1e100)
             .rarely_needed();
     }
@@ -131,7 +131,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
              "harmonic: use a uniform grid with this many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("none; with --tolerance 128 in the plane, 64 in space")
+        .show_default("none; if --tolerance is given, 128 in the plane, 64 in space")
         .rarely_needed();
     line.add_number(
             "--tolerance",

@@ -27,7 +27,7 @@ namespace cageform_support {
 /// Converts a name of the library to a word of the command line: mean_value to "mean-value".
 std::string word_of(std::string name);
 
-/// The options --coordinates, --resolution, --tolerance, --solver and those of single types.
+/// The options --coordinates, --resolution, --tolerance, --accuracy, --memory and those of single types.
 struct CoordinatesChoice {
     std::string name = "mean-value";  // one of names()
     bool is_named = false;            // whether --coordinates is given
@@ -43,7 +43,7 @@ struct CoordinatesChoice {
     cageform::HarmonicOptions harmonic;
     bool limits_memory = true; // whether the program has --memory for a solver
     std::size_t memory = 0;    // of a solver, in bytes; 0: half of the available memory
-    bool in_disk = false;      // curved-green: use the function of a disk around the cage
+    bool in_disk = false;      // curved-green: use Green's function of a disk around the cage
     double disk_radius = 0;    // 0: the smallest possible
 
     /// The types that the program takes, in the order of coordinates/types.hpp.
@@ -89,7 +89,7 @@ struct SiteChoice {
     bool with_weights = true; // whether the program has --weights
 
     void add_options(CommandLine& line);
-    std::string fault(const CoordinatesChoice& choice) const; ///< error if it does not match; else empty
+    std::string fault(const CoordinatesChoice& choice) const; ///< error if `choice` does not fit; else empty
 };
 
 /// Sites and their pose, after applying the options.

@@ -70,7 +70,7 @@ std::string parse_turn(std::string_view text, double& degrees, cageform::Vec<dou
 ///
 ///   rest        the cage, as long as `pose`
 ///   pose        in and out; vertices that are not selected do not change
-///   followers   #vertices: vertices that move along, see CageFile::followers(); empty: none
+///   followers   #vertices: vertices that move with each vertex, see CageFile::followers(); empty: none
 ///   parts       of the cage, or null
 ///   returns     the error, and `pose` is unchanged; empty on success
 template <std::size_t D>

@@ -50,7 +50,7 @@ inline constexpr const char* clip_format =
     "    vertices,11:0.5,10,9    counted from 0; with weights, 1 by default\n"
     "    pivot,775,400           the vertices turn about this point\n"
     "    time,x,y,turn,kind\n"
-    "    0.0,0,0,-6,ease         moves by x and y, and turns by degrees\n"
+    "    0.0,0,0,-6,ease         moves by x = 0 and y = 0, and turns by -6 degrees\n"
     "    1.2,0,0,6,ease\n"
     "    2.4,0,0,-6,ease\n"
     "\n"
@@ -123,7 +123,8 @@ struct ClipFile {
 ///
 ///   name    prefix of every message
 ///   fails   on an unknown line, a number that is not finite, a vertex not below `vertex_count`; if times of
-///           a control do not ascend, its duration does not divide the length, or controls and pins are mixed
+///           a control do not ascend, the length is not a multiple of the control's duration, or controls and
+///           pins are mixed
 Expected<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
 /// As parse_clip(), from a file; fails also if it cannot be read.

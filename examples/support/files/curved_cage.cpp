@@ -112,7 +112,7 @@ Expected<CageFile> with_curves(CageFile cage) {
 }
 
 Expected<CageFile> make_curved_pose(CageFile pose, const CageFile& cage) {
-    if (!pose.curves) return FileError{pose.name + ": is no outline, as the cage " + cage.name + " is"};
+    if (!pose.curves) return FileError{pose.name + ": is no outline, but the cage " + cage.name + " is one"};
     const auto &posed = pose.curves->degrees, &rest = cage.curves->degrees;
     if (posed.size() != rest.size())
         return FileError{pose.name + ": the pose has " + counted(posed.size(), "loop") + ", the cage " +

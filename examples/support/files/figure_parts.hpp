@@ -34,7 +34,7 @@ struct FigureParts {
     cageform::CageClipView<float, 3> clip;   ///< the first clip, or one without vertices; points into the
                                              ///< figure or `unpacked`
     cageform::CageClip<float, 3> unpacked;   ///< the contents of CLIP
-    cageform::PoseSamples<float, 3> samples; ///< without handles if there are none
+    cageform::PoseSamples<float, 3> samples; ///< the contents of PINS; without handles if there is no PINS
 };
 
 /// Returns the number of the cage's vertices, which are the first handles.

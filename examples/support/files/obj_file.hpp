@@ -149,7 +149,7 @@ private:
 
 /// Parses an index of a face. Returns the error; empty on success.
 ///
-///   word     from 1, or negative: -1 is the last one before this line
+///   word     from 1, or negative: -1 is the last element before this line
 ///   so_far   number of elements before this line
 ///   count    number of elements in the file
 ///   index    out: from 0

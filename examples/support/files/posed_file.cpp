@@ -17,8 +17,8 @@ void append_bytes(std::string& text, const X& value) {
     text.append(bytes.data(), bytes.size());
 }
 
-/// The number that its fewest digits mean in double precision. It is written with the same digits, and
-/// vertices at rest equal those of the file.
+/// The double that the fewest digits of `value` denote. Its text has the same digits, and vertices at rest
+/// equal those of the file.
 template <class T>
 double as_written(T value) {
     std::string digits;
