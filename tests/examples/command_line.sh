@@ -358,7 +358,7 @@ for policy in keep nearest extend; do
 done
 printf '40,30\n340,30\n340,330\n40,330\n' >head_cage.csv
 printf '0,20\n300,-10\n320,290\n20,320\n' >head_pose.csv
-refuses 'is it the cage of another figure' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv -o out.svg
+refuses 'does this cage belong to another figure' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv -o out.svg
 works "a cage of the head alone" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 100 --report -o head.svg
 grep -q '^  outside, within the falloff: [1-9]' log && ! grep -q warning log && ok=yes || ok=no
 report $ok "the report lists what fades, and nothing is warned of"
@@ -1021,7 +1021,7 @@ refuses_pose '"1,2,3" is not x,y' --move 1:1,2,3
 refuses_pose '"5" is not a point: write x,y, or v and vertices' --turn 1:5@5
 refuses_pose '--twist "all:y,0,1,30": "y,0,1,30" is for cages in space' --twist all:y,0,1,30
 refuses_pose '"xz,0,1,30" must begin with xy or yx' --bend all:xz,0,1,30
-refuses_pose 'vertex 0 leaves the range of numbers' --scale all:1e300@1e300,0 --scale all:1e300
+refuses_pose 'vertex 0 exceeds the range of numbers' --scale all:1e300@1e300,0 --scale all:1e300
 refuses_pose 'were not expected' --grow all:2
 refuses 'nothing to write: give -o, --picture or both' "$pose_cage" "$cage" --move 0:1,1
 refuses 'cage is required' "$pose_cage" -o out.svg
@@ -2548,7 +2548,7 @@ refuses '--size-limit is for SVG files' "$animate" "$cat" --cage "$cage" --clip 
 works "a motion out of the picture" "$animate" carried.svg --cage box --move all:90,0 --rate 4 -o wide.svg --fit
 grep -q 'viewBox="-[0-9.]* -[0-9.]* 150[.0-9]* ' wide.svg && ok=yes || ok=no
 report $ok "--fit grows it to all frames"
-refuses 'is it the cage of another figure' "$deform" "$data/biped.svg" --cage "$data/hexagon_cage.svg" --move 0:1,1 -o out.svg
+refuses 'does this cage belong to another figure' "$deform" "$data/biped.svg" --cage "$data/hexagon_cage.svg" --move 0:1,1 -o out.svg
 gzip -c "$cat" >packed.svgz
 works "a packed figure" "$deform" packed.svgz --cage "$cage" --pose "$pose" -o packed_out.svg
 works "the figure itself" "$deform" "$cat" --cage "$cage" --pose "$pose" -o unpacked_out.svg

@@ -80,7 +80,7 @@ TEST_CASE("a pin in space may name a vertex, and turns about an axis", "[pins]")
           std::string::npos);
     CHECK(refusal_of<3>("1,2,3@30").find("is not an angle and an axis") != std::string::npos);
     CHECK(refusal_of<3>("1,2,3@30,0,0,0").find("has an axis of length zero") != std::string::npos);
-    CHECK(refusal_of<3>("1e308,2,3:+1e308,0,0").ends_with("the target leaves the range of numbers"));
+    CHECK(refusal_of<3>("1e308,2,3:+1e308,0,0").ends_with("the target exceeds the range of numbers"));
 }
 
 TEST_CASE("pins written and read are unchanged", "[pins]") {

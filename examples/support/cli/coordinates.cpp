@@ -270,7 +270,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
     }
     if (!some || word != "auto" || cage_is_made || falloff > 0) return {};
     if (!of_part && 2 * report.outside.size() > report.points && !coordinates.takes_sites)
-        return {found + ": is it the cage of another figure? Use --outside to choose what they do" +
+        return {found + ": does this cage belong to another figure? Use --outside to choose what they do" +
                     distance.str(),
                 {}};
     const auto done = bind_options(coordinates).outside;

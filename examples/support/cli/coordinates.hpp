@@ -161,8 +161,8 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 
-/// Names the vertices of the edge or face whose vector is a handle: "from vertex 1 to 2"; in space as numbered
-/// in an OBJ file: "v 1, v 3, v 2".
+/// Names the vertices of the edge or face whose vector is a handle: "from vertex 1 to 2"; in space as
+/// numbered in an OBJ file: "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>
 std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
     std::size_t vectors_before = 0;

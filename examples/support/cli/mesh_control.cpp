@@ -68,8 +68,8 @@ Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const
     return control;
 }
 
-/// The pose from a file or operations; if neither is given, the rest pose if there are pins, else first_pose()
-/// for generated cages.
+/// The pose from a file or operations; if neither is given, the rest pose if there are pins, else
+/// first_pose() for generated cages.
 ///
 ///   held   vertices that no pose moves
 Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,

@@ -32,8 +32,8 @@ public:
     /// The converged pose for the pins' targets.
     Expected<std::vector<Point2>> settled();
 
-    /// Converts a motion of pins to keys of all handles. Solves 60 poses per second, and fits few keys to them,
-    /// within 1/1920 of the cage's size.
+    /// Converts a motion of pins to keys of all handles. Solves for 60 poses per second of the motion, and
+    /// fits few keys to them, within 1/1920 of the cage's size.
     ///
     ///   motion   of the pins
     ///   fails    as PinnedCage::settle()

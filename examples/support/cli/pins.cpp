@@ -66,7 +66,7 @@ std::string read_target(std::string_view text, Pin<D>& pin) {
     });
     pin.is_relative = has_signs && !is_place;
     if (pin.is_relative) target = pin.place + target;
-    return is_finite(target) ? "" : "the target leaves the range of numbers";
+    return is_finite(target) ? "" : "the target exceeds the range of numbers";
 }
 
 /// Parses the columns of a line. Returns the error; empty on success.

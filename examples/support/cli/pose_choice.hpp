@@ -33,8 +33,8 @@ struct PoseChoice {
     posed(const std::vector<cageform::Vec<double, D>>& rest, const std::optional<LatticeBox<D>>& lattice,
           const CageFile* curves = nullptr, const cageform::CageParts* parts = nullptr) const;
 
-    /// The vertices that no pose moves: frozen and frame handles of a lattice. Fails if --freeze is given for a
-    /// cage that is not a lattice, or leaves nothing to move.
+    /// The vertices that no pose moves: frozen and frame handles of a lattice. Fails if --freeze is given for
+    /// a cage that is not a lattice, or leaves nothing to move.
     template <std::size_t D>
     Expected<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;
 };
@@ -61,8 +61,8 @@ struct MotionChoice {
 /// The pose from a file or operations; if neither is given, first_pose() for generated cages.
 ///
 ///   path    of the file; empty: none
-///   fails   as load_pose(), on an invalid operation, if both are given, or if neither is given for a cage that
-///           is not generated
+///   fails   as load_pose(), on an invalid operation, if both are given, or if neither is given for a cage
+///           that is not generated
 Expected<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
                              bool is_made);
 

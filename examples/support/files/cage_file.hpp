@@ -153,9 +153,9 @@ inline constexpr const char* cage_formats =
     "comments. A pose is a file of the same blocks with the points moved.\n"
     "For curved coordinates a cage is the first closed outline, which may have curves:\n"
     "an edge has the degree that it is drawn with, an arc becomes cubics of at most 45\n"
-    "degrees, and each subpath is a loop. Polygons are outlines too. In poses all edges are\n"
-    "cubics, so vertices are control points, three for each edge: its start and the two\n"
-    "that follow. A pose is an outline of the same commands, or of commands of a higher\n"
+    "degrees, and each subpath is a loop. Polygons are outlines too. In poses all edges\n"
+    "are cubics, so vertices are control points, three for each edge: its start and the\n"
+    "two that follow. A pose is an outline of the same commands, or of commands of a higher\n"
     "degree (C in place of L).\n"
     "Options and messages count vertices and points from 0, blocks from 1.\n";
 
@@ -219,7 +219,7 @@ Expected<CageFile> make_pose(CageFile pose, const CageFile& cage);
 /// Makes a pose of a lattice from its rows along x, then its columns. If a row and a column have different
 /// positions of a point, the one that is not at rest is used.
 ///
-///   fails   if the lines do not match the lattice, or a row and a column moved a point to different positions
+///   fails   if the lines do not match the lattice, or a row and a column move a point to different positions
 Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
                                      const CageFile& cage);
 

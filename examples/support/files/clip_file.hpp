@@ -87,8 +87,8 @@ struct ClipControl {
         double weight = 1;
     };
     struct Row {
-        double time = 0;
-        std::array<double, 3> move{}; // x, y, turn
+        double time = 0;              // seconds
+        std::array<double, 3> move{}; // x, y, turn in radians
         cageform::KeyKind kind = cageform::KeyKind::automatic;
     };
     struct Pin {

@@ -105,9 +105,9 @@ CageFile make_curved_cage(std::string name, const std::vector<Subpath>& loops) {
 Expected<CageFile> with_curves(CageFile cage) {
     if (cage.curves || cage.lattice) return cage;
     if (cage.has_cells())
-        return FileError{
-            cage.name + ": " + cageform::to_string(cageform::Status::interior_cells_not_supported) +
-            ": --coordinates curved-green supports only loops; --coordinates harmonic supports all three"};
+        return FileError{cage.name + ": " +
+                         cageform::to_string(cageform::Status::interior_cells_not_supported) +
+                         ": --coordinates curved-green supports only loops, harmonic also chains and points"};
     return make_curved_cage(cage.name, outline_of(cage));
 }
 

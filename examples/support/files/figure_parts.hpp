@@ -3,7 +3,7 @@
 // Parts that these programs add to a packed figure (cageform/figure/figure.hpp):
 //
 //     TRIS  #triangles × 3 × uint32
-//     CLIP  the clip, only by older versions of bind_mesh; new figures have CLPS (figure/figure.hpp).
+//     CLIP  the clip, written only by older versions of bind_mesh; new figures have CLPS (figure/figure.hpp).
 //           uint32 #curves and float length in seconds; #curves × uint32, the numbers of pieces of the x, y
 //           and z curves of every cage vertex; the pieces, curve by curve, 5 × float each
 //     ORIG  see figure/figure.hpp: here, the origin in coordinates of the mesh and cage files. Omitted if the

@@ -1,7 +1,7 @@
 #pragma once
 
-// Writes packed figures (cageform/figure/figure.hpp) of any number of points piece by piece; memory holds only
-// one piece. The figures contain an additional part:
+// Writes packed figures (cageform/figure/figure.hpp) of any number of points piece by piece; memory holds one
+// piece. The figures contain an additional part:
 //
 //     TILE  TileRecord
 

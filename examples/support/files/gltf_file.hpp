@@ -125,8 +125,8 @@ private:
 };
 
 /// A mesh with one vertex per distinct combination of position, normal and texture coordinate at a corner.
-/// Vertices are in the order of the OBJ file, followed by duplicates. The only mesh of a file has all vertices
-/// of the file; one of several meshes has only those of its faces.
+/// Vertices are in the order of the OBJ file, followed by duplicates. The only mesh of a file has all
+/// vertices of the file; one of several meshes has only those of its faces.
 struct GltfMesh {
     struct Corner {
         std::uint32_t vertex, normal, texture; // indices of the OBJ file, or ObjCorner::none

@@ -52,7 +52,7 @@ public:
             for (auto& row : rows) {
                 row.move = {row.move[0] - rest.x, row.move[1] - rest.y, 0};
                 if (!std::isfinite(row.move[0]) || !std::isfinite(row.move[1]))
-                    return detail::quoted(marker.name) + " leaves the range of numbers";
+                    return detail::quoted(marker.name) + " exceeds the range of numbers";
             }
             if (rows.front().time > 0) rows.insert(rows.begin(), {0, rows.front().move});
             if (rows.back().time < length) rows.push_back({length, rows.back().move});

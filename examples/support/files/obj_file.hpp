@@ -167,9 +167,9 @@ std::string_view other_format(std::string_view text);
 /// Twice the area of a face times its normal.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 
-/// Leaves out unused vertices that would inflate the figure's size: those that are not finite, or farther from
-/// the box of the used vertices than a million times its diagonal. They are moved to the first other vertex.
-/// Returns the error if no vertex remains; else empty.
+/// Leaves out unused vertices that would inflate the figure's size: those that are not finite, or farther
+/// from the box of the used vertices than a million times its diagonal. They are moved to the first other
+/// vertex. Returns the error if no vertex remains; else empty.
 ///
 ///   used   #vertices: whether a face or a cell uses the vertex
 std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVertices strays);

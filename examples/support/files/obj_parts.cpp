@@ -34,8 +34,8 @@ std::string single_spaced(const std::string& line) {
     return name;
 }
 
-/// Finds a file inside a folder; of a path to another folder, only the file name is used. Links out of the folder are
-/// not followed.
+/// Finds a file inside a folder; of a path to another folder, only the file name is used. Links out of the
+/// folder are not followed.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     const fs::path named(name);

@@ -26,7 +26,7 @@ struct SiteFile {
 
 /// Help text on sites.
 inline constexpr const char* site_formats =
-    "The types sibson and sibson-c1 use control points anywhere in or around the\n"
+    "The types sibson and sibson-c1 use control points anywhere on, in or around the\n"
     "figure instead of a cage. In the plane these are the centres of the circles drawn\n"
     "in an SVG file (radius above 0), in their order; in space they are the vertices of\n"
     "an OBJ file, with or without faces. In both they can be the lines x,y or x,y,z of a\n"
