@@ -1484,7 +1484,7 @@ refuses 'pin 1 (--pin "-500,400:+1,1") at (-500, 400): a pin lies where the coor
   svg_of out.svg --pin -500,400:+1,1 --falloff 300
 works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,420:500,440 --fit --show-pins
 [ "$(grep -o '<circle ' moved.svg | wc -l)" = 2 ] && ok=yes || ok=no
-grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log || ok=no
+grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same position' log || ok=no
 report $ok "are named and drawn"
 seq 1 200 | awk '{ x = 300 + 2 * $1; printf "%g,420,%g,%g\n", x, x, 420 + 60 * sin($1 / 9) }' >many_pins.csv
 works "more pins than a cage can follow" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit

@@ -162,7 +162,7 @@ TEST_CASE("pins at one place with two targets contradict each other", "[pins]") 
     pins.push_back(pin_of<2>("1,3"));
     CHECK(contradiction(pins) ==
           "pin 4 (--pin \"1,3\") at (1, 3) has another target than --pin \"1,3:5,6\" at "
-          "the same place: the figure is moved between the two");
+          "the same position: the figure moves between both targets");
 }
 
 TEST_CASE("markers written and read are unchanged", "[pins]") {

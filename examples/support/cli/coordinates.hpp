@@ -218,7 +218,7 @@ Expected<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding,
     return handles;
 }
 
-/// The values of --outside that stand for an OutsidePoints.
+/// The values of --outside that name a value of cageform::OutsidePoints.
 std::vector<std::string> outside_words();
 
 /// The options --outside and --falloff.

@@ -177,7 +177,7 @@ std::string contradiction(const std::vector<Pin<D>>& pins) {
         const auto [other, is_new] = first.emplace(std::to_array(pins[n].place.v), n);
         if (is_new || pins[other->second].target == pins[n].target) continue;
         return name_of(pins, n) + " has another target than " + pins[other->second].name +
-               " at the same place: the figure is moved between the two";
+               " at the same position: the figure moves between both targets";
     }
     return {};
 }

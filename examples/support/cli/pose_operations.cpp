@@ -90,7 +90,7 @@ std::string select_part(std::string_view word, const cageform::CageParts* parts,
     }
     const auto moved = parts->moved_with(part->number);
     selected.assign(moved.begin(), moved.end());
-    return selected.empty() ? refusal(word, "has no vertex that is not on its joint") : "";
+    return selected.empty() ? refusal(word, "has no vertices except those of its joint") : "";
 }
 
 /// Selects the vertices of one entry of a list.
