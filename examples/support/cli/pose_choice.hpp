@@ -53,8 +53,8 @@ struct MotionChoice {
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
     /// The motion; without keys if none is given. Vertices that no pose moves are reset to rest. Fails if a
-    /// file cannot be read or does not match, an operation is invalid, numbers exceed single precision, or
-    /// more than one kind of motion is given.
+    /// file cannot be read or does not match, an operation is invalid, or numbers exceed single precision.
+    /// Fails also if more than one kind of motion is given.
     Expected<PoseClip> motion(const ObjFile& cage) const;
 };
 

@@ -97,8 +97,8 @@ struct CageFile {
         return has_cells() ? f(complex<T>()) : f(polygon<T>());
     }
 
-    /// Calls f(i, j) with the vertices of every edge of loops and chains (for curves, of every pair of
-    /// adjacent control points), and f(i, i) for points.
+    /// Calls f(i, j) with the vertices of every edge of loops and chains, and f(i, i) for points. For curves,
+    /// edges are pairs of adjacent control points.
     template <class F>
     void for_each_edge(F&& f) const {
         for (std::size_t b = 0; b < blocks.size(); ++b) {

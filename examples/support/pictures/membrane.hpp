@@ -18,8 +18,8 @@
 namespace cageform_support {
 
 struct MembraneOptions {
-    /// A section of the outline is replaced by its mean if the diagonal of its box is at most this fraction
-    /// of its distance from the point; 0: never (the paper, section 4: hierarchical boundary sampling).
+    /// Hierarchical boundary sampling (the paper, section 4): a section of the outline is replaced by its
+    /// mean if the diagonal of its box is at most this fraction of its distance from the point; 0: never.
     double coarseness = 0.25;
     /// A square of pixels is interpolated from its corners if its side is at most this fraction of its
     /// distance from the outline; 0: never.
