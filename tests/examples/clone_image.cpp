@@ -351,11 +351,11 @@ TEST_CASE("a place outside the target is refused with the distance", "[examples]
     CHECK(fault_of_place(region, target, {0, 0}).empty());
     CHECK(fault_of_place(region, target, {20, 20}).empty());
     CHECK(fault_of_place(region, target, {21, -3}) ==
-          "the region, 30 x 20 pixels, reaches out of the target, 50 x 40: 1 beyond its right side, 3 beyond "
+          "the region, 30 x 20 pixels, extends beyond the target, 50 x 40: 1 beyond its right side, 3 beyond "
           "its "
           "top; X from 0 to 20 and Y from 0 to 20 fit");
     CHECK(fault_of_place(region, Pixels{29, 40}, {0, 0}) ==
-          "the region, 30 x 20 pixels, reaches out of the target, 29 x 40: 1 beyond its right side; the "
+          "the region, 30 x 20 pixels, extends beyond the target, 29 x 40: 1 beyond its right side; the "
           "target is "
           "too small, so enlarge it or shrink the region");
     CHECK(fault_of_place(region, target, {-1000000000, 1000000000}).find("1000000000 beyond its left") !=

@@ -358,7 +358,7 @@ for policy in keep nearest extend; do
 done
 printf '40,30\n340,30\n340,330\n40,330\n' >head_cage.csv
 printf '0,20\n300,-10\n320,290\n20,320\n' >head_pose.csv
-refuses 'is it the cage of another figure' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv -o out.svg
+refuses 'does this cage belong to another figure' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv -o out.svg
 works "a cage of the head alone" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 100 --report -o head.svg
 grep -q '^  outside, within the falloff: [1-9]' log && ! grep -q warning log && ok=yes || ok=no
 report $ok "the report lists what fades, and nothing is warned of"
@@ -411,7 +411,7 @@ refuses 'huge.csv: vertex 2: -1e+39 is beyond single precision' "$weights" --cag
 awk -F, '{ printf "%d,%d\n", $1 + 500000, $2 + 4600000 }' square.csv >far.csv
 for type in mean-value sibson; do
   works "far away, $type" "$weights" --cage far.csv --points far.csv --coordinates $type -o far_weights.csv
-  refuses 'far.csv: is far from the origin: single precision rounds places there' "$weights" --cage far.csv --points far.csv --coordinates $type --scalar float -o out.csv
+  refuses 'far.csv: is far from the origin: single precision rounds positions there' "$weights" --cage far.csv --points far.csv --coordinates $type --scalar float -o out.csv
 done
 awk 'BEGIN { for (i = 0; i < 300000; ++i) printf "7x" }' >long.csv
 refuses 'long.csv:1: ' "$weights" --cage square.csv --points long.csv -o out.csv
@@ -702,7 +702,7 @@ grep -q 'a tenth of the cage, vectors of its faces too$' log && ok=yes || ok=no
 report $ok "what is off is over faces as well"
 awk '$1 == "v" && ++n == 8 { print "v 0 1 1"; next } { print }' box.obj >flat_box.obj
 works "a motion through a cage that folds" "$bind" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj --coordinates green -o green.figure
-[ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area, first v 6, v 8, v 7: which way they face is unknown$' log && ok=yes || ok=no
+[ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area, first v 6, v 8, v 7: their normals are undefined$' log && ok=yes || ok=no
 report $ok "which faces have no area, and when"
 works "targets of a cage that folds" "$programs/export_gltf" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj bent_box.obj --morph --coordinates green -o green.glb
 [ "$(grep -c 'warning: .* no area' log)" = 1 ] && grep -q 'warning: poses after 1 s: 2 faces have no area' log && ok=yes || ok=no
@@ -1021,7 +1021,7 @@ refuses_pose '"1,2,3" is not x,y' --move 1:1,2,3
 refuses_pose '"5" is not a point: write x,y, or v and vertices' --turn 1:5@5
 refuses_pose '--twist "all:y,0,1,30": "y,0,1,30" is for cages in space' --twist all:y,0,1,30
 refuses_pose '"xz,0,1,30" must begin with xy or yx' --bend all:xz,0,1,30
-refuses_pose 'vertex 0 leaves the range of numbers' --scale all:1e300@1e300,0 --scale all:1e300
+refuses_pose 'vertex 0 exceeds the range of numbers' --scale all:1e300@1e300,0 --scale all:1e300
 refuses_pose 'were not expected' --grow all:2
 refuses 'nothing to write: give -o, --picture or both' "$pose_cage" "$cage" --move 0:1,1
 refuses 'cage is required' "$pose_cage" -o out.svg
@@ -1196,7 +1196,7 @@ for words in '--vertices 20' '--lattice 3x3x3'; do
   report $ok "is about what faces have"
 done
 works "quads" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o quads.obj --picture quads.png
-grep -qE '^faces: [0-9]+ quads and [0-9]+ triangles; .* % of the triangles were paired, the diagonals of the most warped' log &&
+grep -qE '^faces: [0-9]+ quads and [0-9]+ triangles; .* % of the triangles were paired; the diagonals of the most warped' log &&
   awk '/^v/ { v++ } /^f/ { cut += NF - 3; if (NF == 5) quads++ } END { exit !(cut == 2 * v - 4 && quads > 19) }' quads.obj && ok=yes || ok=no
 report $ok "says how many; cut, they are the triangles of a closed cage"
 works "quads again" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o again.obj
@@ -1208,7 +1208,7 @@ for words in mean-value harmonic green 'mean-value --faces fan' 'mean-value --fa
 done
 refuses '--quads is for figures in space: a cage in the plane has no faces' "$make_cage" "$cat" --quads -o out.svg
 works "no rings" "$make_cage" few.obj --vertices 40 --margin 10% --rings -o rings.obj
-grep -qF -e '--rings: no limb was found, or none whose ring a quarter of the vertices' log && ok=yes || ok=no
+grep -qF -e '--rings: no limb was found, or every ring would take more than a quarter of the vertices' log && ok=yes || ok=no
 report $ok "says that there is no limb"
 refuses '--rings is for figures in space: a cage in the plane has no limbs' "$make_cage" "$cat" --rings -o out.svg
 refuses '--lattice' "$make_cage" few.obj --lattice 3x3x3 --rings -o out.obj
@@ -1235,7 +1235,7 @@ refuses '--turn "part 3:30,z": "part 3" is no part of the cage, which has part 1
 refuses '"part two" is no part of the cage' "$programs/pose_cage" arm_cage.obj --turn 'part two:30,z' -o out.obj
 refuses '"part 1" selects nothing: the cage has no parts' "$programs/pose_cage" "$cage" --turn 'part 1:30' -o out.svg
 refuses '--mirror' "$make_cage" "$cat" --mirror w -o out.svg
-refuses 'it spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
+refuses 'the grid spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
 refuses 'nothing to write: give -o, --picture or both' "$make_cage" "$cat"
 refuses '--fill-tunnels is for figures in space' "$make_cage" "$cat" --fill-tunnels -o out.svg
 cp "$cat" kept.svg
@@ -1329,11 +1329,11 @@ refuses 'needs more than 100000000 steps' "$waves" --step 1e-12 -o out.png
 refuses 'lattice:0x4: an axis has 2 points or more' "$deform" "$cat" --cage lattice:0x4 -o out.svg
 refuses 'cat.svg: a lattice about a drawing has two axes: lattice:4x4' "$deform" "$cat" --cage lattice:4x4x4 -o out.svg
 refuses 'cube.obj: a lattice about a mesh has three axes: lattice:4x4x4' "$mesh" cube.obj --cage lattice:4x4 -o out.obj
-refuses 'lattice:4x4/9: the degree is 1, 2 or 3; /bernstein takes the highest' "$animate" "$cat" --cage lattice:4x4/9 -o out.svg
+refuses 'lattice:4x4/9: the degree is 1, 2 or 3; for the highest, use /bernstein' "$animate" "$cat" --cage lattice:4x4/9 -o out.svg
 refuses 'lattice:4: a lattice has two axes' "$field" --cage lattice:4 --figure "$cat" --vertex 0 -o out.png
 refuses '--lattice: lattice:70x4/bernstein: Bernstein polynomials take at most 64 points along an axis' "$make_cage" "$cat" --lattice 70x4/bernstein -o out.svg
-refuses 'lattice:4x4x4@30: @ANGLE turns the box of a drawing alone' "$bind" cube.obj --cage lattice:4x4x4@30 -o out.figure
-refuses 'cube.lattice.json: this lattice has three axes, and a drawing two' "$deform" "$cat" --cage cube.lattice.json -o out.svg
+refuses 'lattice:4x4x4@30: @ANGLE is only for the box of a drawing' "$bind" cube.obj --cage lattice:4x4x4@30 -o out.figure
+refuses 'cube.lattice.json: this lattice has three axes, but a drawing needs two' "$deform" "$cat" --cage cube.lattice.json -o out.svg
 refuses 'cat.lattice.json: this lattice has two axes, and a mesh three' "$mesh" cube.obj --cage cat.lattice.json -o out.obj
 refuses 'make_cage --lattice writes a .lattice.json file' "$weights" --cage lattice:4x4 --points places.csv -o out.csv
 refuses 'cat_cage.svg: holds 1 line, and the lattice the lattice about' "$deform" "$cat" --cage lattice:4x4 --pose "$cage" -o out.svg
@@ -1423,7 +1423,7 @@ svg fewer.svg '<path d="M0 0C1 1 2 2 9 9C1 5 1 1 0 0Z"/>'
 refuses 'fewer.svg: the pose has 2 edges, the cage' "$deform" "$leaf" --cage "$leaf_cage" --pose fewer.svg --coordinates curved-green -o out.svg
 sed 's/C 510 290 400 365 290 365/L 290 365/' "$leaf_cage" >lower.svg
 refuses 'lower.svg: edge 2, counted from 0, a line (L), is a cubic (C) in the cage' "$animate" "$leaf" --cage "$leaf_cage" --pose lower.svg --coordinates curved-green -o out.svg
-refuses 'cat_cage_head.csv: this coordinate type does not support interior cells: --coordinates curved-green takes loops alone' "$weights" --cage "$data/cat_cage_head.csv" --points leaf_points.csv --coordinates curved-green -o out.csv
+refuses 'cat_cage_head.csv: this coordinate type does not support interior cells: --coordinates curved-green supports only loops' "$weights" --cage "$data/cat_cage_head.csv" --points leaf_points.csv --coordinates curved-green -o out.csv
 refuses 'the disk does not contain the cage' "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved-green --disk-radius 10 -o out.csv
 refuses '--disk-radius' "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved-green --disk-radius -1 -o out.csv
 refuses '--curve "0:0:1,1": the cage has no curves; --coordinates curved-green makes its edges curves' "$deform" "$cat" --cage "$cage" --curve 0:0:1,1 -o out.svg
@@ -1484,7 +1484,7 @@ refuses 'pin 1 (--pin "-500,400:+1,1") at (-500, 400): a pin lies where the coor
   svg_of out.svg --pin -500,400:+1,1 --falloff 300
 works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,420:500,440 --fit --show-pins
 [ "$(grep -o '<circle ' moved.svg | wc -l)" = 2 ] && ok=yes || ok=no
-grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log || ok=no
+grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same position' log || ok=no
 report $ok "are named and drawn"
 seq 1 200 | awk '{ x = 300 + 2 * $1; printf "%g,420,%g,%g\n", x, x, 420 + 60 * sin($1 / 9) }' >many_pins.csv
 works "more pins than a cage can follow" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit
@@ -1606,10 +1606,10 @@ refuses_markers 'markers.csv:2: 5 columns, and the first row has 3' '0,480,420\n
 refuses_markers 'markers.csv:2: a time is not later than the one before it' '0,480,420\n0,480,420\n'
 refuses_markers 'markers.csv:2: not a number: "x"' '0,480,420\n1,x,420\n'
 refuses_markers 'markers.csv:2: not a number: ""' '0,480,420\n1,,420\n'
-refuses_markers 'markers.csv: "marker 2" has no place at rest' '0,480,420,,\n1,480,420,3,4\n'
-refuses_markers 'markers.csv: "2" is never seen' 'time,1,,2,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
-refuses_markers 'markers.csv: "b" is never seen' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
-refuses_markers 'markers.csv:2: the row of rest is the first' '0,480,420\nrest,480,420\n1,480,420\n'
+refuses_markers 'markers.csv: "marker 2" has no rest position' '0,480,420,,\n1,480,420,3,4\n'
+refuses_markers 'markers.csv: "2" has no position at any time' 'time,1,,2,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
+refuses_markers 'markers.csv: "b" has no position at any time' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
+refuses_markers 'markers.csv:2: the rest row has to be the first row' '0,480,420\nrest,480,420\n1,480,420\n'
 refuses_markers 'markers.csv:1: "late" takes an element and seconds' 'late,3\n'
 refuses_markers 'pin 1 (markers.csv: marker 1) at (5, 5) lies outside the cage' '0,5,5\n1,6,6\n'
 refuses_markers 'markers.csv: its length needs' '0,480,420\n1e9,480,420\n'
@@ -2209,11 +2209,11 @@ grep -q 'M4.5 1.5 L4 2.5 L3.5 1.5 Z' turned.svg && ok=yes || { ok=no; cat turned
 report $ok "Green coordinates take a similarity along"
 printf '0,0\n1,0\n1,0\n0,1\n' >green_pose.csv
 works "an edge without length" "$deform" green.svg --cage green.csv --pose green_pose.csv --coordinates green -o turned.svg
-grep -q 'warning: green_pose.csv: 1 edge has no length, from vertex 1 to 2: which way it faces is unknown$' log && ok=yes || ok=no
+grep -q 'warning: green_pose.csv: 1 edge has no length, from vertex 1 to 2: its normal is undefined$' log && ok=yes || ok=no
 report $ok "it is told of"
 sed 's/^v 0 3 0/v 1 0 0/' green.obj >green_pose.obj
 works "faces without area" "$mesh" green.obj --cage green.obj --pose green_pose.obj --coordinates green -o turned.obj
-grep -q 'warning: green_pose.obj: 1 face has no area, v 1, v 3, v 2: which way it faces is unknown$' log && ok=yes || ok=no
+grep -q 'warning: green_pose.obj: 1 face has no area, v 1, v 3, v 2: its normal is undefined$' log && ok=yes || ok=no
 report $ok "they are told of"
 # The younger types in every program of the plane: a sound cage, cells inside, a vertex that is no number, a pose with one.
 printf '0,0\n1,0\nnan,1\n0,1\n' >nan_cage.csv
@@ -2500,9 +2500,9 @@ clip() { # LENGTH TIMES…   a control whose keys have these times
 clip 1e9 0 1 >many.csv
 refuses 'many.csv: "a": repeated over the clip it has 1e+09 keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1e300 0 1e-300 >many.csv
-refuses 'many.csv: "a": its duration does not divide the clip' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: "a": the length of the clip is not a multiple of the duration of these keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 1e9 1000000001 >many.csv
-refuses 'many.csv: "a": its first key, at 1e+09, is a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: "a": its first key, at 1e+09, is more than a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1e9 0 1e9 >many.csv
 refuses 'many.csv: its length needs 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 1 | sed '1aground,1,1e-300' >many.csv
@@ -2548,7 +2548,7 @@ refuses '--size-limit is for SVG files' "$animate" "$cat" --cage "$cage" --clip 
 works "a motion out of the picture" "$animate" carried.svg --cage box --move all:90,0 --rate 4 -o wide.svg --fit
 grep -q 'viewBox="-[0-9.]* -[0-9.]* 150[.0-9]* ' wide.svg && ok=yes || ok=no
 report $ok "--fit grows it to all frames"
-refuses 'is it the cage of another figure' "$deform" "$data/biped.svg" --cage "$data/hexagon_cage.svg" --move 0:1,1 -o out.svg
+refuses 'does this cage belong to another figure' "$deform" "$data/biped.svg" --cage "$data/hexagon_cage.svg" --move 0:1,1 -o out.svg
 gzip -c "$cat" >packed.svgz
 works "a packed figure" "$deform" packed.svgz --cage "$cage" --pose "$pose" -o packed_out.svg
 works "the figure itself" "$deform" "$cat" --cage "$cage" --pose "$pose" -o unpacked_out.svg

@@ -418,7 +418,7 @@ TEST_CASE("moving a control point moves nothing else", "[examples][curved_cage]"
     CHECK(refused("1:-1:1,1") == "\"-1\" is not a control point number");
     CHECK(refused("0:1:1") == "\"1\" is not x,y");
     CHECK(refused("0:1:1,nan") == "\"nan\" is not a finite number");
-    CHECK(refused("0:3:1e308,0") == "control point 3 leaves the range of numbers");
+    CHECK(refused("0:3:1e308,0") == "control point 3 exceeds the range of numbers");
 }
 
 TEST_CASE("the picture of a cage of curves shows ends and control points", "[examples][curved_cage]") {

@@ -90,15 +90,15 @@ TEST_CASE("lattices are read from text", "[examples][lattice]") {
     for (const char* degree : {"9", "0", "4", "x", "", "2.5", "bern"})
         CHECK(refusal("4x4/" + std::string(degree)) ==
               "lattice:4x4/" + std::string(degree) +
-                  ": the degree is 1, 2 or 3; /bernstein takes the highest");
+                  ": the degree is 1, 2 or 3; for the highest, use /bernstein");
     CHECK(refusal("65x4/bernstein") ==
           "lattice:65x4/bernstein: Bernstein polynomials take at most 64 points along an axis");
     CHECK(refusal("4x4+-1") == "lattice:4x4+-1: +R is a number of at least 0");
     CHECK(refusal("4x4+inf") == "lattice:4x4+inf: not a number: \"inf\"");
     CHECK(refusal("4x4@") == "lattice:4x4@: not a number: \"\"");
-    CHECK(refusal("4x4x4@30") == "lattice:4x4x4@30: @ANGLE turns the box of a drawing alone");
+    CHECK(refusal("4x4x4@30") == "lattice:4x4x4@30: @ANGLE is only for the box of a drawing");
     CHECK(refusal("4x4@30+1") == "lattice:4x4@30+1: not a number: \"30+1\"");
-    CHECK(refusal("4x4/2/3") == "lattice:4x4/2/3: nothing is expected at \"/3\"");
+    CHECK(refusal("4x4/2/3") == "lattice:4x4/2/3: unexpected text: \"/3\"");
 
     const auto flat = lattice_about<2>(*parse_lattice_word("4x4x4"), {{0, 0}, {1, 1}}, 0, "f.svg");
     REQUIRE_FALSE(flat);
@@ -154,14 +154,14 @@ TEST_CASE("a file that is not a lattice is refused with a reason", "[examples][l
         CHECK(to_string(read.error()) == none);
     }
     CHECK(says(box) == none);
-    const std::string no_axis = R"( is no object of "points", "degree" and, if need be, "knots")";
+    const std::string no_axis = R"( is no object of "points", "degree" and optional "knots")";
     for (const char* axis :
          {"7", R"({"points": 4})", R"({"points": -4, "degree": 3})", R"({"points": 4.5, "degree": 3})",
           R"({"points": 99999999999, "degree": 3})", R"({"points": 4, "degree": 3, "knots": 1})",
           R"({"points": 4, "degree": 3, "knots": ["0"]})"})
         CHECK(says(R"("axes": [{"points": 4, "degree": 3}, )" + std::string(axis) + "], " + box) ==
               "l: axis 1" + no_axis);
-    const std::string no_box = R"(l: "frame_columns" and "origin" do not hold vectors of the dimension)";
+    const std::string no_box = R"(l: "frame_columns" and "origin" are not vectors with a number per axis)";
     for (const char* wrong : {R"("frame_columns": [[1, 0], [0, 1]])", R"("origin": [0, 0])",
                               R"("frame_columns": [[1, 0], [0]], "origin": [0, 0])",
                               R"("frame_columns": [[1, 0], [0, "1"]], "origin": [0, 0])",

@@ -80,7 +80,7 @@ TEST_CASE("a pin in space may name a vertex, and turns about an axis", "[pins]")
           std::string::npos);
     CHECK(refusal_of<3>("1,2,3@30").find("is not an angle and an axis") != std::string::npos);
     CHECK(refusal_of<3>("1,2,3@30,0,0,0").find("has an axis of length zero") != std::string::npos);
-    CHECK(refusal_of<3>("1e308,2,3:+1e308,0,0").ends_with("the target leaves the range of numbers"));
+    CHECK(refusal_of<3>("1e308,2,3:+1e308,0,0").ends_with("the target exceeds the range of numbers"));
 }
 
 TEST_CASE("pins written and read are unchanged", "[pins]") {
@@ -162,7 +162,7 @@ TEST_CASE("pins at one place with two targets contradict each other", "[pins]") 
     pins.push_back(pin_of<2>("1,3"));
     CHECK(contradiction(pins) ==
           "pin 4 (--pin \"1,3\") at (1, 3) has another target than --pin \"1,3:5,6\" at "
-          "the same place: the figure is moved between the two");
+          "the same position: the figure moves between both targets");
 }
 
 TEST_CASE("markers written and read are unchanged", "[pins]") {

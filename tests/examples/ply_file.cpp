@@ -218,13 +218,13 @@ TEST_CASE("faults of a PLY file are reported", "[examples][ply]") {
     CHECK(fault_of("ply\nend_header\n") == "its header has no line \"format\"");
     CHECK(fault_of("ply\nformat octal 1.0\nend_header\n") ==
           "line 2: the format is none of ascii, binary_little_endian, binary_big_endian");
-    CHECK(fault_of(ascii + "vertex 3\n") == "line 3: \"vertex\" begins no line of a PLY file's header");
+    CHECK(fault_of(ascii + "vertex 3\n") == "line 3: \"vertex\" is not a keyword of a PLY file's header");
     CHECK(fault_of(ascii + "element vertex\n") ==
-          "line 3: \"element vertex\" is no new element with a number of records");
+          "line 3: \"element vertex\" does not declare a new element and its number of records");
     CHECK(fault_of(ascii + "element vertex -1\n").starts_with("line 3: "));
     CHECK(fault_of(ascii + "element vertex 99999999999999999999\n").starts_with("line 3: "));
     CHECK(fault_of(ascii + "property float x\n") ==
-          "line 3: \"property float x\" is no property of an element");
+          "line 3: \"property float x\" does not declare a property of an element");
     CHECK(fault_of(ascii + "element vertex 1\nproperty half x\n") ==
           "line 4: \"property half x\" has a type that PLY files do not have");
     CHECK(fault_of(ascii + "element vertex 1\nproperty list float int x\n").starts_with("line 4: "));

@@ -264,7 +264,7 @@ TEST_CASE("text that is not an operation is reported", "[examples][pose]") {
     CHECK(refusal<2>(bend, "1:xy,1,1,30") == "\"xy,1,1,30\" begins and ends at the same position");
     CHECK(refusal<2>(twist, "1:x,0,1,30") == "\"x,0,1,30\" is for cages in space");
     CHECK_THAT(refusal<3>(twist, "1:xy,0,1,30"), Catch::Matchers::EndsWith("must begin with x, y or z"));
-    CHECK(refusal<2>(scale, "all:1e300@1e300,1e300") == "vertex 0 leaves the range of numbers");
+    CHECK(refusal<2>(scale, "all:1e300@1e300,1e300") == "vertex 0 exceeds the range of numbers");
 }
 
 TEST_CASE("cages written and read are unchanged to the bit", "[examples][cage]") {

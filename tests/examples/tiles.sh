@@ -156,7 +156,7 @@ ends 1 'cannot write in.solution: it is the same file as in.solution, which is r
   -o refused/a.figure --coordinates harmonic --save-solution in.solution
 ends 1 'which is written too' bind_tiles refused --points few/00.ply bad/../few/00.ply
 awk '$1 == "v" { $2 += 500000 } { print }' character_cage.obj >far_cage.obj
-ends 1 'far_cage.obj: is far from the origin: single precision rounds places there by up to' "$tiles" far_cage.obj --points 'few/*.ply' -o 'refused/*.figure'
+ends 1 'far_cage.obj: is far from the origin: single precision rounds positions there by up to' "$tiles" far_cage.obj --points 'few/*.ply' -o 'refused/*.figure'
 ends 1 'write a * in place of the name' "$tiles" character_cage.obj --points 'few/*.ply' -o refused/a.figure
 ends 1 'cannot write no_such_folder/00.figure' "$tiles" character_cage.obj --points 'few/*.ply' -o 'no_such_folder/*.figure' \
   --coordinates harmonic --save-solution no.solution

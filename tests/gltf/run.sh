@@ -305,8 +305,8 @@ printf '\357\273\277newmtl red\nKd 0.25 0.5 1\nmap_Kd seen.png\nmap_d seen.png\n
 printf 'newmtl glass\nmap_Kd -s 2 2 2 seen.png\nnorm seen.png\nnewmtl lamp\nd -halo 0.5\nmap_Ke seen.png\nnewmtl wood\nNs 5\n' >>other.mtl
 { echo 'l 1 2'; sed 's/^mtllib.*/mtllib other.mtl/; s/^v \(.*\)/v \1 1 0.5 0/' parts.obj; } >other.obj
 works "materials of other programs" "$export" other.obj --cage box.obj --twist all:z,0,4,40 --skin 4 -o other.gltf --report
-says 'glTF has no place for these statements: "l" (1), "map_Bump" (1), "map_Bump -bm" (1), "map_Kd -s" (1), "map_Ks" (1)'
-says 'statements without a place in glTF: "Ka" 1, "l" 1, '
+says 'glTF has no equivalent of these statements: "l" (1), "map_Bump" (1), "map_Bump -bm" (1), "map_Kd -s" (1), "map_Ks" (1)'
+says 'statements without equivalent in glTF: "Ka" 1, "l" 1, '
 says_not 'defines the material'
 tr -d ' \n' <other.gltf >flat.json
 for part in '"name":"red","pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,1.0,1.0]' '"name":"glass","pbrMetallicRoughness":{"baseColorFactor":[1.0,1.0,1.0,1.0]' \
@@ -381,15 +381,15 @@ faulty_clip() { # MESSAGE SED-COMMAND
 }
 faulty_clip 'clip.csv: the line "length,SECONDS" is missing' 1d
 faulty_clip 'clip.csv:1: the length is not positive' 's/length,2/length,0/'
-faulty_clip 'clip.csv: the last pose is not before the end' 's/length,2/length,1/'
+faulty_clip 'clip.csv: the last pose has to be before the end' 's/length,2/length,1/'
 faulty_clip 'clip.csv:2: the first pose has to be at time 0' 's/pose,0/pose,0.5/'
 faulty_clip 'clip.csv:11: a pose is not later' 's/pose,1/pose,0/'
 faulty_clip 'clip.csv:11: a pose is smooth, linear or ease, not "hold"' 's/pose,1/pose,1,hold/'
 faulty_clip 'clip.csv:11: column 2: "nan" is not a finite number' 's/pose,1/pose,nan/'
 faulty_clip 'clip.csv:3: not a number: "q"' '3s/0/q/'
 faulty_clip 'clip.csv:3: 2 columns' '3s/,0$//'
-faulty_clip 'clip.csv:10: the pose before has 7 vertices, the cage 8' 3d
-faulty_clip 'clip.csv:18: the pose before has 7 vertices, the cage 8' 19d
+faulty_clip 'clip.csv:10: the previous pose has 7 vertices, but the cage has 8' 3d
+faulty_clip 'clip.csv:18: the previous pose has 7 vertices, but the cage has 8' 19d
 faulty_clip 'more vertices than the cage has, 8' '3s/.*/&\n&/'
 faulty_clip '"pose,TIME" is missing before' 2d
 faulty_clip 'fewer than two poses' '11,$d'

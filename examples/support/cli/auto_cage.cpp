@@ -165,8 +165,8 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
 std::string describe_quads(const cageform::MakeCageReport& report) {
     const double paired = 2 * double(report.quads), share = paired / (paired + double(report.triangles));
     return "faces: " + std::to_string(report.quads) + " quads and " + std::to_string(report.triangles) +
-           " triangles; " + percent(share) + " of the triangles were paired, the diagonals of the most " +
-           "warped quad pass at " + percent(report.worst_warp) + " of its mean edge\n";
+           " triangles; " + percent(share) + " of the triangles were paired; the diagonals of the most " +
+           "warped quad are " + percent(report.worst_warp) + " of its mean edge apart\n";
 }
 
 std::string describe_rings(const cageform::MakeCageReport& report) {
@@ -198,8 +198,8 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
         warnings.push_back("the cage has " + std::to_string(report.vertices) +
                            " vertices; fewer are not enough");
     if (options.rings && describe_rings(report).empty())
-        warnings.push_back("--rings: no limb was found, or none whose ring a quarter of the vertices "
-                           "suffice for: the cage has no rings");
+        warnings.push_back("--rings: no limb was found, or every ring would take more than a "
+                           "quarter of the vertices: the cage has no rings");
     return warnings;
 }
 

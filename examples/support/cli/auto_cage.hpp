@@ -17,9 +17,9 @@ namespace cageform_support {
 
 /// Help text, appended to the other values of --cage.
 inline constexpr const char* auto_cage_help =
-    "; or auto, hull or box (with N vertices auto:N or hull:N, with the fewest that are within 15 % of the "
-    "tightest auto:15%) to make one, as make_cage does; or a lattice of points, lattice:4x4 in the plane and "
-    "lattice:4x4x4 in space, or a .lattice.json file";
+    "; or auto, hull or box to make one as make_cage does (auto:N or hull:N: with N vertices; auto:15%: with "
+    "the fewest vertices within 15 % of the tightest cage); or a lattice of points: lattice:4x4 in the "
+    "plane, lattice:4x4x4 in space, or a .lattice.json file";
 
 /// The files that a program accepts as --cage.
 enum class CageFiles { drawing, drawing_or_sites, mesh, mesh_or_sites };
@@ -65,7 +65,7 @@ Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjF
 
 /// Makes a lattice around all visible parts of a document, or around the vertices of a mesh.
 ///
-///   margin   of the box, relative to their diagonal
+///   margin   of the box, relative to the diagonal of these parts or vertices
 inline constexpr double lattice_margin = 0.02;
 Expected<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
 Expected<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);

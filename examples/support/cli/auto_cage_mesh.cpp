@@ -122,7 +122,7 @@ void add_flip_faces(CommandLine& line, bool& flips_faces) {
 
 void add_strict(CommandLine& line, bool& is_strict) {
     line.add_flag("--strict", is_strict,
-                  "refuse a figure that has a vertex that is not finite, also one that no face has");
+                  "refuse a figure with a vertex that is not finite, even if no face uses the vertex");
 }
 
 Expected<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
@@ -155,7 +155,7 @@ std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertice
     }
     warn(frame + std::to_string(added.size()) + " of " + std::to_string(figure.vertices.size()) +
          " vertices are left out, here and in all other files, first v " + std::to_string(added[0] + 1) +
-         ": they are not finite, and no face has them; --strict refuses the file");
+         ": they are not finite, and no face uses them; --strict refuses the file");
     std::set_union(figure.left_out.begin(), figure.left_out.end(), added.begin(), added.end(),
                    std::back_inserter(all));
     figure.left_out = std::move(all);

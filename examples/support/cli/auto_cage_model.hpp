@@ -44,7 +44,7 @@ inline std::string no_cage(const cageform::MakeCageReport& report, const cagefor
         why += ": the last attempt comes as near as " + detail::short_number(report.clearance) +
                ", and the margin is " + detail::short_number(report.margin);
     if (report.status == Status::margin_too_small && options.mirror && options.mirror->position)
-        why += ": it spans the figure and its image across the mirror at " +
+        why += ": the grid spans the figure and its image across the mirror at " +
                detail::short_number(*options.mirror->position);
     return why;
 }

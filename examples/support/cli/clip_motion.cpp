@@ -27,7 +27,7 @@ std::vector<cageform::Key> keys_of(const ClipControl& control, std::size_t axis,
             keys.push_back(key);
         }
     }
-    constexpr double ease = 0.42; // of an interval, as CSS has it
+    constexpr double ease = 0.42; // of an interval, as CSS ease-in-out
     for (std::size_t i = 0; i < keys.size(); ++i) {
         cageform::Key& key = keys[i];
         const double before = i > 0 ? key.time - keys[i - 1].time : 0;

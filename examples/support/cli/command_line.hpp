@@ -62,7 +62,7 @@ public:
     /// Options whose value is passed to a function.
     CommandOption add_text(const std::string& name, const std::function<void(const std::string&)>& take,
                            const std::string& help);
-    /// An option that `parse` reads into `value`; it returns why a word is no value, or "".
+    /// An option whose word parse(word, value) reads into `value`; `parse` returns the error, or "".
     template <class T, class Parse>
     CommandOption add_parsed(const std::string& name, T& value, const Parse& parse, const std::string& help) {
         const auto fault = [parse](const std::string& word) {

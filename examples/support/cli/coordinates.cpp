@@ -79,9 +79,9 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         .show_default(name);
     if (in_space) {
         line.add("--faces", faces,
-                 "faces of more than three corners in space: planar keeps those that are planar, with plane "
-                 "coordinates in each (mean-value, harmonic), and makes fans about the mean of their corners "
-                 "of the others; fan makes fans of all; triangles cuts them")
+                 "faces of more than three corners in space: planar keeps planar faces, with 2D coordinates "
+                 "in each (mean-value, harmonic), and divides the others into fans about the mean of their "
+                 "corners; fan divides all into fans; triangles cuts them into triangles")
             .one_of({"planar", "fan", "triangles"})
             .show_default();
         line.add("--divisions", divisions,
@@ -102,7 +102,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     if (in_plane && with_normals) {
         line.add_flag(
             "--disk", in_disk,
-            "curved-green: use the function of the smallest disk that holds the cage; the figure follows "
+            "curved-green: use Green's function of the smallest disk around the cage; the figure follows "
             "a round cage more closely, and angles change a little");
         line.add_number(
                 "--disk-radius",
@@ -110,7 +110,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                     in_disk = true;
                     disk_radius = radius;
                 },
-                "curved-green: use the function of a disk of this radius in place of the smallest")
+                "curved-green: use Green's function of a disk of this radius instead of the smallest")
             .range(1e-100, 1e100)
             .rarely_needed();
     }
@@ -122,8 +122,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
     if (limits_memory) {
         line.add_number(
                 "--memory", [this](double megabytes) { memory = std::size_t(megabytes * (1 << 20)); },
-                "harmonic: the most memory for the grid and its solver, in MB; what needs more stops before "
-                "it begins")
+                "harmonic: the most memory for the grid and its solver, in MB; if they need more, the "
+                "program stops before it solves")
             .range(1.0, 1e8)
             .show_default("half of what is free");
     }
@@ -131,7 +131,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
              "harmonic: use a uniform grid with this many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
-        .show_default("none; with --tolerance 128 in the plane, 64 in space")
+        .show_default("none; if --tolerance is given, 128 in the plane, 64 in space")
         .rarely_needed();
     line.add_number(
             "--tolerance",
@@ -193,9 +193,9 @@ void OutsideChoice::add_options(CommandLine& line) {
 
 void OutsideChoice::add_falloff(CommandLine& line, double& falloff) {
     line.add("--falloff", falloff,
-             "points outside move less the farther they are from the cage, and not at all from this distance "
-             "on, in its units, so that a cage about a part of the figure does; with less than 1.5 times the "
-             "largest move the figure may fold there; 0: they do not fade")
+             "the distance from the cage, in its units, at which the displacements of points outside have "
+             "faded to 0, so that a cage can enclose a part of the figure; below 1.5 times the largest "
+             "displacement, the figure may fold there; 0: no fading")
         .range(0.0, 1e100)
         .show_default();
 }
@@ -237,7 +237,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               what + figure + " lie outside the " +
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               names_of(report.outside);
-    // Finding the nearest places of many points is slow, so it is done only for messages.
+    // Finding the nearest boundary points of many points is slow, so it is done only for messages.
     double largest = 0;
     const bool is_told = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
     for (std::size_t n = 0; is_told && n < report.outside.size(); ++n) {
@@ -270,7 +270,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
     }
     if (!some || word != "auto" || cage_is_made || falloff > 0) return {};
     if (!of_part && 2 * report.outside.size() > report.points && !coordinates.takes_sites)
-        return {found + ": is it the cage of another figure? Use --outside to choose what they do" +
+        return {found + ": does this cage belong to another figure? Use --outside to choose what they do" +
                     distance.str(),
                 {}};
     const auto done = bind_options(coordinates).outside;

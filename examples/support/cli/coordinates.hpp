@@ -27,7 +27,7 @@ namespace cageform_support {
 /// Converts a name of the library to a word of the command line: mean_value to "mean-value".
 std::string word_of(std::string name);
 
-/// The options --coordinates, --resolution, --tolerance, --solver and those of single types.
+/// The options --coordinates, --resolution, --tolerance, --accuracy, --memory and those of single types.
 struct CoordinatesChoice {
     std::string name = "mean-value";  // one of names()
     bool is_named = false;            // whether --coordinates is given
@@ -43,7 +43,7 @@ struct CoordinatesChoice {
     cageform::HarmonicOptions harmonic;
     bool limits_memory = true; // whether the program has --memory for a solver
     std::size_t memory = 0;    // of a solver, in bytes; 0: half of the available memory
-    bool in_disk = false;      // curved-green: use the function of a disk around the cage
+    bool in_disk = false;      // curved-green: use Green's function of a disk around the cage
     double disk_radius = 0;    // 0: the smallest possible
 
     /// The types that the program takes, in the order of coordinates/types.hpp.
@@ -89,7 +89,7 @@ struct SiteChoice {
     bool with_weights = true; // whether the program has --weights
 
     void add_options(CommandLine& line);
-    std::string fault(const CoordinatesChoice& choice) const; ///< error if it does not match; else empty
+    std::string fault(const CoordinatesChoice& choice) const; ///< error if `choice` does not fit; else empty
 };
 
 /// Sites and their pose, after applying the options.
@@ -161,7 +161,7 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 
-/// Describes the edge or face whose vector is a handle by its vertices: "from vertex 1 to 2"; in space as
+/// Names the vertices of the edge or face whose vector is a handle: "from vertex 1 to 2"; in space as
 /// numbered in an OBJ file: "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>
 std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
@@ -181,8 +181,8 @@ std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t 
     }
 }
 
-/// Moves vertices of a pose in the plane that differ from rest only by rounding to their positions at rest:
-/// control points of a line or quadratic, converted to a cubic, are sums that the library may round otherwise.
+/// Resets vertices of a planar pose to rest if they differ only by rounding. When a line or quadratic is
+/// converted to a cubic, the control points are sums, which the library may round differently.
 template <cageform::Scalar T>
 void settle(const cageform::HandleView<T, 2>& handles, std::vector<Point2>& pose) {
     const std::size_t count = std::min(pose.size(), handles.count);
@@ -213,21 +213,20 @@ Expected<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding,
         warning = name + ": " + std::to_string(report.collapsed_faces) + (D == 2 ? " edge" : " face") +
                   (one ? " has" : "s have") + (D == 2 ? " no length" : " no area") +
                   (one ? ", " : ", first ") + name_of_face(binding.handle_view(), report.first_collapsed) +
-                  ": which way " + (one ? "it faces" : "they face") + " is unknown";
+                  ": " + (one ? "its normal is" : "their normals are") + " undefined";
     }
     return handles;
 }
 
-/// The values of --outside that stand for an OutsidePoints.
+/// The values of --outside that name a value of cageform::OutsidePoints.
 std::vector<std::string> outside_words();
 
 /// The options --outside and --falloff.
 struct OutsideChoice {
-    std::string word =
-        "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
+    std::string word = "auto"; // extend if possible, keep-in-place with sites, else nearest-boundary
     bool with_sites = false;   // whether the program takes control points without a cage
     bool can_extend = true;    // whether the program supports weights of points outside
-    bool cage_is_made = false; // the cage is made for the figure: points outside are invisible
+    bool cage_is_made = false; // whether the cage is made for the figure: then points outside are invisible
     bool of_part = false;    // whether the points are a part of a figure, so that most of them may be outside
     bool can_fade = true;    // whether the program supports weights that do not sum to 1
     bool has_splats = false; // whether the points are splats, which messages count from 0
@@ -245,8 +244,8 @@ struct OutsideChoice {
 
     /// The messages after a bind.
     struct Verdict {
-        /// The error; empty if there is none. It is an error if most points are outside and --outside is not
-        /// given, since the cage may belong to another figure.
+        /// The error; empty if there is none. Without --outside, most points outside are an error, since the
+        /// cage may belong to another figure.
         std::string fault;
         std::string warning; ///< on points outside without a requested treatment; empty if there are none
     };

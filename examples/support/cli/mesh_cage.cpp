@@ -162,8 +162,8 @@ std::string describe_winding(const std::string& pose, const std::string& figure,
     if (side == 0 || is_mirrored == flips_faces) return {};
     return pose + ": the pose " +
            (is_mirrored
-                ? "mirrors " + figure + ", and its faces look inwards; --flip-faces turns the faces over"
-                : "does not mirror " + figure + ", and with --flip-faces its faces look inwards");
+                ? "mirrors " + figure + ", and its faces point inwards; --flip-faces reverses the faces"
+                : "does not mirror " + figure + ", and with --flip-faces its faces point inwards");
 }
 
 } // namespace cageform_support

@@ -26,8 +26,8 @@ Expected<ObjFile> load_mesh_cage(const std::string& path);
 /// A lattice as an OBJ file: its handles, boundary faces, and interior rows as lines.
 ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
 
-/// The parts by the file's face groups part_1, part_2, part_-2 and so on; other faces are in part 1. Empty if
-/// there is no such group.
+/// The parts of a cage: the file's face groups part_1, part_2, part_-2 and so on; other faces are in part 1.
+/// Empty if there is no such group.
 cageform::CageParts cage_parts(const ObjFile& cage);
 
 /// "parts: 1 (39 vertices), 2 (15), -2 (15)".
@@ -49,9 +49,9 @@ struct CageFaces {
 /// Which faces with more than three corners become fans.
 enum class FacesAsFans { none, not_planar, all };
 
-/// Classifies the faces with more than three corners: kept as polygons if wanted and planar to a millionth of
-/// the cage's diagonal (the precision of six digits); as fans if wanted and the mean of their corners sees
-/// all edges; else triangulated.
+/// Classifies the faces with more than three corners. They are kept as polygons if wanted and planar to a
+/// millionth of the cage's diagonal (the precision of six digits). The others become fans if wanted and the
+/// mean of their corners sees all edges; else they are triangulated.
 ///
 ///   divisions   of quads, per side; above 1, all faces with more than three corners become fans
 CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions = 1);

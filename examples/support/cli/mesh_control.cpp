@@ -12,7 +12,7 @@ namespace cageform_support {
 
 namespace {
 
-/// Poses the vertices by pins, if there are any. --hold keeps vertices.
+/// Poses the vertices by pins, if there are any. Vertices of --hold do not move.
 ///
 ///   still   vertices that no pose moves
 Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
@@ -68,8 +68,8 @@ Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const
     return control;
 }
 
-/// The pose from a file or operations; without both, the rest pose if there are pins, else first_pose() for
-/// generated cages.
+/// The pose from a file or operations; if neither is given, the rest pose if there are pins, else
+/// first_pose() for generated cages.
 ///
 ///   held   vertices that no pose moves
 Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,

@@ -75,7 +75,7 @@ std::string describe(const MeshFolds& folds, bool stops) {
     const std::size_t listed = std::min<std::size_t>(report.count, 5);
     for (std::size_t n = 0; n < listed; ++n)
         text << (n == 0 ? ", first " : ", ") << folds.name_of(report.folded[n]);
-    if (report.skipped > 0) text << "; " << report.skipped << " without a number";
+    if (report.skipped > 0) text << "; " << report.skipped << " skipped, not finite";
     text << '\n';
     if (report.least_determinant_at == report.nowhere) return text.str();
     text << "least V'/V: " << report.least_determinant << ", " << folds.name_of(report.least_determinant_at)

@@ -84,7 +84,7 @@ public:
     /// Sets the initial pose of the next settle().
     Expected<bool> start(const Pose& pose);
 
-    /// Iterates a pose until it converges to the targets, and updates `report()`.
+    /// Iterates a pose until it converges to the targets, at most 2000 times, and updates `report()`.
     ///
     ///   pose    in and out: all handles; held ones keep their positions
     ///   fails   if a target or the result is not finite

@@ -64,8 +64,7 @@ void warn_of_far_targets(const cageform::HandleView<T, D>& handles, const std::v
         }
         if (!is_far) continue;
         warn(name_of(pins, n) + ": " + describe_target(pins[n]) +
-             ", outside twice the box of the cage; numbers with signs are displacements, = makes them a "
-             "place");
+             ", outside twice the box of the cage; numbers with signs are displacements, after = positions");
     }
 }
 

@@ -25,15 +25,15 @@ struct PinnedControl {
 /// Poses the vertices of a control by pins.
 class PinnedFigure {
 public:
-    /// As PinnedCage::make(). If vectors are handles, the control's poses then include them.
+    /// As PinnedCage::make(); also sets `control.poses_all_handles`: whether vectors are handles.
     static Expected<PinnedFigure> make(FigureControl& control, const PinnedControl& by,
                                        std::vector<Pin<2>> pins);
 
     /// The converged pose for the pins' targets.
     Expected<std::vector<Point2>> settled();
 
-    /// Converts a motion of pins to keys of all handles: few keys that approximate converged poses, 60 per
-    /// second, within 1/1920 of the cage's size.
+    /// Converts a motion of pins to keys of all handles. Solves for 60 poses per second of the motion, and
+    /// fits few keys to them, within 1/1920 of the cage's size.
     ///
     ///   motion   of the pins
     ///   fails    as PinnedCage::settle()

@@ -66,7 +66,7 @@ std::string read_target(std::string_view text, Pin<D>& pin) {
     });
     pin.is_relative = has_signs && !is_place;
     if (pin.is_relative) target = pin.place + target;
-    return is_finite(target) ? "" : "the target leaves the range of numbers";
+    return is_finite(target) ? "" : "the target exceeds the range of numbers";
 }
 
 /// Parses the columns of a line. Returns the error; empty on success.
@@ -177,7 +177,7 @@ std::string contradiction(const std::vector<Pin<D>>& pins) {
         const auto [other, is_new] = first.emplace(std::to_array(pins[n].place.v), n);
         if (is_new || pins[other->second].target == pins[n].target) continue;
         return name_of(pins, n) + " has another target than " + pins[other->second].name +
-               " at the same place: the figure is moved between the two";
+               " at the same position: the figure moves between both targets";
     }
     return {};
 }

@@ -32,8 +32,9 @@ inline constexpr const char* pins_format =
     "targets are positions, and the angle of a pin that does not turn is empty:\n"
     "\n"
     "    x,y,TX,TY[,ANGLE[,WEIGHT]]              in the plane\n"
-    "    x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]]      in space; R is an axis, as long as the\n"
-    "                                            angle; x,y,z can be a vertex number\n"
+    "    x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]]      in space; R is an axis whose length is\n"
+    "                                            the angle in degrees; x,y,z can be a\n"
+    "                                            vertex number\n"
     "\n"
     "An empty line, a line of words at the top and lines that begin with # are skipped.\n";
 

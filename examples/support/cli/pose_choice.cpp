@@ -28,9 +28,7 @@ void PoseChoice::add_options(CommandLine& line) {
     if (in_plane)
         add("--curve", PoseOperation::curve,
             "move one control point of a cage of curves alone: LOOP:K:DX,DY");
-    line.add("--freeze", freeze,
-             "of a lattice, the number of layers of points at the faces of its box that every pose leaves at "
-             "rest")
+    line.add("--freeze", freeze, "the number of outer layers of a lattice's points that no pose moves")
         .show_default();
 }
 

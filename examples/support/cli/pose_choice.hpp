@@ -23,7 +23,8 @@ struct PoseChoice {
 
     void add_options(CommandLine& line);
 
-    /// A cage's vertices after all operations; fails with the invalid operation, and as still().
+    /// A cage's vertices after all operations. Fails on an invalid operation, which the error names, and as
+    /// still().
     ///
     ///   curves   the cage if its edges are curves; else null
     ///   parts    of a cage in space, or null
@@ -33,7 +34,7 @@ struct PoseChoice {
           const CageFile* curves = nullptr, const cageform::CageParts* parts = nullptr) const;
 
     /// The vertices that no pose moves: frozen and frame handles of a lattice. Fails if --freeze is given for
-    /// another cage, or leaves nothing to move.
+    /// a cage that is not a lattice, or leaves nothing to move.
     template <std::size_t D>
     Expected<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;
 };
@@ -52,15 +53,16 @@ struct MotionChoice {
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
     /// The motion; without keys if none is given. Vertices that no pose moves are reset to rest. Fails if a
-    /// file cannot be read or does not match, an operation is invalid, numbers exceed single precision, or
-    /// more than one kind of motion is given.
+    /// file cannot be read or does not match, an operation is invalid, or numbers exceed single precision.
+    /// Fails also if more than one kind of motion is given.
     Expected<PoseClip> motion(const ObjFile& cage) const;
 };
 
-/// The pose from a file or operations; first_pose() for generated cages without both.
+/// The pose from a file or operations; if neither is given, first_pose() for generated cages.
 ///
 ///   path    of the file; empty: none
-///   fails   as load_pose(), on an invalid operation, and if both or none are given
+///   fails   as load_pose(), on an invalid operation, if both are given, or if neither is given for a cage
+///           that is not generated
 Expected<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
                              bool is_made);
 

@@ -90,7 +90,7 @@ std::string select_part(std::string_view word, const cageform::CageParts* parts,
     }
     const auto moved = parts->moved_with(part->number);
     selected.assign(moved.begin(), moved.end());
-    return selected.empty() ? refusal(word, "has no vertex that is not on its joint") : "";
+    return selected.empty() ? refusal(word, "has no vertices except those of its joint") : "";
 }
 
 /// Selects the vertices of one entry of a list.
@@ -361,7 +361,7 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
     std::vector<Vec<double, D>> moved;
     for (const std::size_t i : *selected) {
         what.apply(moved.emplace_back(pose[i]));
-        if (!is_finite(moved.back())) return "vertex " + std::to_string(i) + " leaves the range of numbers";
+        if (!is_finite(moved.back())) return "vertex " + std::to_string(i) + " exceeds the range of numbers";
     }
     for (std::size_t k = 0; k < moved.size(); ++k) pose[(*selected)[k]] = moved[k];
     return {};
@@ -381,7 +381,7 @@ std::string move_control_point(std::string_view word, std::span<const std::vecto
     if (std::string why = move.parse(parts[2]); !why.empty()) return why;
     auto moved = pose[handles[point]];
     move.apply(moved);
-    if (!is_finite(moved)) return "control point " + std::to_string(point) + " leaves the range of numbers";
+    if (!is_finite(moved)) return "control point " + std::to_string(point) + " exceeds the range of numbers";
     pose[handles[point]] = moved;
     return {};
 }

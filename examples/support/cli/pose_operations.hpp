@@ -27,9 +27,9 @@ inline constexpr const char* pose_operations_format =
     "    5-9        the vertices 5 to 9\n"
     "    all        all vertices\n"
     "    x>10&y<5   vertices whose position in CAGE meets all these conditions\n"
-    "    part 3     in space: a part of a cage that make_cage made, and all that hangs\n"
-    "               on it. By itself it is acted on about the middle of its joint.\n"
-    "               part 1 is the trunk, which is acted on alone\n"
+    "    part 3     in space: a part of a cage that make_cage made, and all parts\n"
+    "               attached to it. If WHICH is one part, the operation acts about\n"
+    "               the middle of its joint. part 1 is the trunk, without other parts\n"
     "\n"
     "such as 0,5-9. Angles are in degrees, from x towards y (clockwise on the screen\n"
     "in an SVG file); in space counter-clockwise if the axis points at the viewer.\n"
@@ -39,15 +39,15 @@ inline constexpr const char* pose_operations_format =
     "    --turn 5-9:30,y          in space: about x, y, z or a vector, 30,1,1,0\n"
     "    --turn 'part -2:30,z'    an arm about its shoulder\n"
     "    --scale all:1.5          or one factor per axis: 2,1; -1,1 mirrors\n"
-    "    --bend all:xy,10,30,90   the part from x = 10 to 30 becomes an arc towards\n"
-    "                             y, the part beyond turns by 90; with 30,10 the\n"
-    "                             part below turns. The line that keeps its length\n"
+    "    --bend all:xy,10,30,90   the part from x = 10 to 30 becomes an arc towards y,\n"
+    "                             and the part above 30 turns by 90; with 30,10 the\n"
+    "                             part below 10 turns. The line that keeps its length\n"
     "                             passes through the point\n"
     "    --twist all:y,0,5,90     in space: turns about y, by 0 at y = 0 up to 90 at\n"
     "                             y = 5 and beyond\n"
     "    --curve 0:4:10,0         of a cage of curves: moves control point 4 of loop 0\n"
-    "                             alone. All other operations on the end of an edge\n"
-    "                             take the control points beside it along\n";
+    "                             alone. Other operations that move the end of an\n"
+    "                             edge also move the control points beside it\n";
 
 /// The selected vertices, ascending.
 ///
@@ -70,7 +70,7 @@ std::string parse_turn(std::string_view text, double& degrees, cageform::Vec<dou
 ///
 ///   rest        the cage, as long as `pose`
 ///   pose        in and out; vertices that are not selected do not change
-///   followers   #vertices: vertices that move along, see CageFile::followers(); empty: none
+///   followers   #vertices: vertices that move with each vertex, see CageFile::followers(); empty: none
 ///   parts       of the cage, or null
 ///   returns     the error, and `pose` is unchanged; empty on success
 template <std::size_t D>

@@ -1,7 +1,7 @@
 #pragma once
 
-// Rows of a long job that one run processes (--rows A:B), and file names per row (a path with %06d). Each
-// task of a farm gets other rows.
+// Rows of a long job that one run processes (--rows A:B), and file names per row (a path with %06d). The
+// tasks of a render farm process different rows.
 
 #include <cstddef>
 #include <optional>
@@ -18,9 +18,9 @@ struct RowRange {
 };
 
 /// Help text of --rows.
-inline constexpr const char* rows_help = "the rows to do, as A:B: from A, counted from 0, to before B; "
-                                         "either may be left out, and B may be larger than "
-                                         "the number of rows";
+inline constexpr const char* rows_help =
+    "the rows to process, A:B, counted from 0: from A to B - 1; A or B can be omitted, and B can exceed the "
+    "number of rows";
 
 /// A path with a placeholder for a row number: %d, or %06d for at least six digits. %% is a percent sign.
 class RowPath {

@@ -121,19 +121,18 @@ CommandOption add_share(CommandLine& line, const std::string& name, double& shar
 std::vector<CommandOption> SkeletonChoice::add_options(CommandLine& line) {
     const CommandOption moves =
         line.add("--kind", kind,
-                 "how bones move: rigid (they turn), similar (one scale besides; their children scale with "
-                 "them) or "
-                 "stretched (any affine map, by two nodes; not every player shows these)")
+                 "how bones move: rigid (rotation), similar (also one scale factor, which children inherit) "
+                 "or stretched (any affine map, by two nodes per bone; not every player supports it)")
             .one_of({"rigid", "similar", "stretched"})
             .show_default();
     const CommandOption most =
-        line.add("--influences", influences, "the largest number of bones per vertex; engines play 4, some 8")
+        line.add("--influences", influences, "the largest number of bones per vertex; engines use 4, some 8")
             .range(1, 8)
             .show_default();
-    return {moves, most, line.add_flag("--flat", flat, "no hierarchy: every bone moves for itself"),
+    return {moves, most, line.add_flag("--flat", flat, "no hierarchy: bones have no parents"),
             line.add_flag("--tangents", tangents,
-                          "keys of cubics where these are fewer numbers; Blender reads them without their "
-                          "tangents and shows another motion")};
+                          "cubic keys where they need fewer numbers; Blender ignores the tangents and shows "
+                          "another motion")};
 }
 
 std::string SkeletonChoice::fault_of_bones(const std::string& word) {
@@ -199,7 +198,7 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
                                                 {distance, choice.tangents}, {.progress = bar.callback()});
         motion.keys_report = made.report;
         if (!made && made.report.status == Status::value_not_finite && !choice.flat) {
-            return FileError{frames.name + ": a bone that others hang on has no size in some frame (" +
+            return FileError{frames.name + ": a bone with children has no size in some frame (" +
                              cageform::to_string(made.report.status) + "): use --flat"};
         }
         if (!made) return FileError{frames.name + ": " + cageform::to_string(made.report.status)};

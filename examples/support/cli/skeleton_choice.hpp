@@ -25,15 +25,15 @@ CommandOption add_share(CommandLine& line, const std::string& name, double& shar
 struct SkeletonChoice {
     static constexpr double default_distance = 0.002;
 
-    std::string bones; ///< a number or "auto"; empty: no skeleton
-    double distance = 0;
+    std::string bones;   ///< a number or "auto"; empty: no skeleton
+    double distance = 0; ///< largest error, relative to the figure's size; 0: none, with "auto" the default
     std::string kind = "rigid";
     std::size_t influences = 4;
     bool flat = false;
     bool tangents = false; ///< of keys
 
-    /// Adds and returns --kind, --influences, --flat and --tangents. Programs add --bones and --max-distance
-    /// with their own help.
+    /// Adds --kind, --influences, --flat and --tangents, and returns them. Programs add --bones and
+    /// --max-distance with their own help.
     std::vector<CommandOption> add_options(CommandLine& line);
     /// Error if `bones` is neither a number nor "auto"; else empty.
     static std::string fault_of_bones(const std::string& word);
@@ -66,7 +66,7 @@ struct FittedMotion {
 ///   weights   float, unorm8 or unorm16
 cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::string& weights);
 
-/// Fits a skeleton and keys. Keys may use a fifth of the maximum distance.
+/// Fits a skeleton and keys. The keys may cause up to a fifth of the maximum distance.
 ///
 ///   weights   as stored: float, unorm8 or unorm16
 ///   fails     if the motion cannot be fitted, or a requested distance is exceeded

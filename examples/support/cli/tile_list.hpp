@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of files that several processes share: patterns, rows, and an output file for each.
+// Lists of input files that several processes share: patterns, rows, and an output file for each input.
 
 #include "cli/command_line.hpp"
 #include "svg/path.hpp"

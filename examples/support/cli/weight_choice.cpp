@@ -25,7 +25,8 @@ void WeightChoice::add_options(CommandLine& line, const std::string& share_of, c
     line.add("--max-distance", distance,
              "the largest distance of a vertex from its position with all weights, as a share of " +
                  share_of +
-                 ", in the poses of the motion, or in all poses that bend by up to a tenth of the cage;" +
+                 ": in the poses of the motion; without a motion, in all poses within a tenth of the cage's "
+                 "size of an affine motion;" +
                  more + " green needs a motion; 0 means no bound")
         .range(0.0, 1.0)
         .show_default();

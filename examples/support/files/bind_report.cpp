@@ -17,7 +17,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::degenerate_simplex:
     case Kind::sites_in_a_plane:
     case Kind::falloff_negative:
-    case Kind::no_volume: // of a mesh; a box, which no program reads, would have an axis
+    case Kind::no_volume: // the index of an axis is used only for boxes, which no program reads
         return 0;
     case Kind::vertex_not_finite:
     case Kind::no_area:
@@ -131,7 +131,7 @@ void warn_of_coarse_grid(const std::string& cage, const cageform::SolverReport& 
 
 void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first) {
     const auto append = [first](std::vector<std::size_t>& to, const std::vector<std::size_t>& from) {
-        for (const std::size_t i : from) to.push_back(first + i); // a word of memory each
+        for (const std::size_t i : from) to.push_back(first + i);
     };
     append(total.on_boundary, part.on_boundary);
     append(total.outside, part.outside);
@@ -227,7 +227,7 @@ std::string describe(const StoredLoss& loss) {
     if (loss.poses > 0) {
         text << loss.poses << " poses of the motion";
     } else {
-        text << "poses that bend by no more than " << loss.reach << ", a tenth of the cage"
+        text << "poses within " << loss.reach << ", a tenth of the cage's size, of an affine motion"
              << (loss.has_vectors ? ", vectors of its faces too" : "");
     }
     return text.str();

@@ -27,7 +27,7 @@ std::string describe_faults(const std::string& name, const cageform::CageReport&
 std::string describe_grid(const cageform::SolverReport& solver);
 
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": edges and corners with an error
-/// above CornerError::notable on every grid; else empty. Vertices count from 0 in the plane, from 1 in space,
+/// above CornerError::notable; empty if there are none. Vertices count from 0 in the plane, from 1 in space,
 /// as in OBJ files.
 std::string describe_corners(const cageform::SolverReport& solver);
 
@@ -40,7 +40,7 @@ void add_batch(cageform::BindReport& total, const cageform::BindReport& part, st
 /// Formats the report of a bind.
 std::string describe(const cageform::BindReport& report);
 
-/// The distance between the figure as stored and as bound.
+/// The distance of the figure's vertices, as a file stores them, from their exact positions.
 struct StoredLoss {
     static constexpr double worth_a_warning = 0.01; // relative to the figure's size
 
@@ -48,10 +48,10 @@ struct StoredLoss {
     std::size_t vertex = 0; // with the largest distance
     double size = 0;        // reference of share(): the figure's diagonal, or the length of vectors
     const char* size_of = "the figure's size";
-    std::size_t poses = 0;      // number of poses measured; 0: bound for all poses that bend by up to `reach`
+    std::size_t poses = 0;      // number of measured poses; 0: upper bounds for all poses within `reach`
     std::optional<double> time; // of the pose with the largest distance, in seconds
-    double reach = 0;
-    bool has_vectors = false; // whether vectors of faces are handles
+    double reach = 0;           // as PackReport::reach, in units of the figure
+    bool has_vectors = false;   // whether vectors of faces are handles
 
     double share() const { return size > 0 ? largest / size : 0; }
 };

@@ -37,7 +37,7 @@ struct CageCurves {
 
 /// A planar cage: loops, and optionally chains and points inside.
 ///
-/// A lattice has its rows and columns as blocks (chains); its vertices are the control points, then the still
+/// A lattice has its rows and columns as blocks (chains); its vertices are the control points, then the frame
 /// handles. A loop of curves, posed as cubics, has three points per edge: the start and the two inner control
 /// points.
 struct CageFile {
@@ -97,8 +97,8 @@ struct CageFile {
         return has_cells() ? f(complex<T>()) : f(polygon<T>());
     }
 
-    /// Calls f(i, j) with the vertices of every edge of loops and chains (for curves, of every pair of
-    /// adjacent control points), and f(i, i) for points.
+    /// Calls f(i, j) with the vertices of every edge of loops and chains, and f(i, i) for points. For curves,
+    /// edges are pairs of adjacent control points.
     template <class F>
     void for_each_edge(F&& f) const {
         for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -151,11 +151,11 @@ inline constexpr const char* cage_formats =
     "line \"# chain\", or one point, headed by \"# point RADIUS\". A point of a chain\n"
     "that equals an earlier vertex is that vertex. Other lines that begin with # are\n"
     "comments. A pose is a file of the same blocks with the points moved.\n"
-    "For curved coordinates it is the first closed outline, which may have curves: an\n"
-    "edge has the degree that it is drawn with, an arc is cubics of at most 45 degrees,\n"
-    "and each subpath is a loop. A polygon is an outline too. In poses all edges are\n"
-    "cubics, so vertices are control points, three for each edge: its start and the two\n"
-    "that follow. A pose is an outline of the same commands, or of commands of a higher\n"
+    "For curved coordinates a cage is the first closed outline, which may have curves:\n"
+    "an edge has the degree that it is drawn with, an arc becomes cubics of at most 45\n"
+    "degrees, and each subpath is a loop. Polygons are outlines too. In poses all edges\n"
+    "are cubics, so vertices are control points, three for each edge: its start and the\n"
+    "two that follow. A pose is an outline of the same commands, or of commands of a higher\n"
     "degree (C in place of L).\n"
     "Options and messages count vertices and points from 0, blocks from 1.\n";
 
@@ -216,10 +216,10 @@ std::string describe(const CageBlock& block);
 /// and points of one vertex have to coincide.
 Expected<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
-/// Makes a pose of a lattice from its rows along x, then its columns. If a row and a column differ, the moved
-/// point counts.
+/// Makes a pose of a lattice from its rows along x, then its columns. If a row and a column have different
+/// positions of a point, the one that is not at rest is used.
 ///
-///   fails   if the lines do not match the lattice, or both moved a point to different positions
+///   fails   if the lines do not match the lattice, or a row and a column move a point to different positions
 Expected<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
                                      const CageFile& cage);
 

@@ -95,14 +95,14 @@ std::string fault_of_rows(const ClipControl& control, double length) {
     const double begin = control.rows.front().time, period = control.rows.back().time - begin;
     const double turns = length / period, keys = turns * double(control.rows.size() - 1);
     if (!(std::fabs(turns - std::round(turns)) <= 1e-9) || turns < 0.5)
-        return "its duration does not divide the clip's";
+        return "the length of the clip is not a multiple of the duration of these keys";
     if (keys > 1e5)
         return "repeated over the clip it has " + detail::short_number(keys) +
                " keys; at most 100000 are allowed";
     // Shifting times by whole periods would lose too many digits.
     if (std::fabs(begin) > 1e6 * period)
         return "its first key, at " + detail::short_number(begin) +
-               ", is a million of its periods from the clip's start";
+               ", is more than a million of its periods from the clip's start";
     return {};
 }
 
@@ -136,7 +136,7 @@ Expected<ClipFile> parse_clip(std::string_view file, const std::string& path, st
             control.name = fields.size() > 1 ? fields[1] : "";
             if (why.empty()) why = add_pin(fields, control);
         } else if (clip.controls.empty()) {
-            why = "\"control,NAME\" is missing before";
+            why = "\"control,NAME\" is missing before this line";
         } else if (ClipControl& control = clip.controls.back();
                    control.pin && (word == "vertices" || word == "pivot")) {
             why = "a pin has no " + std::string(word);
@@ -198,8 +198,8 @@ Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& pat
     std::size_t number = 0;
     const auto count_fault = [&]() -> std::string {
         if (clip.keys.empty() || clip.keys.back().places.size() == vertex_count) return {};
-        return "the pose before has " + std::to_string(clip.keys.back().places.size()) +
-               " vertices, the cage " + std::to_string(vertex_count);
+        return "the previous pose has " + std::to_string(clip.keys.back().places.size()) +
+               " vertices, but the cage has " + std::to_string(vertex_count);
     };
     detail::RowFilter rows;
     for (std::string_view line; take_line(file, line);) {
@@ -231,7 +231,7 @@ Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& pat
                 why = "a pose is not later than the one before it";
             clip.keys.push_back(std::move(key));
         } else if (clip.keys.empty()) {
-            why = "\"pose,TIME\" is missing before";
+            why = "\"pose,TIME\" is missing before this line";
         } else {
             std::array<double, 3> p{};
             why = detail::parse_point(line, p);
@@ -251,7 +251,8 @@ Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& pat
     const std::string why = count_fault();
     if (!why.empty()) return FileError{path + ":" + std::to_string(number) + ": " + why};
     if (!(float(clip.keys.back().time) < float(clip.length)))
-        return FileError{path + ": the last pose is not before the end, where the first pose returns"};
+        return FileError{
+            path + ": the last pose has to be before the end of the clip, where the first pose returns"};
     return clip;
 }
 

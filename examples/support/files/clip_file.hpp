@@ -2,9 +2,9 @@
 
 // Motion files of cages. In the plane: controls that move vertices, with keys.
 //
-//     length,2.4                  of the clip, in seconds; then it repeats
+//     length,2.4                  duration in seconds, after which the clip repeats
 //     late,far-legs,0.6           the element far-legs moves 0.6 s later
-//     ground,744,166              a ground at y = 744 that moves by at 166 units per second
+//     ground,744,166              a ground at y = 744 that moves to the right, 166 units per second
 //
 //     control,the tail sways
 //     vertices,11:0.5,10,9        with weights, 1 by default
@@ -19,9 +19,9 @@
 //     0.0,0,0,0,ease
 //     …
 //
-// A key moves the vertices by x and y and turns them by degrees, clockwise on the screen. Its kind is hold,
-// linear, automatic, or ease (Bézier handles with zero slope). A control repeats after its last key, so its
-// duration has to divide that of the clip. Motions of several controls of a vertex add up.
+// A key moves the vertices by x and y and turns them by `turn` degrees, clockwise on the screen. Its kind is
+// hold, linear, automatic, or ease (Bézier handles with zero slope). A control repeats after its last key, so
+// the clip has to last a multiple of its duration. If several controls move a vertex, their motions add up.
 
 #include "svg/path.hpp"
 
@@ -42,25 +42,26 @@ inline constexpr const char* clip_format =
     "A motion of a cage in the plane is a CSV file of controls. Each control moves some\n"
     "vertices, and its keys give the distances and times:\n"
     "\n"
-    "    length,2.4              the clip's seconds; then it starts again\n"
+    "    length,2.4              the duration in seconds, after which the clip repeats\n"
     "    late,far-legs,0.6       the element with this id moves 0.6 s later\n"
-    "    ground,744,166          a ground at y = 744 moves by, 166 units a second\n"
+    "    ground,744,166          a ground at y = 744 moves right, 166 units per second\n"
     "\n"
     "    control,the tail sways\n"
     "    vertices,11:0.5,10,9    counted from 0; with weights, 1 by default\n"
     "    pivot,775,400           the vertices turn about this point\n"
     "    time,x,y,turn,kind\n"
-    "    0.0,0,0,-6,ease         moves by x and y, and turns by degrees\n"
+    "    0.0,0,0,-6,ease         moves by x = 0 and y = 0, and turns by -6 degrees\n"
     "    1.2,0,0,6,ease\n"
     "    2.4,0,0,-6,ease\n"
     "\n"
-    "A key is hold, linear, automatic or ease. A control starts again after its last\n"
-    "key, and its duration has to divide the clip's. Several controls of a vertex add\n"
-    "up. late and ground are optional; # begins a comment. Turns are linearised: vertices\n"
-    "move along the tangent and end farther out, by 1.5 % at 10 degrees and 22 % at 40.\n"
+    "A key is hold, linear, automatic or ease. A control repeats after its last key, so\n"
+    "the clip has to last a multiple of its duration. If several controls move a vertex,\n"
+    "their motions add up. late and ground are optional; # begins a comment. Turns are\n"
+    "linearised: vertices move along the tangent and end farther from the pivot, by\n"
+    "1.5 % at 10 degrees and 22 % at 40.\n"
     "\n"
     "Instead of controls a clip can have pins, which move points of the figure; the cage\n"
-    "follows as rigidly as possible, and its motion becomes keys. At a pin that never\n"
+    "follows as rigidly as possible, and its motion becomes keys. At a pin without\n"
     "turns, the figure is free to turn:\n"
     "\n"
     "    pin,the nose,130,240,1  its rest position, and an optional weight\n"
@@ -71,8 +72,8 @@ inline constexpr const char* clip_format =
 inline constexpr const char* pose_clip_format =
     "A motion of a cage in space is a CSV file of its poses:\n"
     "\n"
-    "    length,2.4              the seconds until the first pose returns\n"
-    "    pose,0,smooth           the time of a pose; smooth, linear or ease\n"
+    "    length,2.4              the duration in seconds, after which the first pose returns\n"
+    "    pose,0,smooth           the time of a pose, and smooth, linear or ease\n"
     "    0.1,1.5,-0.2            x,y,z of every vertex, in the cage's order\n"
     "    …\n"
     "    pose,0.8,smooth\n"
@@ -86,8 +87,8 @@ struct ClipControl {
         double weight = 1;
     };
     struct Row {
-        double time = 0;
-        std::array<double, 3> move{}; // x, y, turn
+        double time = 0;              // seconds
+        std::array<double, 3> move{}; // x, y, turn in radians
         cageform::KeyKind kind = cageform::KeyKind::automatic;
     };
     struct Pin {
@@ -113,7 +114,7 @@ struct ClipFile {
     double length = 0;
     std::vector<Late> late;
     std::optional<Ground> ground;
-    std::vector<ClipControl> controls; // either all of vertices or all pins
+    std::vector<ClipControl> controls; // either all with vertices or all with pins
 
     bool has_pins() const { return !controls.empty() && controls.front().pin.has_value(); }
 };
@@ -122,7 +123,8 @@ struct ClipFile {
 ///
 ///   name    prefix of every message
 ///   fails   on an unknown line, a number that is not finite, a vertex not below `vertex_count`; if times of
-///           a control do not ascend, its duration does not divide the length, or controls and pins are mixed
+///           a control do not ascend, the length is not a multiple of the control's duration, or controls and
+///           pins are mixed
 Expected<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
 /// As parse_clip(), from a file; fails also if it cannot be read.
@@ -165,8 +167,8 @@ Expected<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_co
 /// The text of a motion in space, with six decimals.
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
 
-/// The curve of a number through the clip's keys, `values` (#keys), over one period: one piece per key. It is
-/// linear in the values, so any linear function of the poses has such a curve.
+/// The curve through one value per key (`values`, #keys) over one period, one piece per key. It depends
+/// linearly on the values, so a linear function of the poses follows the curve through its own values.
 cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values);
 
 /// The repeating motion of the vertices.

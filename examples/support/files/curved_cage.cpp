@@ -105,14 +105,14 @@ CageFile make_curved_cage(std::string name, const std::vector<Subpath>& loops) {
 Expected<CageFile> with_curves(CageFile cage) {
     if (cage.curves || cage.lattice) return cage;
     if (cage.has_cells())
-        return FileError{
-            cage.name + ": " + cageform::to_string(cageform::Status::interior_cells_not_supported) +
-            ": --coordinates curved-green takes loops alone, --coordinates harmonic chains and points"};
+        return FileError{cage.name + ": " +
+                         cageform::to_string(cageform::Status::interior_cells_not_supported) +
+                         ": --coordinates curved-green supports only loops, harmonic also chains and points"};
     return make_curved_cage(cage.name, outline_of(cage));
 }
 
 Expected<CageFile> make_curved_pose(CageFile pose, const CageFile& cage) {
-    if (!pose.curves) return FileError{pose.name + ": is no outline, as the cage " + cage.name + " is"};
+    if (!pose.curves) return FileError{pose.name + ": is no outline, but the cage " + cage.name + " is one"};
     const auto &posed = pose.curves->degrees, &rest = cage.curves->degrees;
     if (posed.size() != rest.size())
         return FileError{pose.name + ": the pose has " + counted(posed.size(), "loop") + ", the cage " +

@@ -3,16 +3,17 @@
 // Parts that these programs add to a packed figure (cageform/figure/figure.hpp):
 //
 //     TRIS  #triangles × 3 × uint32
-//     CLIP  the clip of figures by older versions of bind_mesh; new figures have the library's CLPS:
-//           #curves × uint32 and the length in seconds, float; #curves × uint32, the pieces of x, y and z of
-//           every vertex of the cage; the pieces, curve by curve, 5 × float each
-//     ORIG  see figure/figure.hpp; the origin in the files of the mesh and the cage. Omitted if the figure is
-//           near the origin of the files
-//     NRM1  a blob: for every point a unit vector perpendicular to TAN1 and TAN2, or zero if no face has the
-//           point. The posed vectors give the Jacobian by which clone_figure moves an OBJ file's normals
+//     CLIP  the clip, written only by older versions of bind_mesh; new figures have CLPS (figure/figure.hpp).
+//           uint32 #curves and float length in seconds; #curves × uint32, the numbers of pieces of the x, y
+//           and z curves of every cage vertex; the pieces, curve by curve, 5 × float each
+//     ORIG  see figure/figure.hpp: here, the origin in coordinates of the mesh and cage files. Omitted if the
+//           figure is near the origin of the files
+//     NRM1  a blob: for every point a unit vector perpendicular to TAN1 and TAN2, or zero if no face uses the
+//           point. TAN1, TAN2 and NRM1, posed, give the Jacobian by which clone_figure moves an OBJ file's
+//           normals
 //     PINS  packed PoseSamples (cageform/pose/types/pose_blob.hpp), by which pins pose the cage
 //
-// Needs no bind-time code, because the example of an engine includes it.
+// This header includes no bind-time code, because the example of an engine uses it.
 
 #include <cageform/pose/types/pose_blob.hpp>
 #include <cageform/runtime.hpp>
@@ -30,10 +31,10 @@ namespace cageform_support {
 struct FigureParts {
     std::string fault;                                       ///< why they cannot be used; empty if they can
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
-    cageform::CageClipView<float, 3> clip; ///< the first one, of no vertices where there is none; points into
-                                           ///< the figure or `unpacked`
-    cageform::CageClip<float, 3> unpacked; ///< of CLIP
-    cageform::PoseSamples<float, 3> samples; ///< without handles if there are none
+    cageform::CageClipView<float, 3> clip;   ///< the first clip, or one without vertices; points into the
+                                             ///< figure or `unpacked`
+    cageform::CageClip<float, 3> unpacked;   ///< the contents of CLIP
+    cageform::PoseSamples<float, 3> samples; ///< the contents of PINS; without handles if there is no PINS
 };
 
 /// Returns the number of the cage's vertices, which are the first handles.

@@ -139,7 +139,7 @@ bool FigureStream::append(std::span<const std::byte> piece, Points points) {
                     const std::uint64_t before = array == order ? header_.points : header_.rows;
                     for (std::uint32_t& number : numbers) number += std::uint32_t(before);
                     const std::size_t known =
-                        array == row_begin && !is_first ? 1 : 0; // the first entry repeats the last end
+                        array == row_begin && !is_first ? 1 : 0; // entry 0 equals the last piece's end
                     put_rest(array, std::as_bytes(std::span(numbers).subspan(known)));
                 } else {
                     put_rest(array, from);
@@ -160,7 +160,7 @@ bool FigureStream::put_array(std::size_t array, BlockReader& rest) {
         if (!rest.read(section.offset, section.bytes,
                        [&](std::span<const std::byte> bytes) { put(bytes); })) {
             may_retry_ = may_retry_ || (error_.empty() && is_temporary_failure(rest.code()));
-            return fail("cannot write " + figure_.path().string() + ": its temporary cannot be read again: " +
+            return fail("cannot write " + figure_.path().string() + ": its temporary file cannot be read: " +
                         std::generic_category().message(rest.code()));
         }
     }

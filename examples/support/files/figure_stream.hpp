@@ -1,7 +1,7 @@
 #pragma once
 
-// Writes packed figures (cageform/figure/figure.hpp) of any number of points in pieces, in the memory of one
-// piece. They contain an additional part:
+// Writes packed figures (cageform/figure/figure.hpp) of any number of points piece by piece; memory holds one
+// piece. The figures contain an additional part:
 //
 //     TILE  TileRecord
 
@@ -55,8 +55,8 @@ public:
     bool finish(TileRecord& record);
 
     const std::string& error() const { return error_; } ///< the first failure; empty while there is none
-    bool may_retry() const { return may_retry_; }
-    std::uint64_t bytes() const { return bytes_; } ///< size of the figure, after finish()
+    bool may_retry() const { return may_retry_; }       ///< AtomicFile::may_retry
+    std::uint64_t bytes() const { return bytes_; }      ///< size of the figure, after finish()
 
 private:
     /// The arrays of a blob without weights, in the order of for_each_blob_array.

@@ -2,8 +2,8 @@
 
 // Writes glTF 2.0: meshes from OBJ files, materials, skins, morph targets and animations.
 //
-// A file consists of JSON and a binary buffer, stored in one file: .gltf (buffer as base64 in the JSON) or
-// .glb (binary). Section numbers refer to the glTF 2.0 specification.
+// JSON and a binary buffer are written to one file: .gltf (buffer as base64 in the JSON) or .glb (binary).
+// Section numbers refer to the glTF 2.0 specification.
 
 #include "files/clip_file.hpp"
 #include "files/obj_parts.hpp"
@@ -124,9 +124,9 @@ private:
     std::string bytes_;
 };
 
-/// A mesh with one vertex per distinct combination of position, normal and texture coordinate at a corner: in
-/// the order of the OBJ file, then the duplicates. If it is the only mesh of a file, it has all vertices of
-/// the file, else only those of its faces.
+/// A mesh with one vertex per distinct combination of position, normal and texture coordinate at a corner.
+/// Vertices are in the order of the OBJ file, followed by duplicates. The only mesh of a file has all
+/// vertices of the file; one of several meshes has only those of its faces.
 struct GltfMesh {
     struct Corner {
         std::uint32_t vertex, normal, texture; // indices of the OBJ file, or ObjCorner::none
@@ -173,22 +173,21 @@ std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<
 /// The attributes of a mesh at rest.
 GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file);
 
-/// One primitive per material; they share attributes and targets.
+/// One primitive per material; the primitives share attributes and targets.
 ///
 ///   targets   null if there are none
 GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const GltfJson& attributes,
                          const GltfJson& targets = {});
 
-/// Appends the materials and embeds their images. If `map_d` names the image of the colour and it has alpha,
-/// alphaMode is BLEND. Returns warnings on images that are not written.
+/// Appends the materials and embeds their images. alphaMode is BLEND if the opacity is below 1, or `map_d`
+/// names the colour image and that image has alpha. Returns warnings on images that are not written.
 ///
 ///   textured   whether the meshes have texture coordinates
 std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured);
 
-/// Converts curves of numbers through the keys of a clip to a CUBICSPLINE sampler, exactly up to single
-/// precision.
+/// Converts curve_through() of several numbers to a CUBICSPLINE sampler, exactly up to single precision.
 ///
-///   values    #keys · components
+///   values    #keys · components: the numbers at the keys
 ///   returns   as to_gltf_cubicspline()
 cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
 gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components);
@@ -197,7 +196,8 @@ gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t com
 /// the sum would move a point by that fraction of its distance from the origin.
 void make_sums_exact(cageform::SkinWeights& skin);
 
-/// Rounding error of players that compute in single precision: a few roundings of the largest coordinate.
+/// Estimated rounding error of players that compute in single precision: four roundings of the largest
+/// coordinate, in its units.
 double rounding_of_players(std::span<const Point3> places);
 
 /// Number of sets of four joints with a nonzero weight.
@@ -210,11 +210,11 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
 }
 
 /// Vertex positions for computing weights. Files split vertices where normals or texture coordinates differ,
-/// and some round the copies differently. A vertex near an earlier position gets that position. Near: within
-/// 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
+/// and some files round the copies differently. A vertex near an earlier position gets that position. Near:
+/// within 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
 std::vector<Point3> joined_places(const ObjFile& figure);
 
-/// The skin that players show which read only the first set (four joints per vertex) and normalise its
+/// The skin as shown by players that read only the first set (four joints per vertex) and normalise its
 /// weights.
 cageform::SkinWeights first_set(const cageform::SkinWeights& skin);
 

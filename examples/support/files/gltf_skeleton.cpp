@@ -27,7 +27,7 @@ void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes
 
 std::string describe_sets(std::size_t sets) {
     return "JOINTS_0 to JOINTS_" + std::to_string(sets - 1) +
-           ": many players read JOINTS_0 alone, four joints a vertex; ";
+           ": many players read only JOINTS_0, four joints per vertex; ";
 }
 
 void set_origin(GltfJson& node, const Point3& origin) {

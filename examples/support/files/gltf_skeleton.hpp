@@ -1,6 +1,6 @@
 #pragma once
 
-// glTF 2.0: skinned meshes, skeletons, their animation, and the end of a file.
+// glTF 2.0: skinned meshes, skeletons and their animation, and the bytes of a file.
 
 #include "files/gltf_file.hpp"
 #include "io/atomic_file.hpp"
@@ -18,7 +18,7 @@ void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes
                         const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
                         std::size_t still);
 
-/// "JOINTS_0 to JOINTS_3: many players read JOINTS_0 alone, four joints a vertex; ": a note on skins with
+/// "JOINTS_0 to JOINTS_3: many players read only JOINTS_0, four joints per vertex; ": a note on skins with
 /// several sets.
 std::string describe_sets(std::size_t sets);
 

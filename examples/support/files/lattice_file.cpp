@@ -114,15 +114,15 @@ Expected<LatticeWord> parse_lattice_word(std::string_view word) {
         double wanted = 0;
         const std::string why = read_number_behind('/', left, "/+@", wanted);
         if (!why.empty() || (wanted != 1 && wanted != 2 && wanted != 3))
-            return refuse("the degree is 1, 2 or 3; /bernstein takes the highest");
+            return refuse("the degree is 1, 2 or 3; for the highest, use /bernstein");
         read.degree = std::size_t(wanted);
     }
     std::string why = read_number_behind('+', left, "@", read.falloff);
     if (why.empty() && !(read.falloff >= 0)) why = "+R is a number of at least 0";
     const bool is_turned = left.starts_with('@');
     if (why.empty()) why = read_number_behind('@', left, "@", read.angle);
-    if (why.empty() && is_turned && read.points.size() == 3) why = "@ANGLE turns the box of a drawing alone";
-    if (why.empty() && !left.empty()) why = "nothing is expected at " + detail::quoted(left);
+    if (why.empty() && is_turned && read.points.size() == 3) why = "@ANGLE is only for the box of a drawing";
+    if (why.empty() && !left.empty()) why = "unexpected text: " + detail::quoted(left);
     if (!why.empty()) return refuse(why);
     return read;
 }
@@ -145,13 +145,13 @@ Expected<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& 
     if (!read) return read.error();
     const Json& json = *read;
     if (json["axes"].size() != D)
-        return FileError{name + (D == 2 ? ": this lattice has three axes, and a drawing two"
-                                        : ": this lattice has two axes, and a mesh three")};
+        return FileError{name + (D == 2 ? ": this lattice has three axes, but a drawing needs two"
+                                        : ": this lattice has two axes, but a mesh needs three")};
     LatticeBox<D> lattice;
     for (std::size_t k = 0; k < D; ++k) {
         if (!read_axis(json["axes"][k], lattice.axes[k]))
             return FileError{name + ": axis " + std::to_string(k) +
-                             R"( is no object of "points", "degree" and, if need be, "knots")"};
+                             R"( is no object of "points", "degree" and optional "knots")"};
     }
     const auto columns = json.find("frame_columns"), origin = json.find("origin");
     bool is_sound = columns != json.end() && columns->is_array() && columns->size() == D &&
@@ -159,7 +159,7 @@ Expected<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& 
     for (std::size_t k = 0; k < D && is_sound; ++k)
         is_sound = read_vector<D>((*columns)[k], lattice.frame.columns[k]);
     if (!is_sound)
-        return FileError{name + R"(: "frame_columns" and "origin" do not hold vectors of the dimension)"};
+        return FileError{name + R"(: "frame_columns" and "origin" are not vectors with a number per axis)"};
     const auto falloff = json.find("falloff");
     if (falloff != json.end() && !falloff->is_number())
         return FileError{name + R"(: "falloff" is no number)"};

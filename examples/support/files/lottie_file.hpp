@@ -1,6 +1,6 @@
 #pragma once
 
-// The animated numbers of Lottie files, per interval.
+// The animated numbers of Lottie files: a curve per interval between keyframes.
 
 #include "io/csv.hpp"
 
@@ -24,7 +24,7 @@ struct LottieCurve {
 
 namespace detail {
 
-/// A number, or a component of an array. An array of one applies to all components.
+/// A number, or a component of an array. The element of an array of length 1 applies to all components.
 inline double lottie_number(const nlohmann::ordered_json& json, std::size_t component) {
     if (!json.is_array()) return json.get<double>();
     return json.at(json.size() == 1 ? 0 : component).get<double>();
@@ -37,8 +37,8 @@ inline cageform::LottieHandle lottie_handle(const nlohmann::ordered_json& key, c
     return {lottie_number(handle->at("x"), component), lottie_number(handle->at("y"), component)};
 }
 
-/// Whether a position moves along a spatial path: a tangent has nonzero length. Easing then applies to the
-/// arc length.
+/// Whether a position moves along a curve in space, that is, one of its tangents is not zero. Easing then
+/// applies to the arc length.
 inline bool moves_along_a_path(const nlohmann::ordered_json& key) {
     for (const char* const tangent : {"to", "ti"}) {
         if (!key.contains(tangent)) continue;
@@ -54,11 +54,11 @@ inline void add_lottie_intervals(const nlohmann::ordered_json& keys, const std::
                                  const std::string& layer, std::vector<LottieCurve>& curves) {
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
         const auto &key = keys[i], &next = keys[i + 1];
-        // Files before 5.0 give an interval's end in its first keyframe.
+        // Files of versions before 5.0 store the end value of an interval in its first keyframe.
         const auto& end = key.contains("e") ? key.at("e") : next.at("s");
         const auto& begin = key.at("s");
         if (begin.is_array() && (begin.empty() || !begin[0].is_number()))
-            return; // shapes, colours of gradients
+            return; // keyframes of shapes or of gradients
         const bool path_in_space = moves_along_a_path(key);
         const std::size_t components = path_in_space || !begin.is_array() ? 1 : begin.size();
         for (std::size_t c = 0; c < components; ++c) {
@@ -94,8 +94,8 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
 
 } // namespace detail
 
-/// All intervals of animated numbers, in file order. Throws nlohmann's exceptions on an invalid keyframe,
-/// std::length_error if nested deeper than 200.
+/// The curves of all animated numbers, in file order. Throws nlohmann's exceptions on an invalid keyframe,
+/// std::length_error if the JSON is nested deeper than 200 levels.
 inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
     std::vector<LottieCurve> curves;
     detail::add_lottie_curves(file, "", "", curves);

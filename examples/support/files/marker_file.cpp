@@ -46,13 +46,13 @@ public:
             ClipControl& marker = clip_.controls[n];
             if (marker.name.empty()) marker.name = "marker " + std::to_string(n + 1);
             auto& rows = marker.rows;
-            if (rows.empty()) return detail::quoted(marker.name) + " is never seen";
-            if (!marker.pin) return detail::quoted(marker.name) + " has no place at rest";
+            if (rows.empty()) return detail::quoted(marker.name) + " has no position at any time";
+            if (!marker.pin) return detail::quoted(marker.name) + " has no rest position";
             const Point2& rest = marker.pin->place;
             for (auto& row : rows) {
                 row.move = {row.move[0] - rest.x, row.move[1] - rest.y, 0};
                 if (!std::isfinite(row.move[0]) || !std::isfinite(row.move[1]))
-                    return detail::quoted(marker.name) + " leaves the range of numbers";
+                    return detail::quoted(marker.name) + " exceeds the range of numbers";
             }
             if (rows.front().time > 0) rows.insert(rows.begin(), {0, rows.front().move});
             if (rows.back().time < length) rows.push_back({length, rows.back().move});
@@ -108,7 +108,7 @@ private:
     }
 
     std::string take_rest(std::span<const std::string_view> fields) {
-        if (has_rest_ || times_ > 0) return "the row of rest is the first, and there is one";
+        if (has_rest_ || times_ > 0) return "the rest row has to be the first row, and only one is allowed";
         has_rest_ = true;
         return set_rest(fields);
     }

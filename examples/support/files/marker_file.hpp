@@ -21,14 +21,15 @@ inline constexpr const char* markers_format =
     "    0.04,131,237,,                     an empty position: a marker was lost\n"
     "\n"
     "Without a rest row, the first row is rest. Positions of lost markers are\n"
-    "interpolated. The motion repeats; if the last row differs from the first, it returns\n"
-    "within half a second. Lines late and ground are as in a clip; # begins a comment.\n";
+    "interpolated. The motion repeats; if the last row differs from the first, half a\n"
+    "second is added to return to the first. The lines late and ground are as in a clip;\n"
+    "# begins a comment.\n";
 
 /// Parses markers to a clip of pins.
 ///
 ///   name    prefix of every message
 ///   fails   if a row has not as many columns as the first, a number is invalid, times do not ascend, a
-///           marker has no rest position or is never seen, or there are fewer than two times
+///           marker has no rest position or no position at any time, or there are fewer than two times
 Expected<ClipFile> parse_markers(std::string_view text, const std::string& name);
 
 /// As parse_markers(), from a file; fails also if it cannot be read.
@@ -43,7 +44,8 @@ struct Tracks {
 
 /// The text of a marker file, with two decimals.
 ///
-///   of   the motion, for its late elements and ground
+///   of        the motion whose late elements and ground are written
+///   heading   comment on the first line
 std::string markers_text(const Tracks& tracks, const ClipFile& of, const std::string& heading);
 
 } // namespace cageform_support

@@ -17,7 +17,7 @@ struct MddFile {
 /// Reads an MDD file. All numbers are big-endian and have 4 bytes: the number of frames and of vertices
 /// (integers), then floats: the times of the frames, and x, y, z of each vertex in each frame.
 ///
-///   vertices   of the figure
+///   vertices   number of vertices of the figure
 ///   fails      if it cannot be read, has another number of vertices, or its size does not match
 Expected<MddFile> load_mdd(const std::string& path, std::size_t vertices);
 

@@ -18,7 +18,7 @@ namespace cageform_support {
 inline constexpr const char* medit_format =
     "A .mesh file is Medit's text format: MeshVersionFormatted, Dimension 3, Vertices\n"
     "with three coordinates and a reference each, Tetrahedra with four indices and a\n"
-    "reference each. Triangles and Quadrilaterals are drawn where there are no\n"
+    "reference each. Triangles and Quadrilaterals are used only in files without\n"
     "tetrahedra. Everything else is copied as it is; # begins a comment.\n";
 
 /// Parses a .mesh file.
@@ -26,15 +26,15 @@ inline constexpr const char* medit_format =
 ///   name      prefix of every message
 ///   returns   text, vertices and tetrahedra. The triangles are the boundary faces of the tetrahedra,
 ///             oriented outwards, or without tetrahedra the faces of the file. `faces` is empty
-///   fails     if a section is missing, incomplete or duplicate, on a coordinate that is not finite or an
-///             invalid index, and in two dimensions; with the line
+///   fails     if a section is missing, incomplete or duplicate, a coordinate is not finite, an index is
+///             invalid, or the dimension is not 3; the error has the line
 Expected<ObjFile> parse_medit(std::string text, std::string name,
                               StrayVertices strays = StrayVertices::refuse);
 
 /// Reads a .mesh file, or an OBJ file for any other extension.
 Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays);
 
-/// The faces of exactly one tetrahedron, counter-clockwise seen from outside.
+/// The faces that belong to exactly one tetrahedron, counter-clockwise seen from outside.
 detail::Triangles surface_of(std::span<const Point3> vertices,
                              std::span<const std::array<std::uint32_t, 4>> tetrahedra);
 

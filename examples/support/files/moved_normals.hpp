@@ -16,7 +16,7 @@ std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
 ///   - Without invertible Jacobians: a normal rotates with its faces, by the smallest rotation between the
 ///     area-weighted sums of their normals before and after. If the deformation mirrors the file, the sum
 ///     after it is reversed.
-///   - Normals without faces, or whose faces sum to zero, are unchanged.
+///   - Normals without faces, or whose face normals sum to zero, are unchanged.
 class MovedNormals {
 public:
     MovedNormals(const ObjFile& file, const MovedVertices& moved);
@@ -25,7 +25,7 @@ public:
     Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
 
     /// #normals: the vertices that use the normal, ascending, if its direction at one of them differs from
-    /// of_file() by more than 1e-5 radians; else no vertices. Empty if no normal has vertices.
+    /// of_file() by more than 1e-5 radians; else no vertices. Empty if no direction differs.
     std::vector<std::vector<std::uint32_t>> split() const;
 
 private:

@@ -388,7 +388,7 @@ std::string rounding_fault(const std::string& name, std::span<const Point3> plac
     constexpr double allowed = 1e-6;
     const double rounding = 0.5 * double(std::numeric_limits<float>::epsilon()) * bounds.magnitude();
     if (!(rounding > allowed * bounds.diagonal())) return {};
-    return name + ": is far from the origin: single precision rounds places there by up to " +
+    return name + ": is far from the origin: single precision rounds positions there by up to " +
            detail::short_number(rounding) + ", " + detail::short_number(100 * rounding / bounds.diagonal()) +
            " % of its size; move it to the origin";
 }

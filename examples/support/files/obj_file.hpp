@@ -32,7 +32,7 @@ inline constexpr const char* obj_format =
     "f are read, and all other lines are copied as they are. If a pose turns a shared\n"
     "normal differently at its vertices, each vertex gets a normal of its own. glTF files\n"
     "get objects, materials, textures and the colours of vertices (v x y z r g b, from 0\n"
-    "to 1, sRGB). Numbers have to be finite, except at vertices that no face has. Curves,\n"
+    "to 1, sRGB). Numbers have to be finite, except at vertices that no face uses. Curves,\n"
     "binary files and more than 4,294,967,294 vertices are not supported.\n"
     "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
     "faults count from 0.\n"
@@ -149,7 +149,7 @@ private:
 
 /// Parses an index of a face. Returns the error; empty on success.
 ///
-///   word     from 1, or negative: -1 is the last one before this line
+///   word     from 1, or negative: -1 is the last element before this line
 ///   so_far   number of elements before this line
 ///   count    number of elements in the file
 ///   index    out: from 0
@@ -167,9 +167,9 @@ std::string_view other_format(std::string_view text);
 /// Twice the area of a face times its normal.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 
-/// Leaves out unused vertices that are not finite, or farther than a million times the diagonal of the used
-/// vertices' box, which would inflate the figure's size. They move to the first other vertex. Returns the
-/// error if no vertex remains; else empty.
+/// Leaves out unused vertices that would inflate the figure's size: those that are not finite, or farther
+/// from the box of the used vertices than a million times its diagonal. They are moved to the first other
+/// vertex. Returns the error if no vertex remains; else empty.
 ///
 ///   used   #vertices: whether a face or a cell uses the vertex
 std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVertices strays);

@@ -34,8 +34,8 @@ std::string single_spaced(const std::string& line) {
     return name;
 }
 
-/// Finds a file inside a folder; a path to elsewhere is reduced to its file name. Links out of the folder are
-/// not followed.
+/// Finds a file inside a folder; of a path to another folder, only the file name is used. Links out of the
+/// folder are not followed.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     const fs::path named(name);
@@ -62,13 +62,13 @@ struct Statement {
 constexpr Statement statements[] = {
     {"v", "POSITION; three more numbers of a vertex: COLOR_0, from sRGB to linear"},
     {"vn", "NORMAL, of unit length"},
-    {"vt", "TEXCOORD_0, of two numbers, turned upside down"},
+    {"vt", "TEXCOORD_0, of two numbers; v becomes 1 - v"},
     {"f", "primitives; faces of more than three corners are cut into triangles"},
     {"o", "a node and a mesh"},
     {"g", "in a file without `o`, a node and a mesh; else not needed"},
     {"s", "not needed: vertices without normals get smooth ones"},
     {"usemtl mtllib newmtl", "a primitive and its material"},
-    {"Kd", "baseColorFactor; white where it is black or missing and there is a picture"},
+    {"Kd", "baseColorFactor; white if Kd is black or missing and there is a picture"},
     {"d Tr", "the fourth number of baseColorFactor, and alphaMode BLEND below 1"},
     {"Ks Ns", "approximated: roughnessFactor, where there is no Pr or Pm"},
     {"Pr Pm", "roughnessFactor, metallicFactor"},
@@ -344,7 +344,7 @@ private:
                 (names += names.empty() ? "" : ", ") +=
                     detail::quoted(keyword) + " (" + std::to_string(count) + ")";
         }
-        if (!names.empty()) warn("glTF has no place for these statements: " + names);
+        if (!names.empty()) warn("glTF has no equivalent of these statements: " + names);
     }
 
     const ObjFile& file_;
@@ -379,7 +379,7 @@ std::string statement_table() {
 std::string describe_unused(const ObjParts& of_file) {
     std::string text;
     for (const auto& [keyword, count] : of_file.unused)
-        text += (text.empty() ? "statements without a place in glTF: " : ", ") + detail::quoted(keyword) +
+        text += (text.empty() ? "statements without equivalent in glTF: " : ", ") + detail::quoted(keyword) +
                 ' ' + std::to_string(count);
     return text.empty() ? text : text + '\n';
 }

@@ -29,18 +29,18 @@ struct ObjParts {
     std::vector<ObjMaterial> materials;                      ///< likewise
     std::vector<std::uint32_t> face_objects, face_materials; ///< #faces
     std::map<std::string, std::size_t> unused; ///< statements without equivalent in glTF, with counts
-    std::vector<std::string> warnings;         ///< missing files; images and shapes in `unused`
+    std::vector<std::string> warnings;         ///< on missing files, and on images and shapes in `unused`
 };
 
 /// Markdown table of OBJ and MTL statements and their equivalents in glTF.
 std::string statement_table();
 
-/// "statements without a place in glTF: Ka 2, illum 2\n", or empty if there are none.
+/// "statements without equivalent in glTF: "Ka" 2, "illum" 2\n", or empty if there are none.
 std::string describe_unused(const ObjParts& parts);
 
 /// Reads the statements o, usemtl and mtllib of a file, and g if it has no o. Repeated names continue the
 /// same object or material. MTL files and textures are opened only in the folder of the OBJ file and its
-/// subfolders; a path to elsewhere is replaced by its file name beside the OBJ file.
+/// subfolders; of a path to another folder, only the file name is used, beside the OBJ file.
 ObjParts read_parts(const ObjFile& file);
 
 /// The MTL files that a file names, as written.

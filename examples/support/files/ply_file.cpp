@@ -173,7 +173,7 @@ bool PlyReader::read_property(std::string_view line) {
     const bool is_list = words.size() == 5 && words[1] == "list";
     if (header_.elements.empty() || (!is_list && words.size() != 3))
         return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
-                    "\" is no property of an element");
+                    "\" does not declare a property of an element");
     PlyProperty property;
     property.name = words.back();
     const auto type = ply_type(words[words.size() - 2]);
@@ -185,7 +185,7 @@ bool PlyReader::read_property(std::string_view line) {
     PlyElement& element = header_.elements.back();
     if (element.find(property.name) || element.properties.size() == most_properties)
         return fail("line " + std::to_string(line_) + ": the element " + element.name + " has the property " +
-                    property.name + " twice, or too many");
+                    property.name + " twice, or too many properties");
     element.properties.push_back(std::move(property));
     return true;
 }
@@ -220,14 +220,14 @@ bool PlyReader::read_header() {
             if (!detail::parse_whole(count, element.count) || header_.find(words[1]) != nullptr ||
                 element.count > std::uint64_t{1} << 48)
                 return fail(where + "\"" + std::string(*line) +
-                            "\" is no new element with a number of records");
+                            "\" does not declare a new element and its number of records");
             element.name = words[1];
             header_.elements.push_back(std::move(element));
         } else if (words[0] == "property") {
             if (!read_property(*line)) return false;
         } else {
             return fail(where + "\"" + std::string(words[0].substr(0, 40)) +
-                        "\" begins no line of a PLY file's header");
+                        "\" is not a keyword of a PLY file's header");
         }
     }
     return fail("its header has no line \"end_header\"");

@@ -17,8 +17,7 @@ namespace cageform_support {
 /// Help text on PLY files.
 inline constexpr const char* ply_format =
     "PLY files are ASCII or binary, of either byte order. The numbers of an element can be\n"
-    "of any type; elements and properties that a program does not need are skipped, lists\n"
-    "too.\n";
+    "of any type; elements, properties and lists that a program does not need are skipped.\n";
 
 enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
@@ -26,7 +25,7 @@ enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, f
 /// The type with an old or new name, such as uchar and uint8; nothing for other words.
 std::optional<PlyType> ply_type(std::string_view name);
 
-/// The old name, which all readers know.
+/// The old name, which all readers support.
 std::string_view name_of(PlyType type);
 
 /// Size of a number in bytes.

@@ -42,7 +42,7 @@ private:
     bool read_row(std::vector<double>& numbers);
 
     std::string path_, error_;
-    std::optional<PlyReader> ply_; // one of these three
+    std::optional<PlyReader> ply_; // exactly one of these three is set
     std::optional<LineReader> obj_;
     std::optional<InputFile> npy_;
     std::string buffer_; // of an array; unread from at_

@@ -1,7 +1,7 @@
 #pragma once
 
-// Rows of poses of a cage, from 0: the rows of a table, or samples of a clip at equal time steps. Tables may
-// have any length.
+// Rows of poses of a cage, counted from 0: the rows of a table, or samples of a clip at equal time steps.
+// Tables may have any length.
 
 #include "files/clip_file.hpp"
 #include "io/csv.hpp"
@@ -21,11 +21,11 @@ namespace cageform_support {
 
 /// Help text on tables of poses.
 inline constexpr const char* pose_table_format =
-    "A table of poses is a CSV file with a pose a line: x,y,z of every vertex of the\n"
+    "A table of poses is a CSV file with one pose per line: x,y,z of every vertex of the\n"
     "cage in its order (x,y in the plane), so 3n numbers for n vertices. Empty lines,\n"
-    "lines that begin with # and a first row without a number are no rows. Cells may\n"
-    "stand in quotes. A clip starts with a line length,SECONDS; row k is its pose after\n"
-    "k / rate seconds, and the rows end before the clip starts again.\n";
+    "lines that begin with # and a first row without a number are skipped. Cells can be\n"
+    "quoted. A clip starts with a line length,SECONDS; row k is its pose after\n"
+    "k / RATE seconds (--rate), and the rows end before the clip repeats.\n";
 
 /// An unparsed row.
 struct PoseRow {

@@ -17,8 +17,8 @@ void append_bytes(std::string& text, const X& value) {
     text.append(bytes.data(), bytes.size());
 }
 
-/// The double nearest to the fewest digits of a number, so that text has no more digits, and vertices at rest
-/// compare equal to the file.
+/// The double that the fewest digits of `value` denote. Its text has the same digits, and vertices at rest
+/// equal those of the file.
 template <class T>
 double as_written(T value) {
     std::string digits;

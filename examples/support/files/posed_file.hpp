@@ -42,7 +42,7 @@ public:
 
     /// The contents of the file of a pose. Thread-safe.
     ///
-    ///   points      number, scalar and dimension as declared
+    ///   points      number, scalar and dimension as passed to the constructor
     ///   jacobians   of the deformation at the points; if empty, normals rotate with the faces
     template <cageform::Scalar T, std::size_t D>
     std::string contents(std::span<const cageform::Vec<T, D>> points,

@@ -26,7 +26,7 @@ struct SiteFile {
 
 /// Help text on sites.
 inline constexpr const char* site_formats =
-    "The types sibson and sibson-c1 use control points anywhere on, in or about the\n"
+    "The types sibson and sibson-c1 use control points anywhere on, in or around the\n"
     "figure instead of a cage. In the plane these are the centres of the circles drawn\n"
     "in an SVG file (radius above 0), in their order; in space they are the vertices of\n"
     "an OBJ file, with or without faces. In both they can be the lines x,y or x,y,z of a\n"
@@ -56,7 +56,7 @@ inline constexpr const char* site_weights_format =
 /// Reads weights of sites; fails also if their number is not `count`, or one is not finite and positive.
 Expected<std::vector<double>> load_site_weights(const std::string& path, std::size_t count);
 
-/// Adds the corners of a box around the sites and a figure; they do not move in the pose. See surround() of
+/// Adds the corners of a box around the sites and a figure; the corners stay at rest. See surround() of
 /// cageform/cage/control_points.hpp.
 ///
 ///   margin    of the box, relative to the diagonal of its content; positive

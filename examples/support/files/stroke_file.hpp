@@ -18,11 +18,11 @@ struct DrawnLine {
     std::string label;                            // of its element, such as: path "ridge" (line 12)
     std::vector<cageform::Vec<double, 2>> points; // in root user space
     std::vector<double>
-        along; // #points: index of the vertex before plus the fraction of the segment to the next
-    std::vector<double> part; // #points: fraction of the arc length before it, 0 to 1
+        along; // #points: index of the preceding vertex, plus the fraction of the way to the next one
+    std::vector<double> part; // #points: fraction of the arc length before the point, 0 to 1
     std::size_t vertices = 0; // of the original subpath; the start of a closed one counts once
     bool closed = false;
-    std::function<std::string(const char*)> attribute; // of its element; empty if missing
+    std::function<std::string(const char*)> attribute; // of its element, by name; empty if missing
     std::string stroke;                                // computed value
 };
 

@@ -73,8 +73,8 @@ void set_view(pugi::xml_node node, const ViewBox& box) {
     detail::set_attribute(node, "viewBox", text);
 }
 
-/// Embeds a figure as an image, so that its styles and ids do not affect the document, including content
-/// beyond its viewBox, which a cage encloses too.
+/// Embeds a figure as an image, so that its styles and ids do not affect the document. Content beyond its
+/// viewBox is included, because a cage encloses that too.
 void draw_figure(SvgDocument& document, const SvgDocument& figure, const ViewBox& view, const ViewBox& box) {
     SvgDocument copy = detail::copy_of(figure);
     const auto inner = detail::root_element(copy.xml);

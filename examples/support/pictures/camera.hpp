@@ -77,7 +77,7 @@ public:
                 parallel ? scale_ * d[2] : nearness};
     }
 
-    /// Increase of project()'s nearness for a point some pixels in front of another.
+    /// Increase of a point's nearness if it moves towards the camera by the length of `pixels` pixels.
     double nearer(double pixels, double nearness) const {
         return rays_ == Rays::parallel ? pixels : pixels * nearness * nearness / (scale_ * distance_);
     }

@@ -77,7 +77,7 @@ std::string fault_of_place(const PixelRegion& region, const Pixels& target, cons
     add(at.y - room_y, "bottom");
     if (beyond.empty()) return {};
     std::string why = "the region, " + std::to_string(region.width) + " x " + std::to_string(region.height) +
-                      " pixels, reaches out of the target, " + std::to_string(target.width) + " x " +
+                      " pixels, extends beyond the target, " + std::to_string(target.width) + " x " +
                       std::to_string(target.height) + ": " + beyond + "; ";
     if (room_x < 0 || room_y < 0) return why + "the target is too small, so enlarge it or shrink the region";
     return why + "X from 0 to " + std::to_string(room_x) + " and Y from 0 to " + std::to_string(room_y) +

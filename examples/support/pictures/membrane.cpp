@@ -418,7 +418,7 @@ private:
             auto bound =
                 cageform::bind(coordinates, points, {.linear_precision = cageform::LinearPrecision::leave});
             if (!bound) return cageform::to_string(bound.status());
-            // A binding with these weights, and colours as handles, which are 0 at rest.
+            // A binding with these weights, whose handles are colours: 0 at rest.
             auto memory = std::move(bound.value).release();
             const std::vector<Membrane::Values> black(vertices.size());
             std::vector<cageform::Lanes<float>> at_rest(3 * cageform::block_count<float>(points.size()));
@@ -428,7 +428,7 @@ private:
             return {};
         }
     }
-    /// Halves the sections in errors of the outline; false if none can be halved.
+    /// Halves the sections at which the outline has errors; false if none can be halved.
     bool refine(const cageform::CageReport& cage, OutlineSections& used) const {
         std::vector<std::uint8_t> is_named(used.sections.size());
         std::vector<std::size_t> loop_of, begins{0};

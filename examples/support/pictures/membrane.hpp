@@ -18,11 +18,11 @@
 namespace cageform_support {
 
 struct MembraneOptions {
-    /// A section of the outline is replaced by its mean if the diagonal of its box is at most this fraction
-    /// of its distance; 0: every pixel counts (the paper, section 4: hierarchical boundary sampling).
+    /// Hierarchical boundary sampling (the paper, section 4): a section of the outline is replaced by its
+    /// mean if the diagonal of its box is at most this fraction of its distance from the point; 0: never.
     double coarseness = 0.25;
     /// A square of pixels is interpolated from its corners if its side is at most this fraction of its
-    /// distance from the outline; 0: every pixel is evaluated.
+    /// distance from the outline; 0: never.
     double square = 0.5;
 };
 
@@ -39,9 +39,9 @@ struct MembraneReport {
 /// The membrane of a region: bind once, then interpolate any values cheaply.
 ///
 /// The outline passes through the centres of its pixels, to 1/50 of a pixel. Interior squares, larger far
-/// from the outline, have values at their corners. `bind` computes mean value weights for these points;
-/// `clone` applies them to colours in place of positions. Pixels that share an edge belong to the same part;
-/// parts are independent.
+/// from the outline, have values at their corners. bind() computes mean value weights for these points;
+/// interpolate() applies the weights to colours. Pixels that share an edge belong to the same part; parts are
+/// independent.
 ///
 /// Constants are reproduced to rounding, linear functions usually to 0.02 pixels. For functions that vary
 /// over tens of pixels, the mean difference from exact mean value interpolation is below 1 % of the outline's
@@ -60,6 +60,7 @@ public:
     /// region's box has the value start + i · step. Calls are in any order, and from several threads.
     ///
     ///   outline   finite values, in the order of the region's outline
+    ///   cost      O(#weights + #pixels)
     template <class Sink>
     void interpolate(std::span<const Values> outline, const Sink& sink) {
         find_corners(outline);

@@ -85,7 +85,7 @@ public:
         }
     }
 
-    /// Draws cage edges: front faces strong, back faces paler, behind the figure palest.
+    /// Draws cage edges: strong on front faces, paler on back faces, palest behind the figure.
     void draw_cage(const MeshView& cage, const Camera& camera) {
         struct CageEdge {
             bool here = false;                  // whether an adjacent face is towards the camera

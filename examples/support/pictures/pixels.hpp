@@ -24,14 +24,14 @@ struct Pixels {
     void write_png(AtomicFile& file) const;
 };
 
-/// Reads a PNG file of any type. 16-bit channels keep their upper eight bits; without alpha it is 255.
+/// Reads a PNG file of any type. 16-bit channels keep their upper eight bits; missing alpha becomes 255.
 ///
 ///   fails   if the file cannot be read, is not PNG, is damaged, or has more than 100 million pixels (checked
 ///           before decoding)
 Expected<Pixels> read_png(const std::string& path);
 
-/// Shrinks a picture so that its longer side is at most `most` pixels, at least 1; pixels are alpha-weighted
-/// means of blocks.
+/// Shrinks a picture so that its longer side is at most `most` pixels (`most` at least 1). Pixels are
+/// alpha-weighted means of blocks.
 Pixels shrunk(const Pixels& picture, std::size_t most);
 
 /// Places pictures side by side, with `gap` white pixels between them.
@@ -40,7 +40,7 @@ Pixels side_by_side(const std::vector<Pixels>& pictures, std::size_t gap);
 /// The role of a pixel in a region.
 enum class PixelKind : std::uint8_t {
     outside,
-    outline, ///< in the region, with an edge neighbour that is not
+    outline, ///< in the region; shares an edge with a pixel outside it
     inside,
 };
 

@@ -37,7 +37,7 @@ bool is_drawn_in_place(pugi::xml_node text) {
     return true;
 }
 
-/// Expands uses, as the deformation does, so that their texts are drawn in place.
+/// Expands <use> elements, as the deformation does, so that their texts are drawn in place.
 std::optional<FileError> expand_used_texts(SvgDocument& document, std::vector<std::string>& warnings) {
     const pugi::xml_node root = root_element(document.xml);
     const auto has = [&](const char* kind) {
@@ -47,7 +47,7 @@ std::optional<FileError> expand_used_texts(SvgDocument& document, std::vector<st
     if (!has("text") || !has("use")) return std::nullopt;
     StyleSheets styles(document);
     IdTable ids(root);
-    std::vector<std::string> given_later; // repeated by the deformation
+    std::vector<std::string> given_later; // warnings, which the deformation repeats
     const auto drawing = walk(document, styles, ids, {.boxes = true}, given_later);
     if (!drawing) return drawing.error();
     styles.settle(warnings);
@@ -338,7 +338,7 @@ Expected<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     DrawnTexts drawn;
     for (const pugi::xml_node node : number_texts(document)) drawn.texts.push_back({node, {}, {}, 0});
     if (drawn.texts.empty()) return drawn;
-    std::vector<std::string> ignored; // repeated by the deformation
+    std::vector<std::string> ignored; // warnings, which the deformation repeats
 
     SvgDocument probe = copy_of(document); // for transforms; walk() changes it
     StyleSheets styles(probe);

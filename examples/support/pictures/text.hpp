@@ -13,8 +13,8 @@ namespace cageform_support {
 /// Replaces texts by outlines, as rendered by rsvg-convert with the fonts of this machine. A <text> or
 /// <tspan> becomes a group with a path and keeps its other attributes.
 ///
-///   returns   number of converted texts, including copies by <use>. Texts in clip paths, not displayed, or
-///             without rendered letters stay, the last with a warning
+///   returns   number of converted texts, including copies by <use>. Texts that are in clip paths or not
+///             displayed stay texts; so do texts without rendered letters, with a warning
 ///   places    per-letter lists x, y, dx and dy are supported; rotate, textLength and CSS properties that
 ///             rsvg-convert does not support are ignored, with a warning
 ///   lines     of text-decoration have the paint of the letters

@@ -27,7 +27,7 @@ void ViewChoice::add_options(CommandLine& line) {
     line.add_parsed(
             "--view", sight, parse_view,
             "the picture's view: TURN,RISE in degrees, from the front towards the figure's left, and upwards")
-        .show_default("34,11");
+        .show_default("34.4,11.5");
     line.add_text(
             "--up", [this](const std::string& word) { sight.z_is_up = word == "z"; },
             "the picture's up axis, y or z; the front then faces along z, or along -y")
