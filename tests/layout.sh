@@ -15,7 +15,7 @@ types=$(sed -n 's|^#include <\(cageform/coordinates/.*\)>|include/\1|p' include/
 included=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp' | grep -vxF "$types") # by users
 # Columns are characters in any locale: continuation bytes do not count.
 long=$(find include examples bench \( -name '*.hpp' -o -name '*.cpp' \) -exec env LC_ALL=C "$awk" '
-  /R"\($/ { raw = 1 } { text = $0; gsub(/[\200-\277]/, "", text) } length(text) > 110 && !raw { print FILENAME ":" FNR }
+  FNR == 1 { raw = 0 } /R"\($/ { raw = 1 } { text = $0; gsub(/[\200-\277]/, "", text) } length(text) > 110 && !raw { print FILENAME ":" FNR }
   /^\)"/ { raw = 0 }' {} +)
 printf '%s\n' "$long"
 count 'lines over 110 columns' "$(printf '%s' "$long" | grep -c .)" 0

@@ -36,7 +36,7 @@ TangentGradients<T, 3> tangent_gradients(const Vec<T, 3>& g, const Direction<T, 
 template <class View, class Pose, class Rows>
 struct NormalGradients {
     using T = typename View::scalar;
-    static constexpr std::size_t D = View::dimension, K = D - 1;
+    static constexpr std::size_t D = View::dimension, K = D - 1, bindings = K;
     static constexpr std::size_t blocks_at_once = VectorTile<T, D>::blocks;
     static constexpr std::size_t bytes_of_sums = 16384; ///< on the stack, beside the tiles
 

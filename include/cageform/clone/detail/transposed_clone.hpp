@@ -26,6 +26,7 @@ Status check_transposed(const View& binding, const Gradients& gradients, const O
 /// The caller's gradients of points, for each of N bindings.
 template <Scalar T, std::size_t D, class Source, std::size_t N = 1>
 struct GivenGradients {
+    static constexpr std::size_t bindings = N;
     static constexpr std::size_t blocks_at_once = blocks_in_lanes;
     static constexpr std::size_t bytes_of_sums = 32768; ///< on the stack
 
@@ -35,14 +36,14 @@ struct GivenGradients {
     void load(std::size_t n, std::size_t block, Lanes<T>* to) const noexcept { rows[n].load(block, to); }
 };
 
-/// A transposed clone by N bindings with the same points and handles, whose sums are added. Each thread reads
-/// gradients by its own `gradients.reader()`: load(n, block, rows) is called for `blocks_at_once` blocks of
-/// one binding, then for the same blocks of the next.
-template <class View, std::size_t N, class Gradients>
+/// A transposed clone by N bindings with the same points and handles, whose sums are added. `Gradients` has
+/// the number N (`bindings`). Each thread reads gradients by its own `gradients.reader()`: load(n, block, rows)
+/// is called for `blocks_at_once` blocks of one binding, then for the same blocks of the next.
+template <class View, class Gradients>
 class TransposedClone {
 public:
     using T = typename View::scalar;
-    static constexpr std::size_t D = View::dimension;
+    static constexpr std::size_t D = View::dimension, N = Gradients::bindings;
 
     /// Sums up the gradients for the bindings' residuals. Refers to `gradients`.
     TransposedClone(const std::array<View, N>& bindings, const Gradients& gradients) noexcept
@@ -165,10 +166,10 @@ private:
 };
 
 // Not inline, see BlockCloner::run.
-template <class View, std::size_t N, class Gradients>
+template <class View, class Gradients>
 template <class Out>
-void TransposedClone<View, N, Gradients>::run(Out& out, CloneMode mode, std::size_t begin,
-                                              std::size_t end) const noexcept {
+void TransposedClone<View, Gradients>::run(Out& out, CloneMode mode, std::size_t begin,
+                                           std::size_t end) const noexcept {
     HandleSums<T, D, handles_at_once> sums;
     const std::size_t parts = (end - begin + handles_at_once - 1) / handles_at_once;
     for (std::size_t part = 0; part < parts; ++part) {
@@ -187,9 +188,8 @@ void TransposedClone<View, N, Gradients>::run(Out& out, CloneMode mode, std::siz
 /// The transposed clone of strided gradients.
 template <class View>
 using StridedTransposed =
-    TransposedClone<View, 1,
-                    GivenGradients<typename View::scalar, View::dimension,
-                                   StridedPoints<const typename View::scalar, View::dimension>>>;
+    TransposedClone<View, GivenGradients<typename View::scalar, View::dimension,
+                                         StridedPoints<const typename View::scalar, View::dimension>>>;
 
 #if defined(CAGEFORM_COMPILED) // optimised in the library, even if the program is not
 #define CAGEFORM_DETAIL_TRANSPOSED(T, D)                                                                     \
@@ -205,11 +205,11 @@ CAGEFORM_DETAIL_TRANSPOSED(double, 3)
 #endif
 
 /// Runs a transposed clone on the caller's threads.
-template <class View, std::size_t N, class Gradients, class Out, class Parallel>
-void transpose(const std::array<View, N>& bindings, const Gradients& gradients, Out& handle_gradients,
-               CloneMode mode, const Parallel& parallel_for) noexcept {
+template <class View, class Gradients, class Out, class Parallel>
+void transpose(const std::array<View, Gradients::bindings>& bindings, const Gradients& gradients,
+               Out& handle_gradients, CloneMode mode, const Parallel& parallel_for) noexcept {
     auto&& out = as_strided<typename View::scalar, View::dimension>(handle_gradients);
-    const TransposedClone<View, N, Gradients> clone(bindings, gradients);
+    const TransposedClone<View, Gradients> clone(bindings, gradients);
     parallel_for(bindings[0].handle_count(), clone.grain(),
                  [&](std::size_t begin, std::size_t end) { clone.run(out, mode, begin, end); });
 }

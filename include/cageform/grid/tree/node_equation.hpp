@@ -1,7 +1,7 @@
 // The discretisation of the Laplace equation at one node of the tree.
 //
-// A node is a corner of a leaf inside the domain (grid/tree/nodes.hpp). NodeEquationMaker selects one of three
-// formulas:
+// A node is a corner of a leaf inside the domain (grid/tree/nodes.hpp). NodeEquationMaker selects one of
+// three formulas:
 //
 // 1. Equal leaves without facets around the node: the mean of the 8 surrounding nodes in 2D, of the 26 in
 // 3D (Collatz, The Numerical Treatment of Differential Equations, table VI). The mean is exact for harmonic
