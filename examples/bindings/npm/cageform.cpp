@@ -1,6 +1,6 @@
-// The C interface as WebAssembly, for the npm package. The module has no C++ exceptions. When an allocation fails, the
-// host unwinds the call: cageform_host_fail() throws in JavaScript. cageform_call_undo() then frees the allocations of
-// the call, which are kept in a list.
+// The C interface as WebAssembly, for the npm package. The module has no C++ exceptions. When an allocation
+// fails, the host unwinds the call: cageform_host_fail() throws in JavaScript. cageform_call_undo() then
+// frees the allocations of the call, which are kept in a list.
 
 #define CAGEFORM_C_IMPLEMENTATION
 #include <cageform/c/cageform.h>
@@ -32,7 +32,7 @@ struct Block {
     std::uint32_t reserved;
 };
 static_assert(sizeof(Block) == 16);
-Block own_blocks{&own_blocks, &own_blocks, nullptr, 0}; // a circular list: the allocations of the current call
+Block own_blocks{&own_blocks, &own_blocks, nullptr, 0}; // circular list: allocations of the current call
 
 void take_out(Block& block) {
     block.before->after = block.after;
