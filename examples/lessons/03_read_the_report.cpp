@@ -8,7 +8,8 @@
 using Point = std::array<double, 2>;
 
 int main() {
-    // A bow-tie: edges 0-1 and 2-3 cross. Nothing is bound; the report lists the edges.
+    // A bow-tie: the edges from vertex 0 and from vertex 2 cross. Nothing is bound; the report lists the
+    // edges.
     const std::array<Point, 4> bow_tie{{{0, 0}, {2, 2}, {2, 0}, {0, 2}}};
     const std::array<Point, 4> figure{{{1, 0.5}, {5, 0.5}, {std::nan(""), 0}, {2, 1}}};
     const auto refused = cageform::bind(cageform::MeanValueCoordinates(bow_tie), figure);
@@ -17,7 +18,7 @@ int main() {
         std::printf("  %s: %zu and %zu\n", cageform::to_string(fault.kind), fault.a, fault.b);
     }
 
-    // A valid cage and some invalid points: they are listed, the others are bound.
+    // A valid cage and some invalid points: the report lists the invalid points; the others are bound.
     const std::array<Point, 4> square{{{0, 0}, {2, 0}, {2, 2}, {0, 2}}};
     cageform::BindOptions options;
     options.outside = cageform::OutsidePoints::nearest_boundary;

@@ -1,5 +1,6 @@
-// 4. Two coordinate types behind one concept. In a cage with two legs a mean value weight is negative in the
-// other leg, so moving one leg moves the other in the opposite direction. Harmonic weights are non-negative.
+// 4. Two coordinate types behind one concept. In a cage with two legs, a vertex of one leg has negative mean
+// value weights in the other leg. Moving one leg therefore moves the other in the opposite direction.
+// Harmonic weights are non-negative.
 #include <cageform/cageform.hpp>
 
 #include <array>

@@ -1,5 +1,6 @@
 // 5. Adding a coordinate type: a class that models CageCoordinates. Here: among all weights that sum to one
-// and reproduce the point, those closest to equal weights. They are global and do not interpolate.
+// and reproduce the point, those closest to equal weights. The weights are not local, and they do not
+// interpolate: at a vertex of the cage, its weight is not 1 in general.
 #include <cageform/cageform.hpp>
 
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
-// 6. Three dimensions: a box as the cage, its top twisted. The Jacobian of the deformation, Σ C'_i ∇h_i,
-// transforms normals.
+// 6. Three dimensions: a box as the cage, its top twisted. The Jacobian of the deformation, Σ C'_i ∇h_i with
+// the posed vertices C'_i and the weight functions h_i, transforms normals.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -15,12 +15,12 @@ int main() {
     cageform::HarmonicOptions options;
     options.resolution = 32; // cells along z
     cageform::HarmonicCoordinates coordinates(cage, options, cageform::UniformGrid{});
-    if (coordinates.solve().status != cageform::Status::ok) return 1; // stored: used twice below
+    if (coordinates.solve().status != cageform::Status::ok) return 1; // stores the solution for two uses
     const auto [binding, report] = cageform::bind(coordinates, points);
     std::printf("%zu handles: %s, %zu cycles\n", binding.handle_count(), cageform::to_string(report.status),
                 report.solver.multigrid.cycles);
 
-    // A right angle from bottom to top.
+    // A twist of 90 degrees from bottom to top.
     std::vector<Point> pose;
     for (const auto& v : cage.vertices()) {
         const double angle = v[2] / 4 * 1.5707963267948966, c = std::cos(angle), s = std::sin(angle);
@@ -44,7 +44,7 @@ int main() {
             for (std::size_t k = 0; k < 3; ++k) column[k] += pose[i][k] * gradients(0, axis * handles + i);
         }
         for (double& x : column) x = std::round(100 * x) / 100 + 0.0; // no negative zero
-        std::printf("a step along %c leads along (%5.2f, %5.2f, %5.2f)\n", "xyz"[axis], column[0], column[1],
+        std::printf("derivative along %c: (%5.2f, %5.2f, %5.2f)\n", "xyz"[axis], column[0], column[1],
                     column[2]);
     }
 }
@@ -53,6 +53,6 @@ int main() {
 //> point at ( 0.50,  0.00,  0.00)
 //> point at ( 0.34,  0.34,  2.00)
 //> point at ( 0.00,  0.50,  4.00)
-//> a step along x leads along ( 0.70,  0.70,  0.00)
-//> a step along y leads along (-0.69,  0.69,  0.00)
-//> a step along z leads along (-0.13,  0.13,  1.00)
+//> derivative along x: ( 0.70,  0.70,  0.00)
+//> derivative along y: (-0.69,  0.69,  0.00)
+//> derivative along z: (-0.13,  0.13,  1.00)

@@ -1,4 +1,4 @@
-// 7. Control from inside: a vertex and a chain of edges in the cage have their own handles.
+// 7. Control from inside: a vertex and a chain of edges inside the cage are additional handles.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -30,7 +30,7 @@ int main() {
                     moved[i][1] - figure[i][1] + 0.0);
     }
 
-    // Mean value coordinates support only loops, and return an error.
+    // Mean value coordinates do not support handles inside: an error.
     const auto refused = cageform::bind(cageform::MeanValueCoordinates<double, 2>(cage), figure).report;
     std::printf("mean value: %s\n", to_string(refused.status));
 }

@@ -12,8 +12,7 @@ using cageform::Status, cageform::StridedPoints;
 /// vectors.
 int ship(std::FILE* file) {
     std::vector<std::array<float, 3>> box, points, normals; // a ball in a box
-    std::vector<std::array<float, 4>>
-        tangents; // the fourth number is the handedness of the texture, as in glTF
+    std::vector<std::array<float, 4>> tangents;             // the fourth number is the handedness, as in glTF
     const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                               {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     for (int i = 0; i < 8; ++i) box.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
@@ -29,9 +28,9 @@ int ship(std::FILE* file) {
     if (bound.status != Status::ok) return std::puts(to_string(bound.status));
     if (!bound.points.outside.empty()) return std::puts("points lie outside the cage");
     const std::array labels{"", "", "", "", "left foot", "right foot", "left hand", "right hand"};
-    if (figure.set_labels(labels) != Status::ok) return std::puts("not one label for every handle");
+    if (figure.set_labels(labels) != Status::ok) return std::puts("labels and handles differ in number");
 
-    // The error is at most 0.001 in poses that bend by up to a tenth of the box.
+    // The error is at most 0.001 if every handle is within a tenth of the box's size of an affine pose.
     const auto [packed, report] = cageform::pack(figure, {.weights = {.tolerance = 0.001}});
     if (report.status != Status::ok) return std::puts(to_string(report.status));
     const auto bytes = packed.bytes();

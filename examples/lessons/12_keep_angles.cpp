@@ -34,14 +34,14 @@ int main() {
     if (clone(binding, handles, out) != cageform::Status::ok) return 1;
     std::printf("Green: 90 degrees become %.1f\n", angle(out.data()));
 
-    // In return, points on the cage do not stay on it.
+    // The drawback: points on the cage do not stay on it.
     const std::vector<Point> on_edge{{2, 0}};
     const auto bound = cageform::bind(cageform::GreenCoordinates<double, 2>(cage), on_edge);
     if (clone(bound.value, handles, out = on_edge) != cageform::Status::ok) return 1;
-    std::printf("the middle of an edge goes to (%.2f, %.2f), not to (2.50, 0.50)\n", out[0][0], out[0][1]);
+    std::printf("the middle of an edge moves to (%.2f, %.2f), not to (2.50, 0.50)\n", out[0][0], out[0][1]);
 }
 
 //> mean value: 90 degrees become 67.3
 //> Green, 8 handles: the pose has another number of points than the cage
 //> Green: 90 degrees become 90.0
-//> the middle of an edge goes to (3.13, 0.03), not to (2.50, 0.50)
+//> the middle of an edge moves to (3.13, 0.03), not to (2.50, 0.50)

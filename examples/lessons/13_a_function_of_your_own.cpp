@@ -1,4 +1,4 @@
-// 13. A function of your own: in a convex polygon every function f of the distance to the vertices gives
+// 13. A function of your own: in a convex polygon every function f of the distance r to the vertices gives
 // coordinates. f = 1 is Wachspress, f = r mean value, f = r² discrete harmonic.
 #include <cageform/cageform.hpp>
 
@@ -35,7 +35,8 @@ int main() {
     print("discrete harmonic", cageform::DiscreteHarmonicCoordinates<double>(cage), p);
     print("sqrt(0.01 + r^2)", cageform::ThreePointCoordinates<double, Blunt>(cage), p);
 
-    // The formula has poles outside convex polygons; other polygons are errors, with the index of a vertex.
+    // In polygons that are not convex the formula has poles: such a cage is an error, with the index of a
+    // vertex.
     auto dented = kite;
     dented[4] = {1.5, 0};
     const cageform::WachspressCoordinates<double> refused{cageform::Polygon<double>(dented)};

@@ -1,4 +1,4 @@
-// 14. Bones on a mesh: weights by bone heat, bones as handles, a skin that plays through the same clone.
+// 14. Bones on a mesh: weights by bone heat. Bones are handles, so `clone` also deforms a skin.
 #include <cageform/binding/bind_bones.hpp>
 #include <cageform/cageform.hpp>
 #include <cageform/fields/skin.hpp>
@@ -9,7 +9,7 @@
 using Point = std::array<double, 3>;
 
 int main() {
-    // A bar along x of square rings, closed at its ends, with a bone in each half.
+    // A bar along x, made of square rings and closed at both ends, with a bone in each half.
     std::vector<Point> points;
     std::vector<std::array<int, 3>> faces{{0, 2, 1}, {0, 3, 2}};
     const int rings = 17;
@@ -27,7 +27,7 @@ int main() {
 
     const auto skin = cageform::bone_heat(points, faces, bones);
     if (!skin) return std::puts(to_string(skin.status()));
-    std::printf("the upper bone's weight along the bar:");
+    std::printf("weight of the second bone along the bar:");
     for (const int r : {0, 4, 7, 8, 9, 12, 16}) std::printf(" %.2f", skin.value[std::size_t(8 * r + 1)]);
 
     // The handles of a bone are its position (a point) and its three axes (vectors).
@@ -38,15 +38,16 @@ int main() {
     if (!bound) return 1;
     std::printf("\n%zu bones, %zu handles\n", bones.size(), bound.value.handle_count());
 
-    // Every frame: transforms of the bones, then clone. The second rotates by 90 degrees about (2, 0, 0).
+    // Every frame: transforms of the bones, then clone. The second bone rotates by 90 degrees about the z
+    // axis through (2, 0, 0).
     const std::vector<Frame> moves{frames[0], {{{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, {2, -2, 0}}};
     std::vector<Point> handles(bound.value.handle_count()), out(points.size());
     if (pose_bones(bound.value, std::span<const Frame>(moves), handles) != cageform::Status::ok) return 1;
     if (clone(bound.value, handles, out) != cageform::Status::ok) return 1;
     const auto& tip = out[std::size_t(last)];
-    std::printf("(4, -0.3, -0.3) goes to (%.2f, %.2f, %.2f)\n", tip[0], tip[1], tip[2]);
+    std::printf("(4, -0.3, -0.3) moves to (%.2f, %.2f, %.2f)\n", tip[0], tip[1], tip[2]);
 }
 
-//> the upper bone's weight along the bar: 0.01 0.05 0.28 0.50 0.72 0.95 0.99
+//> weight of the second bone along the bar: 0.01 0.05 0.28 0.50 0.72 0.95 0.99
 //> 2 bones, 8 handles
-//> (4, -0.3, -0.3) goes to (2.32, 1.97, -0.30)
+//> (4, -0.3, -0.3) moves to (2.32, 1.97, -0.30)

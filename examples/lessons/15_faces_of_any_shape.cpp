@@ -23,7 +23,8 @@ int main() {
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     const cageform::PolyhedralMesh<double> cage(vertices, quads);
 
-    // Below the centre of the lid, its four corners have equal weights, unless a diagonal splits it.
+    // At a point below the centre of the lid, the lid's corners have equal weights, unless a diagonal splits
+    // the lid.
     std::puts("weights of the lid's corners:");
     cageform::HarmonicOptions options;
     options.resolution = 32;
@@ -34,7 +35,8 @@ int main() {
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
 
-    // Faces must be planar. The report lists non-planar faces; a third argument is the tolerance of corners.
+    // Faces must be planar. The report lists non-planar faces. The third argument is the allowed distance of
+    // a corner from the plane of its face.
     auto bent = vertices;
     bent[6] = {1, 1, 1.01};
     for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)
@@ -42,7 +44,7 @@ int main() {
     const auto report = check(cageform::PolyhedralMesh<double>(bent, quads, 0.01));
     std::printf("up to 0.01: %s\n", to_string(report.status));
 
-    // Alternatively bind non-planar faces as triangle fans around the mean of their corners.
+    // Alternatively, each non-planar face becomes a triangle fan around the mean of its corners.
     const cageform::PolyhedralMesh<double> fans(bent, quads,
                                                 {.non_planar = cageform::PolyhedralOptions::NonPlanar::fan});
     std::printf("as fans: %s\n", to_string(check(fans).status));

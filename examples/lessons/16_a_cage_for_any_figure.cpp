@@ -5,7 +5,7 @@
 #include <cstdio>
 
 int main() {
-    // A stick figure: a head, which is a dot of radius 3, a spine, arms and legs, which are strokes.
+    // A stick figure: the head is a dot of radius 3; the spine, the arms and the legs are strokes.
     using Segment = cageform::DrawnSegment<double>;
     const std::vector<Segment> figure{{{0, 20}, {0, 20}, 3}, {{0, 16}, {0, 8}, 1}, {{0, 14}, {-7, 12}, 1},
                                       {{0, 14}, {7, 12}, 1}, {{0, 8}, {-4, 0}, 1}, {{0, 8}, {4, 0}, 1}};
@@ -14,8 +14,8 @@ int main() {
     options.mirror = cageform::MirrorPlane{0}; // symmetric
     const auto made = make_cage(figure, options);
     if (!made) return std::puts(to_string(made.status()));
-    std::printf("vertices: %zu, margin kept: %.0f %%, parts: %zu, bridges: %zu\n", made.value.size(),
-                100 * made.report.clearance / made.report.margin, made.report.components,
+    std::printf("vertices: %zu, clearance: %.0f %% of the margin, parts: %zu, bridges: %zu\n",
+                made.value.size(), 100 * made.report.clearance / made.report.margin, made.report.components,
                 made.report.bridges);
 
     // The cage is a Polygon.
@@ -25,7 +25,7 @@ int main() {
     const auto [binding, report] = cageform::bind(coordinates, points);
     std::vector<cageform::Vec<double, 2>> pose(made.value.vertices().begin(), made.value.vertices().end());
     for (auto& p : pose) {
-        if (p[0] > 2 && p[1] > 8) p[1] += 6; // the vertices about one arm
+        if (p[0] > 2 && p[1] > 8) p[1] += 6; // the vertices around one arm
     }
     std::vector<cageform::Vec<double, 2>> out(points.size());
     if (clone(binding, pose, out) != cageform::Status::ok) return 1;
@@ -33,5 +33,5 @@ int main() {
                 points[2][1], out[2][1]);
 }
 
-//> vertices: 20, margin kept: 97 %, parts: 1, bridges: 0
+//> vertices: 20, clearance: 97 % of the margin, parts: 1, bridges: 0
 //> right hand from 12 to 18, left from 12 to 12

@@ -20,7 +20,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     const auto [figure, bound] =
         cageform::bind(cageform::MeanValueCoordinates(box, faces), cageform::FigurePoints{points});
     if (bound.status != Status::ok) return bound.status;
-    // The file holds times, and for each key an in-tangent, a value and an out-tangent.
+    // The glTF file contains times, and for each key an in-tangent, a value and an out-tangent.
     const float times[] = {0, 1, 2};
     const float swing[] = {0, 0, 0, 1, 1, 1, 0, 2.5f, 0, // node 7 swings up and comes back
                            0, 0, 0, 1, 2, 1, 0, 0,    0, //
@@ -38,7 +38,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     if (!compiled) return compiled.status();
     // The error of a vertex is at most 0.0001; curves use 16 bits per coefficient if this permits.
     const auto [clip, report] = pack_clip(compiled.value, {.tolerance = 0.0001});
-    std::printf("%zu of %zu curves in 16 bits: %zu bytes in place of %zu\n", report.quantised, report.curves,
+    std::printf("%zu of %zu curves in 16 bits: %zu bytes instead of %zu\n", report.quantised, report.curves,
                 report.bytes, report.unquantised_bytes);
     const cageform::FigureClipData clips[] = {{"swing", clip.bytes()}};
     auto packed = cageform::pack(figure, {.weights = {.tolerance = 0.001}, .clips = clips});
@@ -46,7 +46,8 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     return packed.status();
 }
 
-/// Runs in the game: needs only runtime.hpp, makes no copies, and allocates the memory of a frame once.
+/// Runs in the game: needs only runtime.hpp, reads the file in place, and allocates the arrays of a frame
+/// once.
 Status play(std::span<const std::byte> file) {
     const auto opened = cageform::open<float, 3>(file);
     if (!opened) return opened.status();
@@ -72,8 +73,8 @@ int main() {
     return status == Status::ok ? 0 : std::puts(to_string(status));
 }
 
-// The rod follows vertex 7, most at the near end. The clip repeats after two seconds.
-//> 24 of 24 curves in 16 bits: 1856 bytes in place of 2240
+// The rod follows vertex 7; the end near the vertex moves most. The clip repeats after two seconds.
+//> 24 of 24 curves in 16 bits: 1856 bytes instead of 2240
 //> 0.0 s: vertex 7 at height 1.00, the rod's ends at 0.80 and 0.80
 //> 1.0 s: vertex 7 at height 2.00, the rod's ends at 1.15 and 1.60
 //> 2.5 s: vertex 7 at height 1.81, the rod's ends at 1.08 and 1.45

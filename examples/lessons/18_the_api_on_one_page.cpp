@@ -1,8 +1,8 @@
-// 18. The API on one page: everything that most programs call, in the order of the flow.
+// 18. The API on one page: everything that most programs call, in the order of use.
 //
 // Functions that create objects return a Result: a value, and a report with a status. Functions that write
-// into the caller's memory return a Status. Arguments come in this order:
-// inputs, options, then running (threads and progress).
+// into the caller's memory return a Status. Arguments come in this order: inputs, options, then running
+// (threads and progress).
 #include <cageform/animate/compile.hpp>
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/binding/pack.hpp>
@@ -48,7 +48,7 @@ int main() {
         for (const float time : {0.f, 1.f}) {
             Key key;
             key.time = time;
-            key.value = k % 2 == 0 ? at : at * (1 + time / 2); // it grows to one and a half of its height
+            key.value = k % 2 == 0 ? at : at * (1 + time / 2); // the cage grows to 1.5 times its height
             keys[k].push_back(key);
         }
     }

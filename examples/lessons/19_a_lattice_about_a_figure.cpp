@@ -22,26 +22,28 @@ Points moved(const Lattice& lattice, const Points& points, const Points& pose) {
 }
 
 int main() {
-    // A board of 4 by 2, in a lattice of 7 x 5 points. A third argument is the falloff distance.
+    // A board of 4 by 2, in a lattice of 7 x 5 control points. An optional third argument of the lattice is
+    // the falloff distance.
     const Points board{{0, 0}, {2, 0}, {4, 0}, {0, 1}, {2, 1}, {4, 1}, {0, 2}, {2, 2}, {4, 2}};
     const auto box = cageform::box_around(board);
     if (!box) return std::puts(to_string(box.status()));
     std::array<cageform::LatticeAxis, 2> axes{{{.points = 7}, {.points = 5}}}; // cubic
     const Lattice lattice(axes, box.value);
 
-    // The centre point moves up. The first axis varies fastest: column 3 of row 2 is point 2 * 7 + 3.
+    // The control point at the centre moves up. The first axis varies fastest: column 3 of row 2 is control
+    // point 2 * 7 + 3.
     Points pose(lattice.handles().begin(), lattice.handles().end());
     pose[2 * 7 + 3][1] += 1;
     const Points out = moved(lattice, board, pose);
-    std::printf("the middle of the board goes up by %.3f, its edge by %.3f, its corner by %.3f\n",
+    std::printf("the middle of the board moves up by %.3f, its edge by %.3f, its corner by %.3f\n",
                 out[4][1] - board[4][1], out[7][1] - board[7][1], out[8][1] - board[8][1]);
 
-    // With two frozen layers of points at the faces, displacements and slopes are zero there, so points
-    // outside may stay in place.
-    std::printf("%zu of %zu points are in the two outer layers\n", lattice.frozen_handles(2).size(),
+    // If the two outer layers of control points stay at rest, displacements and their slopes are zero at the
+    // faces of the box. Points outside can then stay in place.
+    std::printf("%zu of %zu control points are in the two outer layers\n", lattice.frozen_handles(2).size(),
                 lattice.handles().size());
 
-    // A refined lattice makes smaller bumps. Refinement does not change the deformation.
+    // Refinement adds control points, for finer changes. It does not change the deformation.
     const auto finer = cageform::halve_spans(axes[0]);
     if (!finer) return std::puts(to_string(finer.status()));
     axes[0] = finer.value.axis;
@@ -51,8 +53,8 @@ int main() {
     const Points again = moved(fine, board, fine_pose);
     for (std::size_t i = 0; i < board.size(); ++i)
         change = std::fmax(change, std::fabs(again[i][1] - out[i][1]));
-    std::printf("%zu points instead of %zu: the board moves by %s\n", fine.handles().size(), pose.size(),
-                change < 1e-14 ? "nothing" : "something");
+    std::printf("%zu control points instead of %zu: the board %s\n", fine.handles().size(), pose.size(),
+                change < 1e-14 ? "does not move" : "moves");
 
     // The inverse problem: which pose moves the points of the board to given positions?
     Points wanted;
@@ -60,11 +62,11 @@ int main() {
     const auto bound = cageform::bind(lattice, board);
     const auto fit = cageform::fit_lattice(lattice, bound.value, wanted);
     if (!fit) return std::puts(to_string(fit.status()));
-    std::printf("a pose by least squares misses by %.4f at most, and %zu points move nothing\n",
+    std::printf("least-squares pose: error at most %.4f, %zu control points without effect\n",
                 fit.report.largest, fit.report.idle.size());
 }
 
-//> the middle of the board goes up by 0.333, its edge by 0.006, its corner by 0.000
-//> 32 of 35 points are in the two outer layers
-//> 55 points instead of 35: the board moves by nothing
-//> a pose by least squares misses by 0.0003 at most, and 0 points move nothing
+//> the middle of the board moves up by 0.333, its edge by 0.006, its corner by 0.000
+//> 32 of 35 control points are in the two outer layers
+//> 55 control points instead of 35: the board does not move
+//> least-squares pose: error at most 0.0003, 0 control points without effect

@@ -21,7 +21,7 @@ int main() {
     auto opened = cageform::open_pose_samples<double, 2>(shipped.value.bytes());
     cageform::PoseSolver<double, 2> solver(std::move(opened.value));
 
-    // A click: two feet, the head and the right hand. Pins are bound as any points.
+    // A click: pins on two feet, the head and the right hand. Pins are bound like all points.
     const std::vector<Point> pins{{-4, 0}, {4, 0}, {0, 20}, {7, 12}};
     const auto binding = cageform::bind(coordinates, pins);
     cageform::Status status = solver.set_pins({.binding = binding.value.view()});
@@ -58,8 +58,7 @@ int main() {
     const std::vector<Point> head{{0, 19}, {0, 21}};
     status = clone(cageform::bind(coordinates, head).value, pose, out);
     if (status != cageform::Status::ok) return std::puts(to_string(status));
-    std::printf("the head is turned by %.1f radians\n",
-                std::atan2(out[0][0] - out[1][0], out[1][1] - out[0][1]));
+    std::printf("the head turns by %.1f radians\n", std::atan2(out[0][0] - out[1][0], out[1][1] - out[0][1]));
 }
 
 //> right hand moves by -1.50,  6.50
@@ -67,4 +66,4 @@ int main() {
 //> left hand  moves by -0.07, -0.45
 //> hips       moves by -0.01,  0.72
 //> settled: yes, pins missed by less than 0.01: yes, parts turned inside out: 0
-//> the head is turned by 0.5 radians
+//> the head turns by 0.5 radians

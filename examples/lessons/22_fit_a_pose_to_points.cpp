@@ -46,15 +46,15 @@ int main() {
         if (clone_transposed(binding, gap, slope) != cageform::Status::ok) return 1;
         const double size = product(slope, slope);
         if (step == 0 || step == 2 || step == 4 || step == 8)
-            std::printf("after %2d steps: markers missed by %.5f in the mean\n", step,
+            std::printf("after %2d steps: RMS distance from the markers %.5f\n", step,
                         std::sqrt(product(gap, gap) / double(points.size())));
         // Conjugate gradients: the gradient and a multiple of the previous direction (Hestenes, Stiefel
         // 1952).
         for (Point& w : way) w = (step == 0 ? 0 : size / last) * w;
         add(way, -1, slope);
         last = size;
-        // Line search: points depend linearly on handles, so the best step is known. clone of the direction
-        // gives the displacements of the points.
+        // Exact line search: points depend linearly on handles, so a clone of the direction gives the
+        // displacements of the points per unit of step length.
         Points ahead = cage, moves(points.size(), Point{});
         add(ahead, 1, way);
         if (clone(binding, ahead, moves, {.mode = cageform::CloneMode::add}) != cageform::Status::ok)
@@ -70,8 +70,8 @@ int main() {
                 std::sqrt(product(pose, pose)) < 1e-6 ? "the pose is found" : "another pose");
 }
 
-//> after  0 steps: markers missed by 0.57174 in the mean
-//> after  2 steps: markers missed by 0.09007 in the mean
-//> after  4 steps: markers missed by 0.01828 in the mean
-//> after  8 steps: markers missed by 0.00035 in the mean
+//> after  0 steps: RMS distance from the markers 0.57174
+//> after  2 steps: RMS distance from the markers 0.09007
+//> after  4 steps: RMS distance from the markers 0.01828
+//> after  8 steps: RMS distance from the markers 0.00035
 //> 25 handles from 2845 points: the pose is found

@@ -32,9 +32,9 @@ int main() {
     std::printf("1 bone: within %.0f %%\n", 100 * one.report.max_distance);
     const auto [skeleton, report] = cageform::fit_skeleton(column, frames, faces, {.max_distance = 0.01});
     std::printf("within 1 %%: %s\n", report.beyond == 0 && report.bones < 9 ? "by few bones" : "by many");
-    std::printf("bone 1 hangs on bone %u\n", skeleton.parents[1]);
+    std::printf("the parent of bone 1 is bone %u\n", skeleton.parents[1]);
 }
 
 //> 1 bone: within 13 %
 //> within 1 %: by few bones
-//> bone 1 hangs on bone 0
+//> the parent of bone 1 is bone 0

@@ -1,22 +1,22 @@
-// Packed figures in C# 7, for Unity and mono: open, clone, play clips, pose by pins. It calls the C interface of the shared
-// library (include/cageform/c/cageform.h). No memory is allocated in a frame, and no code is unsafe.
+// Packed figures in C# 7, for Unity and mono: open, clone, play clips, pose by pins. This file calls the C interface of the
+// shared library (include/cageform/c/cageform.h). It allocates no memory per frame and has no unsafe code.
 //
-// Points are of float, in space: x y z each, in arrays or at addresses. Everything throws CageformException where the library
-// refuses something, and ArgumentException where an array is too short. A Figure may be used by several threads at once, a
-// Player and Pins by one at a time.
+// Points are 3D in float: x y z each, in arrays or at addresses. Errors of the library throw a CageformException. Arrays that are
+// too short throw an ArgumentException. Several threads may use a Figure at once; only one at a time may use a
+// Player or Pins.
 using System;
 using System.Runtime.InteropServices;
 using System.Text;
 
 namespace Cageform
 {
-    /// A status that is not ok.
+    /// An error status of the library.
     public sealed class CageformException : Exception
     {
-        /// Its number, which never changes, and its name, as "blob_corrupt".
+        /// The code of the status, which never changes, and its name, such as "blob_corrupt".
         public readonly int Code;
         public readonly string Name;
-        /// The culprit: the number of a pin or handle, or the part of a file by its four letters; null if there is none.
+        /// The invalid element: the index of a pin or handle, or the four letters of the part of a file; null if there is none.
         public readonly string Culprit;
 
         internal CageformException(int code, string culprit = null, string message = null)
@@ -28,18 +28,18 @@ namespace Cageform
         }
     }
 
-    /// A packed figure: a file that bind_mesh, the Python package or cageform_pack has written.
+    /// A packed figure: a file written by bind_mesh, the Python or npm package, or cageform_pack.
     public sealed class Figure : IDisposable
     {
         internal readonly Handle Handle;
         public readonly int Points, Handles, Clips, Levels;
-        /// Handles that are vertices of the cage: what clips and PoseHandles take.
+        /// Number of handles that are vertices of the cage: the size of clips and of the input of PoseHandles.
         public readonly int Vertices;
         public readonly bool HasNormals, HasTangents;
-        /// The place from which points, handles and clips count: x, y, z. Add it to clones, in double precision.
+        /// The origin x, y, z of the coordinates of points, handles and clips. Add it to clones in double precision.
         public readonly double[] Origin;
 
-        /// Opens the bytes of a file, which are copied.
+        /// Opens a packed figure. Copies the bytes.
         public Figure(byte[] bytes) : this(Open(bytes)) { }
 
         Figure(Handle handle)
@@ -78,7 +78,7 @@ namespace Cageform
             throw new CageformException(code, name, Native.Text(Native.cageform_status_text(code)) + " (part " + name + ")");
         }
 
-        /// Opens a level of less detail, which takes the same poses; level 0 is the figure again.
+        /// Opens a level of less detail, for the same poses; level 0 is the figure itself.
         public Figure Level(int level)
         {
             Handle handle;
@@ -86,15 +86,15 @@ namespace Cageform
             return new Figure(handle.Keep(Handle));
         }
 
-        /// Writes the handles at rest, a pose to start from.
+        /// Writes the handles at rest, the initial pose: 3 * Handles numbers.
         public void Rest(float[] pose)
         {
             using (var to = new Pinned(pose, 3, Handles, "pose"))
                 Native.Check(Native.cageform_figure_rest(Handle, to.View));
         }
 
-        /// Moves the figure with a pose of all handles. Tangents may be null, or normals too; tangents are x y z w each, w the
-        /// handedness.
+        /// Deforms the figure by a pose of all handles. Tangents, or normals and tangents, may be null. Tangents are x y z w
+        /// each; w is the handedness.
         public void Clone(float[] pose, float[] points, float[] normals = null, float[] tangents = null)
         {
             using (var from = new Pinned(pose, 3, Handles, "pose"))
@@ -104,7 +104,7 @@ namespace Cageform
                 Clone(from.Address, to.Address, turned.Address, along.Address);
         }
 
-        /// Moves the figure, all at addresses, as GetUnsafePtr of NativeArray gives them: Handles points of a pose, then memory
+        /// As above, with addresses, such as those of GetUnsafePtr of NativeArray: Handles points of a pose, then memory
         /// for Points points, normals, tangents; the last or the last two may be IntPtr.Zero. A wrong address or length ends the program.
         public void Clone(IntPtr pose, IntPtr points, IntPtr normals, IntPtr tangents)
         {
@@ -120,7 +120,7 @@ namespace Cageform
             Native.Check(code);
         }
 
-        /// Computes a pose of all handles from one of the cage's vertices. Green coordinates need it, others take either.
+        /// Computes a pose of all handles from a pose of the cage's vertices. Green coordinates need it.
         public void PoseHandles(float[] vertices, float[] handles)
         {
             using (var from = new Pinned(vertices, 3, Vertices, "vertices"))
@@ -139,7 +139,7 @@ namespace Cageform
             return Encoding.UTF8.GetString(bytes);
         }
 
-        /// Finds the first handle with a label; -1 if none has it.
+        /// Returns the first handle with a label; -1 if there is none.
         public int FindHandle(string label)
         {
             byte[] text = Encoding.UTF8.GetBytes(label);
@@ -148,7 +148,7 @@ namespace Cageform
             return (ulong)handle < (ulong)Handles ? (int)handle : -1;
         }
 
-        /// Plays a clip by its name. Every character has a player of its own.
+        /// Creates a player of a clip, given by name. Create one player per playing character.
         public Player Play(string name)
         {
             byte[] text = Encoding.UTF8.GetBytes(name);
@@ -163,7 +163,7 @@ namespace Cageform
         public void Dispose() { Handle.Dispose(); }
     }
 
-    /// Plays a clip: the motion of a cage's vertices.
+    /// Plays a clip, the motion of a cage's vertices.
     public sealed class Player : IDisposable
     {
         readonly Handle handle;
@@ -180,7 +180,7 @@ namespace Cageform
             End = info.end;
         }
 
-        /// Writes the cage's vertices at a time.
+        /// Writes the cage's vertices at a time: 3 numbers each.
         public void Sample(double time, float[] vertices)
         {
             using (var to = new Pinned(vertices, 3, Vertices, "vertices"))
@@ -190,7 +190,7 @@ namespace Cageform
         public void Dispose() { handle.Dispose(); }
     }
 
-    /// Poses a cage by pins on a figure, as rigidly as possible inside.
+    /// Moves a cage so that pinned points reach targets and its interior deforms as rigidly as possible.
     public sealed class Pins : IDisposable
     {
         readonly Handle handle;
@@ -198,10 +198,10 @@ namespace Cageform
         int pins;
         public readonly int Handles;
 
-        /// Opens packed samples of the cage, whose bytes are copied.
-        ///   pinWeight   what a pin counts beside the stretch of the whole figure; 0: 1e4
-        ///   hard        pins miss a thousand times less
-        ///   iterations  of a frame; 0: 4
+        /// Opens packed samples of the cage. Copies the bytes.
+        ///   pinWeight   stiffness of a pin of weight 1 relative to the stretch of the figure; 0: 1e4
+        ///   hard        pins are a thousand times nearer to their targets
+        ///   iterations  per call of Solve; 0: 4
         public Pins(byte[] samples, double pinWeight = 0, bool hard = false, int iterations = 0)
         {
             var memory = new AlignedBytes(samples);
@@ -229,22 +229,22 @@ namespace Cageform
             Marshal.WriteIntPtr(report, (IntPtr)(int)Native.SizeOf<Native.Report>());
         }
 
-        /// Pins points of a figure, by their numbers, instead of those before. Weights may be null.
+        /// Replaces all pins by pins at points of a figure, given by index. Weights may be null: all are 1.
         public void Set(Figure figure, int[] points, double[] weights = null)
         {
-            if (weights != null && weights.Length != points.Length) throw new ArgumentException("one weight a pin", "weights");
+            if (weights != null && weights.Length != points.Length) throw new ArgumentException("one weight per pin is needed", "weights");
             Check(Native.cageform_pins_set(handle, figure.Handle, points, (UIntPtr)points.Length, weights, report));
             pins = points.Length;
         }
 
-        /// Holds handles where the pose has them, instead of those before.
+        /// Replaces the set of fixed handles, which keep their positions in the pose.
         public void Hold(int[] handles)
         {
             Check(Native.cageform_pins_hold(handle, handles, (UIntPtr)handles.Length, report));
         }
 
-        /// Moves a pose of all handles towards the targets, one for each pin. Once a frame, until it returns true: the pose has
-        /// settled.
+        /// Moves a pose of all handles towards the targets, one per pin. Call it once per frame until it returns true:
+        /// the pose has settled.
         public bool Solve(float[] targets, float[] pose)
         {
             using (var from = new Pinned(targets, 3, pins, "targets"))
@@ -253,7 +253,7 @@ namespace Cageform
             return Marshal.ReadInt32(report, settled) != 0;
         }
 
-        /// The largest distance of a pin from its target, of the last frame.
+        /// The largest distance of a pin from its target in the last frame.
         public double Miss { get { return BitConverter.Int64BitsToDouble(Marshal.ReadInt64(report, miss)); } }
 
         static readonly int settled = Native.OffsetOf("settled"), miss = Native.OffsetOf("miss");
@@ -270,7 +270,7 @@ namespace Cageform
         public void Dispose() { handle.Dispose(); }
     }
 
-    /// An object of the library. It is freed before what it keeps: the object that it is made of, or memory.
+    /// An object of the library. It is freed before what it keeps alive: another object, or memory.
     public sealed class Handle : SafeHandle
     {
         Handle parent;
@@ -300,7 +300,7 @@ namespace Cageform
         }
     }
 
-    /// Bytes at a multiple of 64, where the library wants them.
+    /// Memory aligned to 64 bytes, as the library requires.
     struct AlignedBytes
     {
         IntPtr memory;
@@ -324,7 +324,7 @@ namespace Cageform
         }
     }
 
-    /// An array that stays in its place while a call lasts.
+    /// An array that is pinned during a call.
     struct Pinned : IDisposable
     {
         GCHandle held;
@@ -353,11 +353,11 @@ namespace Cageform
 
     static class Native
     {
-        const string Library = "cageform"; // libcageform.so, libcageform.dylib, cageform.dll; where it is linked in: "__Internal"
+        const string Library = "cageform"; // libcageform.so, libcageform.dylib, cageform.dll; linked statically: "__Internal"
         internal const uint Float = 0;
         internal const int ScalarDiffers = 1005, DimensionDiffers = 1006;
 
-        // As in cageform.h; the test compares where members lie.
+        // As in cageform.h; the test compares the offsets of members.
         [StructLayout(LayoutKind.Sequential)]
         internal struct Points // cageform_output is the same
         {

@@ -1,4 +1,4 @@
-// Tests of Cageform.cs: Test.exe FOLDER, which figure.py has filled.
+// Tests of Cageform.cs: Test.exe FOLDER. figure.py writes FOLDER.
 using System;
 using System.IO;
 using System.Linq;
@@ -21,8 +21,8 @@ static class Test
             return 2;
         }
         folder = arguments[0];
-        Run("structs lie as in C", Layout);
-        Run("clones have the bits that Python gets", Clones);
+        Run("structs have the layout of C", Layout);
+        Run("clones are bitwise equal to those of Python", Clones);
         Run("clones at addresses", Addresses);
         Run("labels", Labels);
         Run("a clip, a level", Clip);
@@ -70,7 +70,7 @@ static class Test
         {
             return error;
         }
-        throw new Exception("nothing was refused");
+        throw new Exception("no exception");
     }
     static E Throws<E>(Action call) where E : Exception
     {
@@ -165,7 +165,7 @@ static class Test
             player.Sample(1.5, vertices);
             Require(vertices.SequenceEqual(Floats("sampled")));
             Require(Refused(() => player.Sample(double.NaN, vertices)).Code != 0);
-            using (var late = figure.Play("late")) // floats cannot tell its times apart
+            using (var late = figure.Play("late")) // its times are equal in float
             {
                 Require(late.Begin == 70000.5);
                 for (int k = 0; k < 30; ++k)
@@ -281,7 +281,7 @@ static class Test
             player.Dispose();
             level.Dispose();
         }
-        for (int n = 0; n < 50; ++n) // left to the collector, in the order that it takes
+        for (int n = 0; n < 50; ++n) // freed by the garbage collector in any order
         {
             new Figure(Read("figure")).Play("grow").Sample(1, vertices);
             new Pins(Read("samples"));

@@ -1,4 +1,4 @@
-"""Writes what Test.cs reads: python3 figure.py FOLDER. A bound bar with a clip and samples, and what the library makes of it."""
+"""Writes input and expected results for Test.cs: python3 figure.py FOLDER. A bound bar with a clip and samples."""
 
 import pathlib
 import sys

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: sh examples/bindings/csharp/run.sh
-# Builds the shared library, compiles Cageform.cs by mono's compiler, and runs its tests.
+# Builds the shared library, compiles Cageform.cs with mono's compiler, and runs its tests.
 set -eu
 cd "$(dirname "$0")/../../.."
 sh cmake/install_packages.sh mono-mcs mono-runtime libmono-system-core4.0-cil python3 python3-numpy gcc

@@ -1,11 +1,11 @@
-// The C interface as WebAssembly, for the npm package. Without exceptions no failed allocation can unwind
-// what runs. Here the host does: cageform_host_fail() throws in JavaScript, which drops the frames, and
-// cageform_call_undo() then frees what the call has allocated so far, as a list of it is kept.
+// The C interface as WebAssembly, for the npm package. The module has no C++ exceptions. When an allocation
+// fails, the host unwinds the call: cageform_host_fail() throws in JavaScript. cageform_call_undo() then
+// frees the allocations of the call, which are kept in a list.
 
 #define CAGEFORM_C_IMPLEMENTATION
 #include <cageform/c/cageform.h>
 
-#include "layout_check.hpp" // written by write_module.py: structs are where JavaScript looks for them
+#include "layout_check.hpp" // by write_module.py: checks the struct offsets that JavaScript uses
 
 #include <cstdarg>
 #include <cstdint>
@@ -18,13 +18,13 @@
 extern "C" {
 /// Ends the call with a status.
 [[noreturn]] FROM_HOST(fail) void cageform_host_fail(cageform_status status);
-/// Receives the fraction done; 0 cancels.
+/// Receives the completed fraction; returns 0 to cancel.
 FROM_HOST(progress) int cageform_host_progress(void* context, double done);
 }
 
 namespace {
 
-/// Stands before each allocation.
+/// The header of each allocation.
 struct Block {
     Block* before;
     Block* after;
@@ -32,7 +32,7 @@ struct Block {
     std::uint32_t reserved;
 };
 static_assert(sizeof(Block) == 16);
-Block own_blocks{&own_blocks, &own_blocks, nullptr, 0}; // a ring: those of the call that runs
+Block own_blocks{&own_blocks, &own_blocks, nullptr, 0}; // circular list: allocations of the current call
 
 void take_out(Block& block) {
     block.before->after = block.after;
@@ -116,7 +116,7 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
     release(memory);
 }
 
-/// The standard library calls it where it would throw.
+/// The standard library calls this function instead of throwing.
 [[noreturn]] void std::__libcpp_verbose_abort(const char* format, ...) {
     const bool is_memory =
         std::strncmp(format, "length_error", 12) == 0 || std::strncmp(format, "bad_a", 5) == 0;
@@ -125,16 +125,16 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
 
 extern "C" {
 
-/// Precedes every call.
+/// JavaScript calls this function before every call.
 void cageform_call_begin() {
-    take_out(own_blocks); // the others stay a ring
+    take_out(own_blocks); // earlier allocations stay in a list of their own
     own_blocks.before = own_blocks.after = &own_blocks;
 }
-/// Frees what the call that failed has allocated.
+/// Frees the allocations of a failed call.
 void cageform_call_undo() {
     while (own_blocks.after != &own_blocks) release(own_blocks.after + 1);
 }
-/// Returns cageform_running::progress, which asks the host.
+/// Returns a function for cageform_running::progress that calls the host.
 void* cageform_call_progress() {
     return reinterpret_cast<void*>(&cageform_host_progress);
 }

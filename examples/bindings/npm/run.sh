@@ -1,23 +1,23 @@
 #!/bin/sh
 # Usage: sh examples/bindings/npm/run.sh [--build-only]
-# Installs what the package needs (Debian), compiles the C interface to WebAssembly, writes out/cageform-VERSION.tgz, installs
-# that into an empty folder without a network, and tests it there: in node, by TypeScript's compiler, in a headless Chromium,
-# and against the native library. It takes some minutes.
+# Installs Debian packages, compiles the C interface to WebAssembly and writes out/cageform-VERSION.tgz. Then installs the
+# package into an empty folder without a network and tests it: in node, with TypeScript's compiler, in a headless Chromium,
+# and against the native library. The script takes some minutes.
 set -eu
 cd "$(dirname "$0")/../../.."
 packages='clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 libclang-rt-19-dev-wasm32 libeigen3-dev python3'
-command -v node >/dev/null && command -v npm >/dev/null || packages="$packages nodejs npm" # as good from elsewhere
+command -v node >/dev/null && command -v npm >/dev/null || packages="$packages nodejs npm" # other installations are accepted
 # shellcheck disable=SC2086  # the list is meant to be split
 sh cmake/install_packages.sh $packages
 npm=examples/bindings/npm
 work=build/npm
-made=$work/made       # what is compiled and generated
-package=$work/package # what is packed
+made=$work/made       # compiled and generated files
+package=$work/package # the contents of the package
 mkdir -p $made out
 
 /usr/bin/python3 $npm/write_module.py include/cageform/c/cageform.h include/cageform/version.hpp $made
-# compiled NAME EXPORTS [OPTION…]: NAME.wasm, if it is older than what it is made of. -Os takes a seventh of the bytes off,
-# and no clone is slower.
+# compiled NAME EXPORTS [OPTION…]: makes NAME.wasm if it is older than its sources. -Os saves a seventh of the bytes and
+# does not slow down clones.
 compiled() {
   name=$1
   exports=$2

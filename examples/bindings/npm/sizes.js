@@ -1,4 +1,4 @@
-// Prints the bytes of the package: node sizes.js FOLDER TARBALL
+// Prints the sizes of the package in bytes: node sizes.js FOLDER TARBALL
 
 const { readFileSync, readdirSync } = require('node:fs');
 const { brotliCompressSync, gzipSync } = require('node:zlib');

@@ -1,10 +1,10 @@
-"""Writes what the npm package takes from the C header: offsets of structs in WebAssembly, statuses, constants, exports.
+"""Writes struct offsets in WebAssembly, statuses, constants and exports from the C header, for the npm package.
 
     python3 write_module.py include/cageform/c/cageform.h include/cageform/version.hpp FOLDER
 
-FOLDER/layout.js and layout.d.ts, for the package; layout_check.hpp, which cageform.cpp compiles: the compiler proves the
-offsets; exports.txt and exports_runtime.txt, options of the linker. The package has no skeletons yet, and its run time
-leaves pins out: they are a third of its bytes.
+Writes FOLDER/layout.js and layout.d.ts for the package; layout_check.hpp, with which the compiler verifies the offsets in
+cageform.cpp; exports.txt and exports_runtime.txt, linker options. The package has no skeletons yet. Its run-time module
+has no pins, because they would be a third of its bytes.
 """
 
 import pathlib
@@ -15,13 +15,13 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / 'python'))
 from read_header import Header  # noqa: E402
 
-# Kinds of numbers as JavaScript reads them, and their bytes. Pointers and functions are addresses of 4 bytes.
+# Number types of JavaScript views, and their bytes. Pointers and functions are addresses of 4 bytes.
 NUMBERS = {'size_t': ('u32', 4), 'uint32_t': ('u32', 4), 'int32_t': ('i32', 4), 'uint64_t': ('u64', 8), 'double': ('f64', 8),
            'int': ('i32', 4), 'char': ('u8', 1), 'cageform_status': ('i32', 4)}
 
 
 def kind_of(kind, layouts):
-    """Returns the kind of a field, its bytes and its alignment."""
+    """Returns the number type of a field, its bytes and its alignment."""
     if kind in layouts:
         return kind, layouts[kind]['size'], layouts[kind]['alignment']
     name, size = NUMBERS.get(kind, ('u32', 4))
@@ -51,7 +51,7 @@ def camel(name):
 
 def write_script(header, layouts, version):
     lines = ['// Written by write_module.py from cageform.h.', '', "export const VERSION = '%s';" % version, '',
-             '// Names of fields: kind, offset, how many.', 'export const STRUCTS = {']
+             '// Names of fields: number type, offset, count.', 'export const STRUCTS = {']
     for struct, its in layouts.items():
         fields = ', '.join("%s: ['%s', %d, %d]" % (camel(name), kind, at, count)
                            for name, (kind, at, count, _) in its['fields'].items())
@@ -60,7 +60,7 @@ def write_script(header, layouts, version):
     lines += ["  %d: '%s'," % (number, name) for number, name in header.statuses.items()] + ['};', '', 'export const CONSTANTS = {']
     named = {name[len('CAGEFORM_'):]: number for name, number in header.constants.items()}
     lines += ['  %s: %d,' % constant for constant in named.items() if constant[0].lower() not in header.statuses.values()]
-    lines += ['};', '', '// The words of options.', 'export const CHOICES = {']
+    lines += ['};', '', '// The values of options.', 'export const CHOICES = {']
     lines += ['  %s: { %s },' % (camel(name), ', '.join("'%s': %d" % its for its in choices.items())) for name, choices in header.choices.items()]
     lines += ['};', '']
     return '\n'.join(lines)
@@ -73,7 +73,7 @@ def write_types(header, layouts):
     lines[-1] += ';'
     for name, choices in header.choices.items():
         lines += ['', 'export type %s = %s;' % (camel('_' + name), ' | '.join("'%s'" % word for word in choices))]
-    lines += ['', '/** Numbers of a report, as the header of C describes them; a call sets those that it knows, others are 0. */',
+    lines += ['', '/** Numbers of a report, documented in the C header. Fields that do not apply to a call are 0. */',
               'export interface ReportNumbers {']
     for name, (kind, _, count, _) in layouts['cageform_report']['fields'].items():
         if name not in ('size', 'status', 'reserved', 'culprit', 'frame', 'fault', 'message', 'settled'):
@@ -82,7 +82,7 @@ def write_types(header, layouts):
 
 
 def write_check(layouts, runtime):
-    """Assertions for the compiler, of structs that the run time has, or of all."""
+    """Returns static assertions for the structs of the run time, or for all structs."""
     lines = ['// Written by write_module.py from cageform.h.', '#pragma once', '', '#include <cageform/c/cageform.h>', '',
              '#include <cstddef>', '']
     for struct, its in layouts.items():

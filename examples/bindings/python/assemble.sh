@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh examples/bindings/python/assemble.sh LIBRARY FOLDER [--test]
-# Puts the sources of the wheel together in FOLDER, with a shared library, so that nothing is written among those of the project.
-# FOLDER may be on Python's path. FOLDER/layout.txt says where members of the structs lie in C. --test runs test.py.
+# Copies the sources of the wheel and the shared library LIBRARY to FOLDER, so that nothing is written into the source tree.
+# FOLDER can be put on Python's path. Writes the offsets of struct members in C to FOLDER/layout.txt. --test runs test.py.
 set -eu
 library=$(realpath "$1") folder=$(realpath -m "$2")
 cd "$(dirname "$0")"

@@ -1,6 +1,6 @@
-"""Times bind and clone beside the same in C++: python3 benchmark.py BESIDE [REPEATS], where BESIDE is the program of beside.cpp.
+"""Times bind and clone in Python and in C++: python3 benchmark.py BESIDE [REPEATS], where BESIDE is the program of beside.cpp.
 
-Python and C++ take turns. Prints medians in milliseconds and their ratio.
+Python and C++ run alternately. Prints medians in milliseconds and their ratio.
 """
 
 import os
@@ -19,7 +19,7 @@ rng = np.random.default_rng(1)
 
 
 def sphere(rings=8, around=12):
-    """A cage: (98, 3) vertices and triangles of a sphere around the figure."""
+    """Returns a cage: the (98, 3) vertices and the triangles of a sphere around the figure."""
     up, turn = np.pi * np.arange(1, rings + 1) / (rings + 1), 2 * np.pi * np.arange(around) / around
     ring = np.stack([np.outer(np.sin(up), np.cos(turn)), np.outer(np.sin(up), np.sin(turn)),
                      np.outer(np.cos(up), np.ones(around))], axis=2).reshape(-1, 3)

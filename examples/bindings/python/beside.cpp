@@ -1,4 +1,4 @@
-// Binds and clones in C++ what the Python package binds and clones, for its test and its benchmark.
+// Runs the same binds and clones as the Python package, for its test and its benchmark.
 #include <cageform/binding/pack.hpp>
 #include <cageform/cageform.hpp>
 
@@ -72,7 +72,7 @@ int main(int count, char** arguments) {
     if (scalar == "float32") return run<float>(arguments[1], std::stoi(arguments[3]));
     if (scalar == "float64") return run<double>(arguments[1], std::stoi(arguments[3]));
     std::puts("usage: beside FOLDER float32|float64 REPEATS\n"
-              "FOLDER has arrays of bytes: vertices (double) and faces (triangles) of a cage, points, pose;\n"
-              "it gets clone, weights, figure (a packed file). Prints the seconds of each bind and clone.");
+              "FOLDER contains arrays as bytes: vertices (double) and faces (triangles) of a cage, points, pose.\n"
+              "Writes clone, weights and figure (a packed file) to FOLDER. Prints the seconds of each bind and clone.");
     return 2;
 }

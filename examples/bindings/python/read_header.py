@@ -1,7 +1,7 @@
 """Reads the C header of the library, for bindings of other languages.
 
     python3 read_header.py ctypes include/cageform/c/cageform.h >_c.py     declarations for ctypes
-    python3 read_header.py layout include/cageform/c/cageform.h >layout.c  a C program that prints where members lie
+    python3 read_header.py layout include/cageform/c/cageform.h >layout.c  a C program that prints the offsets of members
 """
 
 import os.path
@@ -13,9 +13,9 @@ NUMBERS = {'size_t': 'c_size_t', 'uint16_t': 'c_uint16', 'uint32_t': 'c_uint32',
 
 
 class Header:
-    """constants: name to number; choices: enumeration to name to number, names as other languages have them, such as
-    'mean-value' for CAGEFORM_MEAN_VALUE; statuses: number to name in small letters; structs: name to a list of members (name,
-    type, lengths of the array that it is); functions: name to (type, types of arguments). Types are those of C without
+    """constants: name to number; choices: enumeration to name to number, with names for other languages, such as
+    'mean-value' for CAGEFORM_MEAN_VALUE; statuses: number to name in lower case; structs: name to a list of members (name,
+    type, lengths of array dimensions); functions: name to (type, types of arguments). Types are those of C without
     const; 'function' is a pointer to one."""
 
     def __init__(self, text):
@@ -36,7 +36,7 @@ class Header:
 
 
 def named_choices(body):
-    """Returns what enumerators have in common taken off: 'half' for CAGEFORM_FORMAT_HALF."""
+    """Returns the names of enumerators without their common prefix: 'half' for CAGEFORM_FORMAT_HALF."""
     listed = re.findall(r'(CAGEFORM_\w+) = (\d+)', body)
     common = os.path.commonprefix([name for name, _ in listed]).rfind('_') + 1
     return {name[common:].lower().replace('_', '-'): int(number) for name, number in listed}
@@ -47,7 +47,7 @@ def plain(kind):
 
 
 def declared(text):
-    """Returns name, type and lengths of what a declaration declares."""
+    """Returns the name, the type and the array lengths of a declaration."""
     if '(*' in text:
         return re.search(r'\(\*(\w+)\)', text).group(1), 'function', []
     kind, name, lengths = re.fullmatch(r'(.*?)(\w+)((?:\[\d+\])*)', ' '.join(text.split())).groups()
@@ -55,7 +55,7 @@ def declared(text):
 
 
 def members_of(line):
-    """Returns the members of a line of a struct: several may share a type."""
+    """Returns the members declared by one line of a struct; several may share a type."""
     if '(*' in line:
         return [declared(line)]
     first, *more = line.split(',')
@@ -64,7 +64,7 @@ def members_of(line):
 
 
 def ctypes_of(kind, structs):
-    """Returns the type of ctypes. Objects, memory and where a pointer is put are c_void_p."""
+    """Returns the ctypes type. Objects, memory and pointers to pointers are c_void_p."""
     if kind in structs:
         return kind
     if kind in NUMBERS:

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh examples/bindings/python/run.sh [--benchmark | --bare RELEASE]
-# Makes out/cageform-….whl and tries it: the tests, types by mypy, the scripts, and, as root, the tests on a Debian that has
-# numpy and no compiler. --benchmark times it beside C++; --bare tests it on another release of Debian, as root, such as trixie.
+# Writes out/cageform-….whl and tests it: the tests, types with mypy, the scripts, and, as root, the tests on a Debian with
+# numpy and without a compiler. --benchmark compares times with C++; --bare runs the tests, as root, on another Debian release.
 set -eu
 cd "$(dirname "$0")/../../.."
 sh cmake/install_packages.sh python3 python3-numpy python3-setuptools python3-wheel python3-build python3-venv python3-pip \
@@ -22,7 +22,7 @@ echo "out/$wheel, $(wc -c <"out/$wheel") bytes"
 $python -m pip install -q --root-user-action=ignore --no-index --no-deps --target "$work/site" "out/$wheel"
 export PYTHONPATH="$work/site"
 
-# Tests a wheel where there is a release of Debian, numpy, pip, and nothing else.
+# Tests the wheel on a Debian release with only numpy and pip.
 test_bare() { # RELEASE
   bare=$work/bare
   mkdir "$bare"
@@ -40,7 +40,7 @@ print(\"Debian $1: Python %s, numpy %s, cageform %s\" % (sys.version.split()[0],
   rm -rf --one-file-system "$bare"
 }
 
-# The tests compare with this program in C++.
+# The tests compare results with this C++ program.
 c++ -std=c++20 -O2 -DNDEBUG -DCAGEFORM_COMPILED -Iinclude examples/bindings/python/beside.cpp -o "$work/beside" -L"$lib" -lcageform \
   -Wl,-rpath,"$lib"
 case ${1-} in

@@ -1,7 +1,7 @@
 """Tests of the Python package: python3 test.py, with the package on the path.
 
-CAGEFORM_BESIDE is the program of beside.cpp, CAGEFORM_LAYOUT a file that the program of `read_header.py layout` wrote; what
-needs them is skipped without.
+CAGEFORM_BESIDE is the program of beside.cpp. CAGEFORM_LAYOUT is the output of the program of `read_header.py layout`.
+Tests that need a missing one are skipped.
 """
 
 import contextlib
@@ -44,7 +44,7 @@ def inside(count, dimension=2, dtype=np.float64):
 
 
 def hinge():
-    """Returns a strip at rest (22, 3), its places (8, 22, 3) as it bends about its middle and moves, and its faces."""
+    """Returns a strip at rest (22, 3), its vertices (8, 22, 3) in frames that bend and move it, and its faces."""
     rest = np.array([(x, y, 0) for x in range(11) for y in (0, 1)], float)
     frames = np.repeat(rest[None], 8, axis=0)
     beyond = np.maximum(rest[:, 0] - 5, 0)
@@ -55,7 +55,7 @@ def hinge():
 
 
 def rotation(quaternions):
-    """Returns the matrices (…, 3, 3) of quaternions x, y, z, w (…, 4)."""
+    """Returns the rotation matrices (…, 3, 3) of quaternions x, y, z, w (…, 4)."""
     x, y, z, w = np.moveaxis(quaternions, -1, 0)
     rows = ((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
             (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
@@ -65,7 +65,7 @@ def rotation(quaternions):
 
 class Arrays(unittest.TestCase):
     def test_layouts(self):
-        """Every layout of the same numbers gives the same bits, and outputs are the caller's memory."""
+        """All memory layouts of the same numbers give bitwise equal results, and outputs are written in place."""
         binding = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(50))
         pose = binding.figure.rest()
         pose[2] += (1.5, 0.25)
@@ -86,7 +86,7 @@ class Arrays(unittest.TestCase):
         np.testing.assert_array_equal(transposed, expected)
 
     def test_strange_layouts(self):
-        """Points to be bound may be read-only, spread, reversed, transposed, of the other byte order, misaligned, integer."""
+        """Bound points may be read-only, strided, reversed, transposed, byte-swapped, misaligned or integers."""
         coordinates = cageform.Coordinates(cageform.Cage.polygon(4 * SQUARE))
         whole = rng.integers(1, 15, (60, 2))
         for dtype in (np.float32, np.float64):
@@ -104,7 +104,7 @@ class Arrays(unittest.TestCase):
             np.testing.assert_array_equal(coordinates.bind(row).weights(), np.repeat(expected[:1], 5, axis=0))
 
     def test_nothing_is_copied(self):
-        """The library reads and writes where the arrays lie, and a frame allocates nothing that is large."""
+        """The library reads and writes arrays in place, and a frame makes no large allocation."""
         points = inside(20000, 3, np.float32)
         wide = np.zeros((1000, 8))
         for array in (points, points[::2], wide[:, 3:6], points[5:5], wide[7:8, 1:4]):
@@ -121,14 +121,14 @@ class Arrays(unittest.TestCase):
         self.assertLess(peak, 5000)
 
     def test_out_over_pose(self):
-        """A pose may be written over."""
+        """The output may be the array of the pose."""
         figure = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(4)).figure
         pose = figure.rest() * (2, 1)
         expected = figure.clone(pose)
         np.testing.assert_array_equal(figure.clone(pose, out=pose), expected)
 
     def test_refused(self):
-        """The exception names the argument, and what it is."""
+        """The exception names the argument and its actual shape, type or value."""
         polygon = cageform.Cage.polygon(SQUARE)
         coordinates = cageform.Coordinates(polygon)
         figure = coordinates.bind(inside(5)).figure
@@ -170,7 +170,7 @@ class Arrays(unittest.TestCase):
                 call()
 
     def test_changed_cage(self):
-        """Arrays of a cage that were changed are read as they are now, and as what they are."""
+        """Changed arrays of a cage are read with their current values and types."""
         cage = cageform.Cage.mesh(CUBE.copy(), TRIANGLES)
         cage.vertices[:] *= 2
         self.assertEqual(cageform.Coordinates(cage).rest().max(), 2)
@@ -180,7 +180,7 @@ class Arrays(unittest.TestCase):
 
 class Memory(unittest.TestCase):
     def test_order(self):
-        """Objects outlive what they were made of, in Python's eyes, and go when nothing refers to them."""
+        """Objects stay valid after the deletion of the objects they use, and are freed when nothing refers to them."""
         cage = cageform.Cage.polygon(SQUARE.copy())
         coordinates = cageform.Coordinates(cage)
         points = inside(50)
@@ -190,7 +190,7 @@ class Memory(unittest.TestCase):
         figure, opened = binding.figure, cageform.open(packed)
         player, level = opened.clip('grow'), opened.level(0)
         dead = [weakref.ref(its) for its in (cage, coordinates, binding, clip, opened)]
-        gc.disable()  # nothing waits for the collector
+        gc.disable()  # objects must be freed without the collector
         try:
             del cage, coordinates, binding, clip, packed, opened
             self.assertEqual([its() for its in dead], [None] * 5)
@@ -202,7 +202,7 @@ class Memory(unittest.TestCase):
         np.testing.assert_allclose(player.sample(1), 2 * SQUARE)
 
     def test_cycles(self):
-        """The collector frees objects of a cycle in an order that the library can bear."""
+        """The collector frees objects of a reference cycle in a valid order."""
         for _ in range(20):
             binding = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(50))
             binding.itself, binding.figure.binding = binding, binding
@@ -210,7 +210,7 @@ class Memory(unittest.TestCase):
             gc.collect()
 
     def test_no_leak(self):
-        """Memory of the library is given back."""
+        """Memory of the library is freed."""
         def resident():
             with open('/proc/self/statm', encoding='ascii') as file:
                 return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
@@ -224,7 +224,7 @@ class Memory(unittest.TestCase):
         self.assertLess(resident() - before, 20e6)
 
     def test_old_figure(self):
-        """A figure from before its binding got labels still is what it was."""
+        """A figure from before set_labels() of its binding does not change."""
         binding = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(5))
         binding.set_labels(['one', 'two', 'three', 'four'])
         before = binding.figure
@@ -233,7 +233,7 @@ class Memory(unittest.TestCase):
         self.assertEqual(len(binding.figure.labels()[0]), 47)
 
     def test_copies(self):
-        """Objects of the library are not copied and not pickled; cages, reports and exceptions are."""
+        """Objects of the library cannot be copied or pickled; cages, reports and exceptions can."""
         coordinates = cageform.Coordinates(cageform.Cage.polygon(SQUARE))
         binding = coordinates.bind(inside(5))
         for its in (coordinates, binding, binding.figure):
@@ -250,7 +250,7 @@ class Memory(unittest.TestCase):
                          (errors.CageSelfCrossing, str(caught.exception), caught.exception.report))
 
     def test_bytes_that_change(self):
-        """A figure has bytes of its own where the caller's may change."""
+        """A figure copies bytes that the caller can change."""
         points = inside(50)
         packed = bytearray(cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(points).pack()[0])
         memory = np.empty(len(packed) + 64, np.uint8)
@@ -266,7 +266,7 @@ class Memory(unittest.TestCase):
             cageform.open(7)
 
     def test_hostile_files(self):
-        """Files that are cut or spoilt are refused, whatever the place."""
+        """Truncated or corrupt files are errors, at any position."""
         packed = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(30)).pack()[0]
         for _ in range(300):
             spoilt = packed.copy()
@@ -279,7 +279,7 @@ class Memory(unittest.TestCase):
 
 class BesideCpp(unittest.TestCase):
     def test_bits(self):
-        """Weights, clones and packed files have the bits of C++."""
+        """Weights, clones and packed files are bitwise equal to those of C++."""
         program = os.environ.get('CAGEFORM_BESIDE')
         if not program:
             self.skipTest('CAGEFORM_BESIDE is not set')
@@ -298,7 +298,7 @@ class BesideCpp(unittest.TestCase):
             self.assertEqual(binding.pack(tolerance=1e-3)[0].tobytes(), theirs['figure'])
 
     def test_layout(self):
-        """Structs of ctypes lie as those of C."""
+        """Structs of ctypes have the layout of C."""
         path = os.environ.get('CAGEFORM_LAYOUT')
         if not path:
             self.skipTest('CAGEFORM_LAYOUT is not set')
@@ -313,7 +313,7 @@ class BesideCpp(unittest.TestCase):
 
 class Laws(unittest.TestCase):
     def bindings(self):
-        """Every type on each cage that it takes: its name, coordinates, points, their binding."""
+        """Yields name, coordinates, points and binding of every type on every cage that it supports."""
         cages = [cageform.Cage.polygon(SQUARE), cageform.Cage.polygon(SQUARE[:3]), cageform.Cage.mesh(CUBE, TRIANGLES),
                  cageform.Cage.mesh(CUBE, QUADS, divisions=2), cageform.Cage.mesh(CUBE[[0, 1, 2, 4]], TETRAHEDRON),
                  cageform.Cage.lattice(3, (-1, -1, -1), 2 * np.eye(3)), cageform.Cage.sites(CUBE), cageform.Cage.curves(CURVES)]
@@ -340,7 +340,7 @@ class Laws(unittest.TestCase):
         self.assertEqual(seen, set(cageform.Coordinates.kinds))
 
     def test_cells(self):
-        """A vertex inside is a handle: what is about it follows it."""
+        """A vertex inside is a handle: points around it follow it."""
         cage = cageform.Cage.polygon(SQUARE).with_cells([(1, 1), (3, 3), (3, 2)], bones=[(4, 4, 0.5)], walls=[(5, 6)])
         coordinates = cageform.Coordinates(cage, 'harmonic')
         self.assertEqual(coordinates.handles, 7)
@@ -357,7 +357,7 @@ class Laws(unittest.TestCase):
             cageform.Coordinates(cageform.Cage.polygon(SQUARE).with_cells([(1, 1)], bones=[(7, 7, 0.5)]), 'harmonic')
 
     def test_blend(self):
-        """Each of two cages moves its own part of a figure."""
+        """With two cages, each moves its part of the figure."""
         cages = [cageform.Cage.polygon(SQUARE), cageform.Cage.polygon(SQUARE + (6, 0))]
         coordinates = cageform.Coordinates.blend(cages)
         self.assertEqual(coordinates.handles, 8)
@@ -388,7 +388,7 @@ class Laws(unittest.TestCase):
         np.testing.assert_array_equal(figure.clone(2 * CUBE), figure.clone(2 * CUBE, threads=2))
 
     def test_threads_of_python(self):
-        """Threads clone one figure at once, and sample one clip and solve one set of pins in turn."""
+        """Threads clone one figure concurrently; they sample one clip and solve one set of pins one at a time."""
         coordinates = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES))
         points = inside(20000, 3)
         figure = coordinates.bind(points).figure
@@ -417,7 +417,7 @@ class Laws(unittest.TestCase):
         self.assertEqual(wrong, [])
 
     def test_released(self):
-        """Other threads of Python run during a call."""
+        """Other Python threads run during a call."""
         coordinates, points = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)), inside(100000, 3)
         ticks, done = [0], threading.Event()
 
@@ -469,7 +469,7 @@ class Figures(unittest.TestCase):
                 cageform.open(os.path.join(folder, 'none'))
 
     def test_file_of_bind_mesh(self):
-        """A figure of `bind_mesh --move 3:0,0,0.5 --seconds 0.5`: its clip is one of the library's."""
+        """A figure of `bind_mesh --move 3:0,0,0.5 --seconds 0.5` with its clip."""
         path = os.path.join(os.path.dirname(__file__), '../../../tests/data/figures/clip.figure')
         if not os.path.exists(path):
             self.skipTest('only in the repository')
@@ -532,9 +532,9 @@ class Reports(unittest.TestCase):
             cageform.Coordinates(cageform.Cage.polygon(SQUARE), 'harmonic').bind(inside(10), progress=fails)
 
     def test_interrupt(self):
-        """Ctrl-C cancels a long call, with or without a progress callback; the handler is as before after it."""
+        """Ctrl-C cancels a long call, with or without a progress callback, and the call restores the signal handler."""
         cage = cageform.Cage.mesh(CUBE, TRIANGLES)
-        # A shell ignores the signal in what it starts in the background, and so does Python then.
+        # A shell starts background processes with this signal ignored; Python keeps that.
         self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
         for progress in (None, lambda done: None):
             coordinates = cageform.Coordinates(cage, 'harmonic', accuracy=2e-4)
@@ -561,7 +561,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(set(vars(cageform.Report())), names)
 
     def test_errors(self):
-        """Every status has an exception, with its sentence."""
+        """Every status has an exception with a docstring."""
         self.assertGreater(len(errors.__all__), 100)
         for name in errors.__all__:
             kind = getattr(errors, name)
@@ -569,7 +569,7 @@ class Reports(unittest.TestCase):
         self.assertTrue(issubclass(errors.OutOfMemory, MemoryError))
 
     def test_documented(self):
-        """All that is public has a docstring; functions that take arrays name their shapes."""
+        """All public names have a docstring."""
         for name in cageform.__all__:
             its = getattr(cageform, name)
             self.assertTrue(its.__doc__, name)
@@ -578,7 +578,7 @@ class Reports(unittest.TestCase):
                     self.assertTrue(own.__doc__, '%s.%s' % (name, member))
 
     def test_readme(self):
-        """The program of the README prints what stands below it."""
+        """The program of the README prints the output shown there."""
         readme = pathlib.Path(__file__).with_name('README.md')
         if not readme.exists():
             self.skipTest('there is no README.md')
@@ -588,7 +588,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(out.getvalue(), printed)
 
     def test_import(self):
-        """Without numpy or the library, the import says what is missing."""
+        """Without numpy or the library, the import error names the missing part."""
         for code, words in (("sys.modules['numpy'] = None", 'cageform needs numpy'),
                             ("os.environ['CAGEFORM_LIBRARY'] = '/nowhere.so'", '/nowhere.so cannot be used')):
             run = subprocess.run([sys.executable, '-c', 'import os, sys\n%s\nimport cageform' % code],
@@ -611,7 +611,7 @@ class Made(unittest.TestCase):
             cageform.make_cage(np.empty((0, 2)), np.empty((0, 2), int))
 
     def test_skeletons(self):
-        """Arrays, transforms and the report of a skeleton agree, of every kind; threads leave the bits alone."""
+        """Arrays, transforms and report of a skeleton agree for every kind; results do not depend on threads."""
         rest, frames, faces = hinge()
         for kind in ('rigid', 'similar', 'stretched'):
             skeleton, report = cageform.fit_skeleton(rest, frames, faces, bones=2, kind=kind, threads=1)
@@ -634,7 +634,7 @@ class Made(unittest.TestCase):
             self.check_transforms(skeleton, kind)
 
     def check_transforms(self, skeleton, kind):
-        """The product of the nodes' transforms from the root on is the map, after a shift by the joint."""
+        """The product of the nodes' transforms from the root, after a shift by -joint, is the bone's map."""
         moves, turns, scales, axes = skeleton.transforms()
         if kind == 'rigid':
             self.assertTrue((scales == 1).all())

@@ -1,5 +1,5 @@
-"""Times of the add-on beside Blender's Mesh Deform, for Suzanne of about 50,000 vertices in a made cage of 60: seconds to
-bind, and milliseconds for a frame of playback in the background, the median of 60.
+"""Compares times of the add-on and of Blender's Mesh Deform, for Suzanne with about 50,000 vertices in a cage of 60: seconds to
+bind, and milliseconds per frame of playback in background mode (median of 60).
 
     sh examples/integrations/blender/run.sh --benchmark [PRECISION]    of Mesh Deform, 5 by default; 7 takes minutes
 """
@@ -30,7 +30,7 @@ def frame_ms():
 
 
 def swing(cage):
-    """Lets a shape key of the cage come and go."""
+    """Animates the value of a shape key of the cage."""
     cage.shape_key_add(name='Basis', from_mix=False)
     key = cage.shape_key_add(name='Up', from_mix=False)
     for point in key.data:
@@ -54,13 +54,13 @@ def main():
     for kind in ('harmonic', 'mean-value', 'green'):
         binding.kind = kind
         seconds = seconds_of(bpy.ops.cageform.bind)
-        print('Cageform, %s: bind %.2f s, a frame %.1f ms' % (kind, seconds, frame_ms()), flush=True)
+        print('Cageform, %s: bind %.2f s, frame %.1f ms' % (kind, seconds, frame_ms()), flush=True)
     bpy.ops.cageform.remove_cage()
     bpy.context.scene.frame_set(1)
     deform = figure.modifiers.new('Mesh Deform', 'MESH_DEFORM')
     deform.object, deform.precision = cage, int(PRECISION)
     seconds = seconds_of(lambda: bpy.ops.object.meshdeform_bind(modifier=deform.name))
-    print('Mesh Deform, precision %s: bind %.2f s, a frame %.1f ms' % (PRECISION, seconds, frame_ms()), flush=True)
+    print('Mesh Deform, precision %s: bind %.2f s, frame %.1f ms' % (PRECISION, seconds, frame_ms()), flush=True)
 
 
 main()

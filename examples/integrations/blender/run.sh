@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh examples/integrations/blender/run.sh [--build-only | --benchmark [PRECISION]]
-# Writes out/cageform_blender.zip, the add-on with the library in it, and tests it in Blender: in the background and in a window
-# that nobody sees. Pictures are saved in out/blender/. Nothing is loaded but Debian packages.
+# Writes out/cageform_blender.zip, the add-on with the library, and tests it in Blender: in background mode and in a window of a
+# virtual display. Saves pictures to out/blender/. Downloads only Debian packages.
 set -eu
 cd "$(dirname "$0")/../../.."
 sh cmake/install_packages.sh python3
@@ -18,14 +18,14 @@ rm -rf $addon/__pycache__ $addon/library/__pycache__ out/cageform_blender.zip
 [ "${1:-}" != --build-only ] || exit 0
 
 sh cmake/install_packages.sh blender python3-numpy xvfb xauth libgl1-mesa-dri
-fresh() { # with the settings of a new user, and a folder of its own for add-ons
+fresh() { # with default settings and a separate folder for add-ons
   rm -rf build/blender/user
   mkdir -p build/blender/user
   BLENDER_USER_SCRIPTS=$PWD/build/blender/user BLENDER_USER_CONFIG=$PWD/build/blender/user "$@"
 }
-if [ "${1:-}" = --benchmark ]; then # beside Mesh Deform at a precision
+if [ "${1:-}" = --benchmark ]; then # comparison with Mesh Deform at a precision
   fresh blender -b --python-exit-code 1 --python examples/integrations/blender/benchmark.py -- out/cageform_blender.zip "${2:-5}" |
-    grep -E 'vertices in a cage|bind .* a frame'
+    grep -E 'vertices in a cage|bind .* frame'
   exit
 fi
 fresh blender -b --python-exit-code 1 --python examples/integrations/blender/test.py -- out/cageform_blender.zip

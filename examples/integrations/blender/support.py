@@ -1,4 +1,4 @@
-"""Helpers of the add-on's tests: scenes, and the positions that the Python package gives for the same meshes."""
+"""Helpers of the add-on's tests: scenes, and the positions that the Python package computes for the same meshes."""
 
 import os
 import tempfile
@@ -48,7 +48,7 @@ def box(name='Box', size=3, location=(0, 0, 0)):
 
 
 def bind(figure, cage=None, **settings):
-    """Binds a mesh, to a cage that is made if there is none, and returns the binding."""
+    """Binds a mesh and returns the binding. Makes a cage if none is given."""
     if cage is None:
         select_only(figure)
         bpy.ops.cageform.make_cage(vertices=60)
@@ -65,7 +65,7 @@ def bind(figure, cage=None, **settings):
 
 
 def bound_monkey(vertices):
-    """A scene with a monkey that is bound to a made cage; the cage is made once."""
+    """A scene with a monkey bound to a cage of make_cage; the cage is computed once."""
     path = os.path.join(folder, 'monkey_%d.blend' % vertices)
     if not os.path.exists(path):
         empty_scene()
@@ -83,7 +83,7 @@ def move(cage, pose):
 
 
 def bent(points, amount=0.4):
-    """A pose for anything: a shear that grows with the height, and a swell."""
+    """Returns a pose of any points: a shear that grows with the height, and a swelling."""
     points = np.array(points, dtype=np.float64)
     points[:, 0] += amount * points[:, 2] ** 2
     points[:, 1] *= 1 + amount * np.sin(points[:, 2])
@@ -125,11 +125,11 @@ def read_obj(path):
 
 
 def expected(figure, cage, rest, pose, kind='harmonic'):
-    """Where the Python package, puts the vertices of a mesh in world space. It reads OBJ files. `rest` and `pose`
+    """Returns the vertices of a mesh in world space, computed by the Python package from OBJ files. `rest` and `pose`
     are the cage's vertices in world space."""
     mirrored = cage.matrix_world.determinant() < 0
     faces = [list(face.vertices)[::-1 if mirrored else 1] for face in cage.data.polygons]
-    centre = np.array(cage.matrix_world.translation)  # floats have most digits there
+    centre = np.array(cage.matrix_world.translation)  # float positions are most accurate near the origin
     paths = [write_obj('figure.obj', world(figure, deform.rest_positions(figure)) - centre,
                        [list(face.vertices) for face in figure.data.polygons]),
              write_obj('cage.obj', rest - centre, faces), write_obj('pose.obj', pose - centre, faces)]
@@ -141,5 +141,5 @@ def expected(figure, cage, rest, pose, kind='harmonic'):
 
 
 def off(points, others):
-    """The largest distance between points, as a share of the size of the others."""
+    """Returns the maximum distance between points, relative to the size of the second set."""
     return float(np.linalg.norm(np.asarray(points, np.float64) - others, axis=1).max() / np.ptp(others, axis=0).max())

@@ -2,7 +2,7 @@
 
     blender -b --python-exit-code 1 --python test.py -- cageform_blender.zip [NAME…]
 
-The zip is installed into the scripts folder that BLENDER_USER_SCRIPTS names.
+Installs the zip file into the scripts folder of BLENDER_USER_SCRIPTS.
 """
 
 import os
@@ -23,7 +23,7 @@ TESTS = ('test_following', 'test_pins', 'test_export', 'test_files', 'test_wrong
 
 class Install(unittest.TestCase):
     def test_archive(self):
-        """The zip has one folder, with the manifest of extensions at its root, and the library."""
+        """The zip file has one folder, with the manifest of extensions at its root, and the library."""
         with zipfile.ZipFile(archive) as file:
             names = file.namelist()
             manifest = file.read('cageform/blender_manifest.toml').decode()
@@ -35,7 +35,7 @@ class Install(unittest.TestCase):
         self.assertEqual(cageform.library.__version__, version, 'the add-on has the version of the library')
 
     def test_again(self):
-        """The add-on can be turned off and on again."""
+        """The add-on can be disabled and enabled again."""
         bpy.ops.preferences.addon_disable(module='cageform')
         self.assertFalse(hasattr(bpy.types.Object, 'cageform'), 'nothing is left when it is off')
         bpy.ops.preferences.addon_enable(module='cageform')

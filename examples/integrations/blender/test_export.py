@@ -1,4 +1,4 @@
-"""Files hold the motion that Blender shows: shape keys, glTF, packed figures."""
+"""Exports contain the motion that Blender shows: shape keys, glTF, packed figures."""
 
 import os
 import unittest
@@ -11,7 +11,7 @@ from support import *
 
 class Export(unittest.TestCase):
     def setUp(self):
-        """A monkey whose cage is bent and moves along, in ten frames."""
+        """A monkey with a cage that bends and moves in ten frames."""
         self.figure = bound_monkey(500)
         self.figure.rotation_euler.z, self.figure.scale = 0.4, (1.2, 1.2, 1.2)
         bpy.context.view_layer.update()
@@ -40,7 +40,7 @@ class Export(unittest.TestCase):
             self.assertLess(off(shown(figure), self.wanted[frame]), 2e-6, '%s, frame %d' % (what, frame))
 
     def test_bake(self):
-        """Baked shape keys play without the cage. A second bake takes the place of the first, and of no other animation."""
+        """Baked shape keys play without the cage. A second bake replaces the first, and no other animation."""
         smile = deform.add_key(self.figure, 'smile')
         smile.value = 0
         smile.keyframe_insert('value', frame=1)
@@ -57,13 +57,13 @@ class Export(unittest.TestCase):
         self.assert_plays(self.figure, 1, 'without the cage')
 
     def test_gltf(self):
-        """glTF has the motion: Blender's importer reads it back to the same positions."""
+        """glTF contains the motion: Blender's importer reads the same positions."""
         path, before = os.path.join(folder, 'monkey.glb'), {item.name for item in bpy.data.objects}
         bpy.ops.cageform.write_gltf(filepath=path, step=1)
         self.assertEqual({item.name for item in bpy.data.objects}, before, 'nothing is left in the scene')
         self.assertEqual(bpy.context.object, self.figure)
-        self.assert_plays(self.figure, 3, 'the scene goes on')
-        np.bool = bool  # the importer of Blender 3.4 asks for it; numpy 1.24 of Debian has it no longer
+        self.assert_plays(self.figure, 3, 'the scene still plays')
+        np.bool = bool  # the importer of Blender 3.4 uses it; numpy 1.24 of Debian no longer has it
         bpy.ops.import_scene.gltf(filepath=path)
         read = bpy.context.object
         self.assertEqual(read.type, 'MESH')
@@ -76,7 +76,7 @@ class Export(unittest.TestCase):
             self.assertLess(max(distances), 1e-5 * np.ptp(wanted, axis=0).max(), 'frame %d' % frame)
 
     def test_figure(self):
-        """A packed figure has the mesh, its normals and the motion as a clip, within its loss."""
+        """A packed figure has the mesh, its normals and the motion as a clip, within the tolerance."""
         path = os.path.join(folder, 'monkey.figure')
         bpy.ops.cageform.write_figure(filepath=path, loss=1e-4)
         figure = library.open(path)
@@ -91,7 +91,7 @@ class Export(unittest.TestCase):
         normals = figure.clone(figure.rest(), normals=True)[1]
         turned = np.array(self.figure.matrix_world.to_3x3()) / 1.2
         own = np.array([turned @ vertex.normal for vertex in self.figure.data.vertices])
-        self.assertGreater((normals * own).sum(axis=1).min(), 0.999, 'normals stand as in the scene')
+        self.assertGreater((normals * own).sum(axis=1).min(), 0.999, 'normals agree with the scene')
         bpy.ops.cageform.write_figure(filepath=path, clip=False)
         self.assertEqual(library.open(path).clips, 0)
         with self.assertRaisesRegex(RuntimeError, 'The file cannot be written'):

@@ -1,4 +1,4 @@
-"""Bindings live in the .blend: saved, undone, renamed, duplicated, linked."""
+"""Bindings stored in the .blend file: saving, undo, renaming, duplicates, links."""
 
 import os
 import unittest
@@ -10,7 +10,7 @@ from support import *
 
 
 def push(what):
-    """Adds a step for undo, as the window does after a command; in the background nobody does."""
+    """Adds an undo step, as the window does after a command; in background mode Blender adds none."""
     bpy.ops.ed.undo_push(message=what)
 
 
@@ -20,7 +20,7 @@ class Files(unittest.TestCase):
         self.figure, self.cage = monkey(500), box('Cage')
 
     def posed(self):
-        """Binds and bends, and returns what is shown."""
+        """Binds and bends, and returns the shown vertices."""
         bind(self.figure, self.cage)
         move(self.cage, bent(deform.rest_positions(self.cage), 0.1))
         return shown(self.figure)
@@ -34,7 +34,7 @@ class Files(unittest.TestCase):
         self.figure, self.cage = bpy.data.objects.get('Suzanne'), bpy.data.objects.get('Cage')
 
     def assert_follows(self, what, figure=None, cage=None):
-        """The mesh follows a further pose of the cage."""
+        """The mesh follows another pose of the cage."""
         figure, cage = figure or self.figure, cage or self.cage
         before = shown(figure)
         move(cage, deform.rest_positions(cage) + (0.25, 0, 0))
@@ -42,7 +42,7 @@ class Files(unittest.TestCase):
         self.assertLess(np.abs(np.abs(step).max() - 0.25), 0.05, what)
 
     def test_saved(self):
-        """A file opens to the bit as it was saved, with one hidden text for a binding, and goes on."""
+        """A saved file opens with bitwise equal positions and one hidden text per binding, and the mesh still follows."""
         self.posed()
         key = key_of(self.figure)
         report = self.figure.cageform.bindings[0].report
@@ -52,10 +52,10 @@ class Files(unittest.TestCase):
         np.testing.assert_array_equal(key_of(self.figure), key)
         self.assertEqual(len(bpy.data.texts), len(self.figure.cageform.bindings))
         self.assertIn('Bound 507 vertices', report)
-        self.assert_follows('after it was opened')
+        self.assert_follows('after opening')
 
     def test_undo(self):
-        """Undo and redo go through a bind, a pose, and an unbind."""
+        """Undo and redo of a bind, a pose, and an unbind."""
         push('begin')
         rest = shown(self.figure)
         bind(self.figure, self.cage)
@@ -71,7 +71,7 @@ class Files(unittest.TestCase):
         self.undo()
         self.assertLess(off(shown(self.figure), posed), 1e-6, 'undo of an unbind')
         self.assert_follows('after undo of an unbind')
-        self.undo()  # goes to the last step, which is the bind: what assert_follows did was no step
+        self.undo()  # to the last step, the bind; assert_follows adds no step
         self.assertLess(off(shown(self.figure), rest), 1e-6, 'undo of a pose')
         self.assert_follows('after undo of a pose')
         self.undo()
@@ -104,7 +104,7 @@ class Files(unittest.TestCase):
         self.assert_follows('renamed')
 
     def test_deleted(self):
-        """A cage that is deleted leaves the mesh as it is; undo brings it back. A mesh that is deleted leaves nothing."""
+        """Deleting a cage keeps the mesh as it is; undo restores the cage. Deleting a mesh also deletes its weights."""
         self.posed()
         push('pose')
         select_only(self.cage)
@@ -126,7 +126,7 @@ class Files(unittest.TestCase):
         self.assertEqual(len(bpy.data.texts), 0, 'no weights are left in the file')
 
     def test_two_of_a_name(self):
-        """Two cages of one name, one of them in another file, are told apart."""
+        """Two cages with one name, one of them in another file, are not confused."""
         path = os.path.join(folder, 'cage.blend')
         bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
         binding = bind(self.figure, self.cage)
@@ -141,10 +141,10 @@ class Files(unittest.TestCase):
         other = monkey(500)
         bind(other, linked)
         self.assertEqual(other.cageform.bindings[0].cage, linked)
-        self.assertLess(off(shown(other), deform.rest_positions(other)), 1e-6, 'a cage of another file can be bound to')
+        self.assertLess(off(shown(other), deform.rest_positions(other)), 1e-6, 'a mesh can be bound to a cage of another file')
 
     def test_duplicates(self):
-        """A duplicate follows the cage too and shares the weights; a linked duplicate shows the shape of the first."""
+        """A duplicate also follows the cage and shares the weights; a linked duplicate has the shape of the original."""
         self.posed()
         select_only(self.figure)
         bpy.ops.object.duplicate(linked=False)
@@ -160,11 +160,11 @@ class Files(unittest.TestCase):
         self.assertLess(off(shown(linked) - (5, 0, 0), shown(self.figure)), 1e-6, 'the same shape, elsewhere')
         select_only(twin)
         bpy.ops.cageform.remove_cage()
-        self.assert_follows('the duplicate is unbound alone')
+        self.assert_follows('after unbinding only the duplicate')
         self.assertLess(off(shown(twin), deform.rest_positions(twin)), 1e-6)
 
     def test_appended(self):
-        """A bound mesh that is appended or linked brings its cage and weights, and follows."""
+        """An appended or linked bound mesh includes its cage and weights, and follows."""
         self.posed()
         before = shown(self.figure)
         path = self.save('library.blend')
@@ -187,7 +187,7 @@ class Files(unittest.TestCase):
                 self.assert_follows('appended')
 
     def test_turned_off(self):
-        """Without the add-on the file shows the last pose, and when it is on again the mesh follows."""
+        """Without the add-on the file shows the last pose; after the add-on is enabled again, the mesh follows."""
         before = self.posed()
         bpy.ops.preferences.addon_disable(module='cageform')
         bpy.context.view_layer.update()

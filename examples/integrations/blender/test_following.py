@@ -1,4 +1,4 @@
-"""Meshes follow their cages: all kinds, many meshes, many cages, and whatever moves a cage."""
+"""Meshes follow their cages: all kinds, many meshes, many cages, all ways to move a cage."""
 
 import unittest
 
@@ -14,7 +14,7 @@ class Following(unittest.TestCase):
         empty_scene()
 
     def test_suzanne(self):
-        """Suzanne of 50,000 vertices is where the Python package puts her, by every kind of coordinates."""
+        """Suzanne with 50,000 vertices agrees with the Python package, for every kind of coordinates."""
         figure = monkey(50000)
         self.assertGreater(len(figure.data.vertices), 45000)
         cage = bind(figure).cage
@@ -24,16 +24,16 @@ class Following(unittest.TestCase):
             figure.cageform.bindings[0].kind = kind
             select_only(figure)
             bpy.ops.cageform.bind()
-            self.assertLess(off(key_of(figure), deform.rest_positions(figure)), 2e-7, 'at rest nothing moves, by ' + kind)
+            self.assertLess(off(key_of(figure), deform.rest_positions(figure)), 2e-7, 'at rest nothing moves, with ' + kind)
             pose = bent(rest)
             move(cage, pose)
             away = off(world(figure, key_of(figure)), expected(figure, cage, world(cage, rest), world(cage, pose), kind))
-            print('  %s: off the package by %.1e of the size' % (kind, away))
+            print('  %s: difference from the package %.1e of the size' % (kind, away))
             self.assertLess(away, 1e-6, kind)
             self.assertLess(off(shown(figure), world(figure, key_of(figure))), 1e-6, 'Blender shows the shape key')
 
     def test_transforms(self):
-        """Objects may be moved, turned, scaled and mirrored in any way before a bind."""
+        """Objects may be moved, rotated, scaled and mirrored in any way before a bind."""
         rng = np.random.default_rng(20261126)
         for case in range(6):
             empty_scene()
@@ -53,7 +53,7 @@ class Following(unittest.TestCase):
             self.assertLess(off(world(figure, key_of(figure)), wanted), 1e-6, 'case %d' % case)
 
     def test_objects_move(self):
-        """A cage that moves as an object takes the mesh along; a mesh that is its child moves once, not twice."""
+        """A mesh follows a cage that moves as an object; a mesh that is a child of the cage moves once, not twice."""
         figure, cage = monkey(500, location=(2, 0, 1)), box(location=(2, 0, 1))
         bind(figure, cage)
         rest = shown(figure)
@@ -73,7 +73,7 @@ class Following(unittest.TestCase):
         self.assertLess(off(shown(figure), wanted), 1e-6, 'a mesh that moves alone stays in its cage')
 
     def test_parts_on_one_cage(self):
-        """A character of several objects follows one cage, which one call makes around all of them."""
+        """A character of several objects follows one cage; one call makes this cage around all objects."""
         parts = []
         for location, scale in (((0, 0, 0), (0.5, 0.3, 0.7)), ((0, 0, 1), (0.3, 0.3, 0.3)), ((0.7, 0, 0.3), (0.4, 0.1, 0.1)),
                                 ((-0.7, 0, 0.3), (0.4, 0.1, 0.1)), ((0, -0.25, 1), (0.1, 0.1, 0.1))):
@@ -84,7 +84,7 @@ class Following(unittest.TestCase):
         select_only(*parts)
         bpy.ops.cageform.make_cage(vertices=80)
         cages = {part.cageform.bindings[0].cage for part in parts}
-        self.assertEqual(len(cages), 1, 'all parts have the cage')
+        self.assertEqual(len(cages), 1, 'all parts have one cage')
         cage = cages.pop()
         for part in parts:
             select_only(part)
@@ -97,7 +97,7 @@ class Following(unittest.TestCase):
             self.assertLess(off(world(part, key_of(part)), wanted), 2e-6, part.name)
 
     def test_seam(self):
-        """Two halves of a mesh, objects that are placed, turned and scaled each in its way, stay closed where they meet."""
+        """The seam between two halves of a mesh, objects with different transforms, stays closed."""
         whole, cage = monkey(2000), box()
         points, halves = deform.rest_positions(whole), []
         for sign in (-1, 1):
@@ -119,7 +119,7 @@ class Following(unittest.TestCase):
         self.assertLess(off(placed[0], placed[1]), 1e-5)
 
     def test_several_cages(self):
-        """Cages of one mesh add what each of them does, and are taken away one by one."""
+        """The displacements of several cages of a mesh add up; cages can be removed one by one."""
         figure = monkey(2000)
         left, right = box('Left', 1.5, (-1, 0, 0.3)), box('Right', 1.5, (1, 0, 0.3))
         for cage in (left, right):
@@ -136,7 +136,7 @@ class Following(unittest.TestCase):
         alone = key_of(figure, 1)
         bpy.ops.cageform.remove_cage()
         bpy.context.view_layer.update()
-        self.assertLess(off(shown(figure), alone), 1e-6, 'the other cage goes on')
+        self.assertLess(off(shown(figure), alone), 1e-6, 'the other cage still moves the mesh')
         bpy.ops.cageform.remove_cage()
         bpy.context.view_layer.update()
         np.testing.assert_array_equal(deform.positions(figure.data), rest)
@@ -145,7 +145,7 @@ class Following(unittest.TestCase):
         self.assertEqual([text.name for text in bpy.data.texts], [])
 
     def follows(self, figure, cage, rest, what):
-        """The mesh shows what the package makes of the cage as it is shown. The cage was bound at the origin."""
+        """The mesh agrees with the package for the shown cage. The cage was bound at the origin."""
         pose = shown(cage)
         self.assertGreater(np.abs(pose - rest).max(), 0.05, what + ': the cage has moved')
         self.assertLess(off(shown(figure), expected(figure, cage, rest, pose)), 2e-6, what)
@@ -170,7 +170,7 @@ class Following(unittest.TestCase):
         self.follows(figure, cage, rest, 'after edit mode')
 
     def test_playback(self):
-        """The mesh follows a cage that is keyed by shape keys, as an object, and by an armature, also when it is hidden."""
+        """The mesh follows a cage that is animated by shape keys, as an object, or by an armature, also a hidden one."""
         figure, cage = monkey(2000), box()
         rest = deform.rest_positions(cage)
         bind(figure, cage)
@@ -184,7 +184,7 @@ class Following(unittest.TestCase):
         for frame, x in ((1, 0.2), (20, 0.9)):
             cage.location.x = x
             cage.keyframe_insert('location', frame=frame)
-        self.play(figure, cage, rest, 'an object that moves')
+        self.play(figure, cage, rest, 'a moving object')
         bpy.ops.object.armature_add()
         armature = bpy.context.object
         modifier = cage.modifiers.new('Armature', 'ARMATURE')
@@ -202,7 +202,7 @@ class Following(unittest.TestCase):
         before = shown(figure)
         scene.frame_set(1)
         scene.frame_set(20)
-        self.assertLess(off(shown(figure), before), 1e-6, 'a cage that is hidden in the viewport')
+        self.assertLess(off(shown(figure), before), 1e-6, 'a cage hidden in the viewport')
         scene.frame_set(7)
         self.assertGreater(off(shown(figure), before), 1e-2)
 
@@ -213,7 +213,7 @@ class Following(unittest.TestCase):
         self.last = shown(cage)
 
     def test_render(self):
-        """Renders show the mesh with its cage, which is not rendered itself."""
+        """Renders show the deformed mesh; the cage is not rendered."""
         figure = monkey(500)
         cage = bind(figure).cage
         self.assertTrue(cage.hide_render)
@@ -250,7 +250,7 @@ class Following(unittest.TestCase):
             self.assertLess(off(points, wanted[frame]), 1e-6, 'frame %d' % frame)
 
     def test_modifiers(self):
-        """Modifiers of the mesh come after the cage; those of the cage may move its vertices, and not add any."""
+        """Modifiers of the mesh apply after the cage. Modifiers of the cage may move its vertices but not add any."""
         figure, cage = monkey(500), box()
         figure.modifiers.new('Before', 'SUBSURF').levels = 1
         binding = bind(figure, cage)
@@ -268,7 +268,7 @@ class Following(unittest.TestCase):
         self.assertEqual(binding.fault, '')
 
     def test_shape_keys_of_the_mesh(self):
-        """Other shape keys of the mesh are added to what the cage does."""
+        """Other shape keys of the mesh add to the displacements of the cage."""
         figure, cage = monkey(500), box()
         smile = deform.add_key(figure, 'smile')
         rest = deform.rest_positions(figure)
@@ -278,14 +278,14 @@ class Following(unittest.TestCase):
         self.assertLess(off(shown(figure), key_of(figure) + np.array((0, 0.2, 0))), 1e-6)
 
     def test_outside(self):
-        """Vertices outside are counted, selected, and do what they are told."""
+        """Vertices outside are counted, can be selected, and move as the setting says."""
         figure, cage = monkey(500), box(size=1.5)
         rest = deform.rest_positions(figure)
         for outside in ('keep_in_place', 'nearest_boundary', 'extend'):
             figure.cageform.bindings.clear()
             binding = bind(figure, cage, kind='mean-value', outside=outside)
             lies_outside = (np.abs(rest) > 0.75).any(axis=1)
-            self.assertIn('%d outside the cage' % lies_outside.sum(), binding.report)
+            self.assertIn('Vertices outside the cage: %d.' % lies_outside.sum(), binding.report)
             cage.location.x += 0.3
             bpy.context.view_layer.update()
             stays = (np.abs(key_of(figure) - rest).max(axis=1) < 1e-4)

@@ -1,4 +1,4 @@
-"""Pins move the cage so that pinned vertices are at their empties, whatever else moves the cage."""
+"""Pins move the cage so that pinned vertices are at their empties, also if other things move the cage."""
 
 import os
 import unittest
@@ -11,7 +11,7 @@ from support import *
 
 
 def tips(figure, count=4):
-    """Vertices far apart."""
+    """Returns vertices that are far apart."""
     points = deform.rest_positions(figure)
     chosen = [int(points[:, 2].argmax())]
     while len(chosen) < count:
@@ -38,7 +38,7 @@ class Pins(unittest.TestCase):
         self.vertices = tips(self.figure)
 
     def miss(self, empties):
-        """The largest distance of a pinned vertex from its empty, as a share of the size."""
+        """Returns the maximum distance of a pinned vertex from its empty, relative to the size."""
         places = np.array([empty.matrix_world.translation for empty in empties])
         return np.linalg.norm(shown(self.figure)[self.vertices] - places, axis=1).max() / max(self.figure.dimensions)
 
@@ -47,16 +47,16 @@ class Pins(unittest.TestCase):
         bpy.context.view_layer.update()
 
     def test_drag(self):
-        """A pin that is set moves nothing. One that is dragged takes its vertex along; others hold theirs."""
+        """Setting a pin moves nothing. A dragged pin moves its vertex; other pins hold theirs."""
         before = shown(self.figure)
         empties = pin(self.figure, self.vertices)
-        self.assertLess(off(shown(self.figure), before), 1e-5, 'to set pins moves nothing')
+        self.assertLess(off(shown(self.figure), before), 1e-5, 'setting pins moves nothing')
         for step in range(5):
             self.drag(empties[0], 0.1, 0.05, 0.1)
             self.assertLess(self.miss(empties), 1e-3, 'step %d' % step)
         np.testing.assert_array_equal(deform.rest_positions(self.cage), self.rest, 'the cage at rest stays as it was')
         self.assertGreater(np.abs(deform.key_positions(pins.key_of(self.cage)) - self.rest).max(), 0.1)
-        self.assertLess(off(shown(self.figure), self.wanted()), 1e-6, 'the mesh is where this pose of the cage puts it')
+        self.assertLess(off(shown(self.figure), self.wanted()), 1e-6, 'the mesh agrees with this pose of the cage')
         for step in range(5):
             self.drag(empties[0], -0.1, -0.05, -0.1)
         self.assertLess(off(shown(self.figure), before), 1e-2, 'and back')
@@ -65,7 +65,7 @@ class Pins(unittest.TestCase):
         return expected(self.figure, self.cage, world(self.cage, self.rest), shown(self.cage))
 
     def test_keyed_cage(self):
-        """A cage with shape keys of its own keeps what they do, and pinned vertices are at their empties none the less."""
+        """Other shape keys of the cage keep their effect, and pinned vertices are still at their empties."""
         key = deform.add_key(self.cage, 'bend')
         deform.write_key(key, bent(self.rest, 0.15))
         bpy.context.view_layer.update()
@@ -79,12 +79,12 @@ class Pins(unittest.TestCase):
             self.assertLess(self.miss(empties), 1e-3, 'another key at %g' % value)
             self.assertLess(off(shown(self.figure), self.wanted()), 1e-6)
         again = deform.key_positions(pins.key_of(self.cage))
-        self.assertLess(off(again, written), 1e-3, 'the pose does not depend on the way')
+        self.assertLess(off(again, written), 1e-3, 'the pose does not depend on the path')
         np.testing.assert_array_equal(deform.key_positions(key), np.float32(bent(self.rest, 0.15)), 'the other key stays')
         np.testing.assert_array_equal(deform.rest_positions(self.cage), self.rest)
 
     def test_playback(self):
-        """Pins that are keyed play, in any order of frames, while the cage moves as an object."""
+        """Animated pins play in any order of frames, while the cage moves as an object."""
         empties = pin(self.figure, self.vertices)
         for frame, x in ((1, 0), (10, 0.6)):
             empties[0].location.x += x
@@ -99,11 +99,11 @@ class Pins(unittest.TestCase):
             bpy.context.scene.frame_set(frame)
             self.assertLess(self.miss(empties), 1e-3, 'frame %d' % frame)
             if frame in played:
-                self.assertLess(off(shown(self.figure), played[frame]), 1e-3, 'frame %d once more' % frame)
+                self.assertLess(off(shown(self.figure), played[frame]), 1e-3, 'frame %d again' % frame)
             played[frame] = shown(self.figure)
 
     def test_saved(self):
-        """A file with pins opens as it was saved, and its pins go on."""
+        """A saved file with pins opens with the same positions, and its pins still work."""
         empties = pin(self.figure, self.vertices)
         self.drag(empties[0], 0.3, 0.1, 0)
         before = key_of(self.figure)
@@ -118,7 +118,7 @@ class Pins(unittest.TestCase):
         self.assertLess(self.miss(empties), 1e-3)
 
     def test_removed(self):
-        """A pin whose empty is deleted lets go; when all are removed the pose stays, and the key gives it back."""
+        """A pin without its empty has no effect. After the removal of all pins the pose stays, as a shape key that can be muted."""
         empties = pin(self.figure, self.vertices)
         self.drag(empties[0], 0.4, 0, 0)
         select_only(empties[0])
@@ -138,7 +138,7 @@ class Pins(unittest.TestCase):
         self.assertLess(off(shown(self.figure), deform.rest_positions(self.figure)), 1e-6)
 
     def test_several_meshes(self):
-        """Pins on one mesh move all meshes of the cage; a second mesh with pins is refused by a sentence."""
+        """Pins on one mesh move all meshes of the cage; pins on a second mesh are an error with a message."""
         other = monkey(500)
         select_only(other)
         bpy.ops.cageform.add_cage()
@@ -153,7 +153,7 @@ class Pins(unittest.TestCase):
         self.assert_refused(other, 'remove them first')
 
     def test_refused(self):
-        """Vertices that cannot be pinned are refused by a sentence that names the way out."""
+        """Vertices that cannot be pinned give a message with a remedy."""
         self.assert_refused(self.figure, 'No vertex is selected', [])
         self.assert_refused(self.figure, 'at most 50', list(range(60)))
         self.cage.modifiers.new('Wave', 'WAVE')
@@ -171,7 +171,7 @@ class Pins(unittest.TestCase):
         self.assertIn(words, str(caught.exception))
 
     def test_modifier_later(self):
-        """A modifier that the cage gets later stops the pins, and the panel says so."""
+        """A later modifier of the cage disables the pins, and the panel shows a message."""
         empties = pin(self.figure, self.vertices)
         self.cage.modifiers.new('Wave', 'WAVE')
         self.drag(empties[0], 0.4, 0, 0)

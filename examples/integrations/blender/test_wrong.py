@@ -1,4 +1,4 @@
-"""Wrong inputs are answered by a sentence, and nothing crashes. The sentences are printed."""
+"""Wrong input gives a message and never crashes. Prints the messages."""
 
 import unittest
 
@@ -15,7 +15,7 @@ class Wrong(unittest.TestCase):
         self.figure, self.cage = monkey(500), box('Cage')
 
     def says(self, words, operator=bpy.ops.cageform.bind, **options):
-        """An operator is refused in words, and no shape key is made."""
+        """An operator fails with a message."""
         select_only(self.figure)
         with self.assertRaises(RuntimeError) as caught:
             operator(**options)
@@ -63,16 +63,16 @@ class Wrong(unittest.TestCase):
         self.use(self.cage)
         self.rebind()
         self.use(self.cage)
-        self.says('moves the mesh already')
+        self.says('already moves the mesh')
 
     def test_open_cage(self):
-        """A cage with a small gap is closed, with a warning; one that is open is refused. Its faults are selected."""
+        """A cage with a small gap is closed, with a warning; an open cage is an error. Its faults can be selected."""
         self.faces_away(self.cage, 1)
         self.use(self.cage)
         self.rebind()
         report = self.figure.cageform.bindings[0].report
         print('  ' + report.replace('\n', '\n  '))
-        self.assertIn('4 warnings on the cage', report)
+        self.assertIn('Warnings about the cage: 4.', report)
         bpy.ops.cageform.select_faults()
         bpy.ops.object.mode_set(mode='OBJECT')
         self.assertEqual(sum(vertex.select for vertex in self.cage.data.vertices), 4)
@@ -90,7 +90,7 @@ class Wrong(unittest.TestCase):
         self.cage.data.clear_geometry()
         self.cage.data.from_pydata(*self.closed())
         self.rebind()
-        self.assertEqual(binding.refused, '', 'a cage that is mended binds, and the sentence goes')
+        self.assertEqual(binding.refused, '', 'a repaired cage binds, and the message disappears')
 
     def closed(self):
         bpy.ops.mesh.primitive_cube_add(size=3)
@@ -114,7 +114,7 @@ class Wrong(unittest.TestCase):
         bpy.ops.object.mode_set(mode='OBJECT')
 
     def test_inside_out(self):
-        """A cage whose normals point inwards moves the mesh as one whose normals point outwards."""
+        """The orientation of the normals of a cage does not change the motion of the mesh."""
         binding, rest, moved = self.use(self.cage), deform.rest_positions(self.cage), {}
         for inwards in (False, True):
             for kind in ('harmonic', 'mean-value', 'green'):
@@ -152,12 +152,12 @@ class Wrong(unittest.TestCase):
         self.rebind()
 
     def test_not_finite(self):
-        """A vertex that is not finite stays, and is counted; a cage with one is refused."""
+        """A vertex that is not finite does not move and is counted; a cage with such a vertex is an error."""
         self.figure.data.vertices[3].co.x = float('nan')
         binding = self.use(self.cage)
         self.rebind()
         print('  ' + binding.report.replace('\n', '\n  '))
-        self.assertIn('1 without a finite position', binding.report)
+        self.assertIn('Vertices with a position that is not finite: 1.', binding.report)
         move(self.cage, bent(deform.rest_positions(self.cage), 0.1))
         points = key_of(self.figure)
         self.assertTrue(np.isfinite(np.delete(points, 3, axis=0)).all())
@@ -176,10 +176,10 @@ class Wrong(unittest.TestCase):
         binding = self.use(self.cage)
         self.rebind()
         print('  ' + binding.report.replace('\n', '\n  '))
-        self.assertIn('507 outside the cage: they stay', binding.report)
+        self.assertIn('Vertices outside the cage: 507. They stay', binding.report)
 
     def test_topology(self):
-        """The panel says when mesh or cage have other vertices than they were bound with, and follows again after undo."""
+        """The panel shows that the numbers of vertices of mesh or cage changed; after undo the mesh follows again."""
         binding = self.use(self.cage)
         self.rebind()
         for item, words in ((self.figure, 'The mesh has'), (self.cage, 'The cage has')):
@@ -200,7 +200,7 @@ class Wrong(unittest.TestCase):
             self.assertEqual(binding.fault, '')
 
     def test_edited_mesh(self):
-        """Vertices of the mesh that are moved in edit mode ask for a bind; edit mode alone does not."""
+        """Moving vertices of the mesh in edit mode requires a new bind; entering edit mode does not."""
         binding = self.use(self.cage)
         self.rebind()
         for by, words in ((0, ''), (0.2, 'bind again')):
@@ -240,14 +240,14 @@ class Wrong(unittest.TestCase):
         self.assertIn('Relative', binding.fault)
 
     def test_not_a_mesh(self):
-        """Other objects have no operators; only meshes can be cages."""
+        """The operators work only on meshes; only meshes can be cages."""
         bpy.ops.object.camera_add()
         for operator in (bpy.ops.cageform.bind, bpy.ops.cageform.add_cage, bpy.ops.cageform.make_cage, bpy.ops.cageform.bake,
                          bpy.ops.cageform.add_pins, bpy.ops.cageform.write_figure, bpy.ops.cageform.write_gltf):
             self.assertFalse(operator.poll(), operator.idname())
 
     def test_hidden(self):
-        """A cage that is hidden binds, and the mesh follows it."""
+        """A mesh can be bound to a hidden cage, and follows it."""
         self.cage.hide_set(True)
         self.cage.hide_viewport = True
         binding = self.use(self.cage)

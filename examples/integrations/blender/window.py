@@ -1,8 +1,8 @@
-"""Tests of the add-on in a window, and its pictures:
+"""Tests of the add-on in a window; also takes the pictures:
 
     blender --enable-event-simulate -p 0 0 1280 800 --python window.py -- cageform_blender.zip FOLDER
 
-Commands run as an artist starts them, with progress, Escape and undo. FOLDER gets the screenshots.
+Commands run as a user starts them, with progress, Escape and undo. Writes screenshots to FOLDER.
 """
 
 import os
@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 bpy.context.preferences.view.show_splash = False
 from support import *  # needs the add-on
 
-SECONDS = 60  # the longest that a command may take
+SECONDS = 60  # maximum time of a command
 
 
 def view():
@@ -37,7 +37,7 @@ def context():
 
 
 def press(kind, x=400, y=400, **modifiers):
-    """Presses a key or a button of the mouse; y goes up."""
+    """Presses a key or a mouse button; y points up."""
     window = view()[0]
     window.event_simulate(type='MOUSEMOVE', value='NOTHING', x=x, y=y)
     for value in ('PRESS', 'RELEASE'):
@@ -50,7 +50,7 @@ def screenshot(name):
 
 
 def crop(name, left, right, bottom, top):
-    """The pixels of a part of a screenshot: (#rows, #columns, 4), upwards."""
+    """The pixels of a part of a screenshot: (#rows, #columns, 4), bottom row first."""
     image = bpy.data.images.load(os.path.join(pictures, name + '.png'))
     pixels = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(pixels)
@@ -115,7 +115,7 @@ def steps():
     cage = figure.cageform.bindings[0].cage
     assert cage is not None and len(cage.data.vertices) > 30
 
-    # Escape stops a bind that would take long, and says nothing in the panel.
+    # Escape stops a long bind, without a message in the panel.
     binding = figure.cageform.bindings[0]
     binding.accuracy = 1e-3
     with context():
@@ -137,16 +137,16 @@ def steps():
     yield from until(lambda: binding.data is not None)
     screenshot('bound')
 
-    # Ctrl Z takes the bind back; Shift Ctrl Z binds again, and the mesh follows.
+    # Ctrl Z undoes the bind; Shift Ctrl Z redoes it, and the mesh follows.
     press('Z', ctrl=True)
     yield 1
     figure = bpy.data.objects['Suzanne']
-    assert figure.cageform.bindings[0].data is None, 'Ctrl Z takes a bind back'
+    assert figure.cageform.bindings[0].data is None, 'Ctrl Z undoes a bind'
     press('Z', ctrl=True, shift=True)
     yield 1
     figure = bpy.data.objects['Suzanne']
     binding = figure.cageform.bindings[0]
-    assert binding.data is not None, 'Shift Ctrl Z binds again'
+    assert binding.data is not None, 'Shift Ctrl Z redoes a bind'
     print('  undo and redo: ' + binding.report)
 
     cage, rest = binding.cage, deform.rest_positions(binding.cage)
@@ -161,7 +161,7 @@ def steps():
     cage.data.update()
     yield 0.5
 
-    # Pins: an ear is pulled up, while nose and the other ear hold.
+    # Pins: one ear is pulled up; pins hold the nose and the other ear.
     points = deform.rest_positions(figure)
     chosen = [int(points[:, 0].argmax()), int(points[:, 0].argmin()), int(points[:, 1].argmin()), int(points[:, 2].argmin())]
     with context():
@@ -177,7 +177,7 @@ def steps():
     assert np.linalg.norm(place - np.array(empty.location)) < 0.01, 'the pinned vertex is at its empty'
     screenshot('pins')
 
-    # A fault: the panel says it in a sentence, and offers to select it.
+    # A fault: the panel shows it as text and has a button that selects the faulty elements.
     with context():
         bpy.ops.cageform.remove_pins()
         mesh = cage.data

@@ -2,8 +2,8 @@
 
 Usage: python3 dask_map.py SCHEDULER COUNT ROWS PROGRAM ARGUMENT…
 
-Each task does ROWS of COUNT rows. SCHEDULER is an address such as tcp://host:8786, or a number of workers
-to start on this machine. A task that ends with 75 (a disk is full, say) is tried again, three times at most.
+Each task processes ROWS of COUNT rows. SCHEDULER is an address such as tcp://host:8786, or a number of workers
+to start on this host. A task with exit status 75 (for instance a full disk) is repeated, at most three times.
 """
 import subprocess
 import sys

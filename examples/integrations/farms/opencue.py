@@ -1,9 +1,9 @@
-"""Launches an OpenCue job, each of whose frames does ROWS of COUNT rows.
+"""Launches an OpenCue job. Each of its frames processes ROWS of COUNT rows.
 
 Usage: python3 opencue.py COUNT ROWS PROGRAM ARGUMENT…
 
-It needs pyoutline of OpenCue, and a Cuebot that CUEBOT_HOSTS names. Cuebot tries a frame again that fails, so
-give clone_figure --skip-existing: what is done stays. This file was parsed, and never run.
+Needs pyoutline of OpenCue, and CUEBOT_HOSTS with the address of a Cuebot. Cuebot repeats failed frames, so
+pass --skip-existing to clone_figure: existing files are kept. Tested only for syntax.
 """
 import getpass
 import sys

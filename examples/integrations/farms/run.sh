@@ -1,11 +1,11 @@
 #!/bin/sh
 # Usage: sh examples/integrations/farms/run.sh [PROGRAMS]
-# Runs rows on Slurm and on Dask, with one worker and with two on this machine, and compares all files with those
-# of one process, byte for byte. Prints the seconds. A task that asks for another try (75) is among them. The files
+# Runs rows on Slurm and on Dask, with one and with two workers on this host. Compares all files with those of one
+# process, byte for byte, and prints times. In one of the runs every task first returns 75 and is repeated. The files
 # for OpenCue and Kubernetes are only parsed.
 #   PROGRAMS   the folder of the programs; by default they are built into build/examples
-# Installs Slurm and Dask from Debian's packages. Slurm's daemons run in a temporary folder with a configuration
-# and a key of their own, and end with the script. Needs root, as Slurm's daemons do.
+# Installs the Debian packages of Slurm and Dask. Slurm's daemons run in a temporary folder with their own
+# configuration and key, and end with the script. Needs root for Slurm's daemons.
 set -eu
 cd "$(dirname "$0")/../../.."
 farms=$PWD/examples/integrations/farms
@@ -35,10 +35,10 @@ timed() { # WHAT COMMAND…   prints its seconds
   printf '%-32s %6.1f s\n' "$label" "$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')"
 }
 
-# ---- what there is to do: poses of a character, and tiles of points about it ----
+# ---- the data: poses of a character, and tiles of points around it ----
 "$programs/make_character" . >>log
 "$programs/bind_mesh" character.obj --cage character_cage.obj -o character.figure
-# Poses between the first of the clip and each of the others.
+# Poses between the first pose of the clip and each of the others.
 awk -F, -v rows=200 '/^pose/ { ++p } /^[-0-9]/ { for (k = 1; k <= 3; ++k) x[p, ++n[p]] = $k }
   END { for (r = 0; r < rows; ++r) { q = 1 + r % p; t = r / rows
     for (k = 1; k <= n[1]; ++k) printf "%.6f%s", x[1, k] + t * (x[q, k] - x[1, k]), k < n[1] ? "," : "\n" } }' \
@@ -46,7 +46,7 @@ awk -F, -v rows=200 '/^pose/ { ++p } /^[-0-9]/ { for (k = 1; k <= 3; ++k) x[p, +
 mkdir tiles
 "$programs/make_tiles" character.obj --points 800000 --tiles 16 -o 'tiles/%02d.ply'
 
-# A program that asks for another try, the first time that a task runs.
+# A program that returns 75 on the first run of a task.
 cat >tries_again <<'SH'
 #!/bin/sh
 for word in "$@"; do rows=$word; done
@@ -55,7 +55,7 @@ exec "$@"
 SH
 chmod +x tries_again
 
-# ---- Slurm, on this host alone ----
+# ---- Slurm, only on this host ----
 host=$(hostname -s)
 port=$((20000 + $$ % 20000))
 mkdir state spool
@@ -110,7 +110,7 @@ daemon slurmd slurmd -D -f slurm.conf
 is_up() { sinfo -h -o %T | grep -qx idle; }
 waits_for Slurm is_up
 # ---- each job by one process, by Dask, by Slurm ----
-# Both take the number of WORKERS, and perhaps a program that runs the other.
+# Arguments: the number of WORKERS, and optionally a wrapper BEFORE the program.
 # shellcheck disable=SC2086 # the words are meant to be split
 dask() { # WORKERS [BEFORE]
   $python "$farms/dask_map.py" "$1" $rows $task ${2:-} $words -o "$work/new/$names"
@@ -119,7 +119,7 @@ dask() { # WORKERS [BEFORE]
 slurm() { # WORKERS [BEFORE]
   job=$(sbatch --parsable --array="0-$(((rows + task - 1) / task - 1))" --cpus-per-task=$((2 / $1)) \
     "$farms/slurm.sbatch" $task ${2:-} $words -o "$work/new/$names")
-  # sbatch --wait would ask after 2, 10 and 42 s alone.
+  # sbatch --wait would check only after 2, 10 and 42 s.
   busy='PENDING\|CONFIGURING\|RUNNING\|COMPLETING\|REQUEUE'
   while states=$(squeue -h -r -t all -j "$job" -o %T) && echo "$states" | grep -q "$busy"; do sleep 0.1; done
   [ "$(echo "$states" | sort -u)" = COMPLETED ]
@@ -129,7 +129,7 @@ compared() { # WHAT COMMAND…   into a new folder
   mkdir new tried
   export TRIED="$work/tried"
   timed "$@"
-  diff -r one new >>log || { echo "FAILED: $1: other bytes than those of one process"; exit 1; }
+  diff -r one new >>log || { echo "FAILED: $1: files differ from those of one process"; exit 1; }
 }
 run_all() { # WHAT ROWS ROWS_A_TASK NAMES WORD…   the program and its words come last
   what=$1 rows=$2 task=$3 names=$4
@@ -149,9 +149,9 @@ run_all poses 200 25 '%06d.obj' "$programs/clone_figure" "$work/character.figure
 for farm in dask slurm; do compared "poses, $farm, each task twice" $farm 2 "$work/tries_again"; done
 run_all tiles 16 2 '*.figure' "$programs/bind_tiles" "$work/character_cage.obj" --points "$work/tiles/*.ply" \
   --largest 8 --format int16
-report "all files have the bytes of one process"
+report "all files are equal to those of one process"
 
-# ---- parsed, and not run: no Cuebot and no cluster is at hand ----
+# ---- only parsed, because there is no Cuebot and no cluster ----
 $python -c 'import ast, sys; ast.parse(open(sys.argv[1]).read())' "$farms/opencue.py"
 $python -c 'import sys, yaml; assert yaml.safe_load(open(sys.argv[1]))["kind"] == "Job"' "$farms/kubernetes.yaml"
 report "opencue.py and kubernetes.yaml are parsed only"

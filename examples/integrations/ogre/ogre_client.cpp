@@ -1,13 +1,12 @@
-// A game's side of the library, in the OGRE engine: a figure in a cage plays a clip, lit, on a ground
-// that it shadows. Only run-time headers: no Eigen, no bind-time code.
+// A game with the OGRE engine: a figure in a cage plays a clip, with light, shadow and ground. Includes only
+// run-time headers: no Eigen, no bind-time code.
 //
 //     ogre_client character.figure --pictures out/ogre_ --count 6
 //     ogre_client character.figure --width 320 --height 240 --frames 10000
 //
-// Every frame the clip gives a pose of the cage, `pose_handles` the vectors of its faces, which Green
-// coordinates have for handles too, and `clone` writes vertices and normals where the graphics card reads
-// them: into the locked vertex buffer. With --frames it measures that and watches the memory of the
-// process.
+// Every frame, the clip computes a pose of the cage. With Green coordinates, `pose_handles` computes the
+// handles of the faces. `clone` writes vertices and normals directly to the locked vertex buffer. --frames
+// measures the time and the memory of the process.
 
 #include "files/figure_parts.hpp"
 
@@ -48,7 +47,7 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A file in memory, read by the system where it is touched.
+/// A memory-mapped file.
 class MappedFile {
 public:
     explicit MappedFile(const std::string& path) {
@@ -58,7 +57,7 @@ public:
         size_ = found ? std::size_t(status.st_size) : 0;
         data_ = found ? ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
         if (file >= 0) ::close(file);
-        if (data_ == MAP_FAILED) throw std::runtime_error(path + ": cannot be read, or is empty");
+        if (data_ == MAP_FAILED) throw std::runtime_error(path + ": cannot be read or is empty");
     }
     MappedFile(const MappedFile&) = delete;
     MappedFile& operator=(const MappedFile&) = delete;
@@ -77,7 +76,7 @@ struct Vertex {
     float normal[3];
 };
 
-/// A figure that plays its clip. It allocates when it is made, and never again.
+/// A figure that plays its clip. Only the constructor allocates.
 class Puppet {
 public:
     explicit Puppet(const std::string& path)
@@ -87,7 +86,7 @@ public:
         figure_ = opened.value;
         parts_ = cageform_support::read_parts(figure_);
         if (!parts_.fault.empty()) throw std::runtime_error(path + ": " + parts_.fault);
-        if (parts_.clip.vertex_count() == 0) throw std::runtime_error(path + ": holds no clip");
+        if (parts_.clip.vertex_count() == 0) throw std::runtime_error(path + ": contains no clip");
         cursor_ = parts_.clip.make_cursor();
         pose_.resize(figure_.handle_count());
     }
@@ -100,8 +99,7 @@ public:
     }
     float length() const { return float(parts_.clip.end()); }
 
-    /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go
-    /// along.
+    /// Poses the cage, including handles of faces, at a time of the clip. The clip repeats.
     void play(float time) {
         const std::span vertices = std::span(pose_).first(cageform_support::vertices_of(figure_));
         parts_.clip.sample(time, cursor_, vertices);
@@ -110,7 +108,7 @@ public:
             throw std::runtime_error(cageform::to_string(report.status));
     }
 
-    /// Writes the figure posed by the cage to `out` (#vertices), which is only written to.
+    /// Writes the posed figure to `out` (#vertices) without reading it.
     void write(std::span<Vertex> out) const {
         const auto view = [&](float* first) {
             return cageform::StridedPoints<float, 3>(first, out.size(), sizeof(Vertex));
@@ -130,7 +128,7 @@ private:
 
 // ---- the engine's side ----
 
-/// Triangles with a world transform of their own, in one material.
+/// Triangles of one material with a world transform.
 class Triangles : public Ogre::SimpleRenderable {
 public:
     Triangles(Ogre::VertexData* vertices, Ogre::IndexData* indices, const Ogre::MaterialPtr& material) {
@@ -179,11 +177,11 @@ void keep_words(const Body& body) {
     }
 }
 
-/// The engine without windows to click at, configuration files or logs.
+/// The engine without dialogs, configuration files or logs.
 class Engine {
 public:
     Engine(unsigned width, unsigned height) {
-        // Made before the root, which would write a log otherwise.
+        // Without this, the root would write a log.
         log_ = std::make_unique<Ogre::LogManager>();
         log_->createLog("ogre", true, false, true);
         root_ = std::make_unique<Ogre::Root>("", "", "");
@@ -193,14 +191,14 @@ public:
     Engine& operator=(const Engine&) = delete;
     ~Engine() {
         Ogre::RTShader::ShaderGenerator::destroy();
-        root_.reset(); // with its scenes and windows
+        root_.reset(); // also deletes scenes and windows
     }
 
     Ogre::Root& root() { return *root_; }
     Ogre::SceneManager& scene() { return *scene_; }
     Ogre::RenderWindow& window() { return *window_; }
 
-    /// A plain material, with shaders made for it.
+    /// Returns a material of one colour, with generated shaders.
     Ogre::MaterialPtr material(const std::string& name, bool lit, const std::array<float, 3>& rgb,
                                float gloss) {
         const Ogre::ColourValue colour(rgb[0], rgb[1], rgb[2]);
@@ -220,7 +218,7 @@ private:
     void open(unsigned width, unsigned height) {
         root_->loadPlugin(CAGEFORM_OGRE_PLUGINS "/RenderSystem_GL3Plus");
         root_->loadPlugin(CAGEFORM_OGRE_PLUGINS "/Codec_STBI");
-        // Without a renderer set it would ask for one in a dialog, and wait.
+        // Otherwise the engine would open a dialog for the renderer.
         root_->setRenderSystem(root_->getAvailableRenderers().front());
         root_->initialise(false);
         const Ogre::NameValuePairList options{{"vsync", "false"}};
@@ -249,14 +247,14 @@ private:
     Ogre::RTShader::ShaderGenerator* shaders_ = nullptr;
 };
 
-/// The box around a pose of the cage, in which the figure is.
+/// Returns the bounds of a pose of the cage, which contain the figure.
 Ogre::AxisAlignedBox box_of(std::span<const Vec3> pose) {
     Ogre::AxisAlignedBox box;
     for (const Vec3& p : pose) box.merge(Ogre::Vector3(p[0], p[1], p[2]));
     return box;
 }
 
-/// Bytes of the process that are in memory.
+/// Returns the resident memory of the process in bytes.
 std::size_t resident_bytes() {
     std::ifstream file("/proc/self/statm");
     std::size_t all = 0, resident = 0;
@@ -287,7 +285,7 @@ public:
         const Ogre::Vector3 middle = box.getCenter(), size = box.getSize();
         const float ground = box.getMinimum().y, reach = 40 * size.y;
 
-        // The sun, behind the camera to its left; its shadow is the figure projected onto the ground.
+        // The sun is behind the camera, to the left. The shadow is the figure projected onto the ground.
         const Ogre::Vector3 sun = Ogre::Vector3(0.45f, -1, -0.55f).normalisedCopy();
         Ogre::Light* light = scene.createLight();
         light->setType(Ogre::Light::LT_DIRECTIONAL);
@@ -295,7 +293,7 @@ public:
         light->setSpecularColour(1, 1, 1);
         scene.getRootSceneNode()->createChildSceneNode()->attachObject(light);
         light->getParentSceneNode()->setDirection(sun, Ogre::Node::TS_WORLD);
-        // A weak one from the other side, with what the sky gives.
+        // A weak light from the other side, and ambient light.
         Ogre::Light* fill = scene.createLight();
         fill->setType(Ogre::Light::LT_DIRECTIONAL);
         fill->setDiffuseColour(0.20f, 0.23f, 0.30f);
@@ -311,7 +309,7 @@ public:
         for (Triangles* object : {&figure_, &shadow_, &floor_})
             scene.getRootSceneNode()->createChildSceneNode()->attachObject(object);
 
-        // The view is from the front, somewhat from the figure's left and from above.
+        // View from the front, slightly from the figure's left and from above.
         camera_ = scene.createCamera("camera");
         camera_->setAutoAspectRatio(true);
         camera_->setNearClipDistance(0.05f * size.y);
@@ -328,7 +326,7 @@ public:
         scene.setFog(Ogre::FOG_LINEAR, sky, 0, 2 * distance, reach);
     }
 
-    /// Moves the figure to where it is at a time of its clip. Returns the seconds that the library took.
+    /// Poses the figure at a time of its clip. Returns the seconds spent in the library.
     double show(float time) {
         auto* vertices = static_cast<Vertex*>(mesh_.buffer().lock(Ogre::HardwareBuffer::HBL_DISCARD));
         const auto start = Clock::now();
@@ -340,7 +338,7 @@ public:
         return taken;
     }
 
-    /// Shows the stage there too.
+    /// Also renders the stage to `target`.
     void look(Ogre::RenderTarget& target) {
         Ogre::Viewport* viewport = target.addViewport(camera_);
         viewport->setBackgroundColour(sky);
@@ -348,7 +346,7 @@ public:
     }
 
 private:
-    // The ground is a disc, of rings that grow outwards: fog is worked out at vertices.
+    // The ground is a disc of rings, wider outwards, because fog is computed per vertex.
     static constexpr std::uint32_t spokes = 64, rings = 12;
 
     static std::vector<std::array<std::uint32_t, 3>> ground_triangles() {
@@ -397,7 +395,7 @@ struct Arguments {
 void play(const Arguments& given, Puppet& puppet, Engine& engine) {
     Stage stage(engine, puppet);
     if (!given.pictures.empty()) {
-        // Renders into a texture, which has several samples per pixel whatever the window has.
+        // Renders to a texture with multisampling, which does not depend on the window.
         const auto texture = Ogre::TextureManager::getSingleton().createManual(
             "picture", Ogre::RGN_DEFAULT, Ogre::TEX_TYPE_2D, given.width, given.height, 0, Ogre::PF_BYTE_RGB,
             Ogre::TU_RENDERTARGET, nullptr, false, 4);
@@ -413,7 +411,7 @@ void play(const Arguments& given, Puppet& puppet, Engine& engine) {
     }
 
     if (given.frames > 0) {
-        // The driver compiles and fills its pools in the first frames.
+        // In the first frames the driver compiles shaders and fills its pools.
         constexpr unsigned warm_up = 1000;
         std::size_t before = 0;
         double library = 0;
@@ -442,9 +440,8 @@ void play(const Arguments& given, Puppet& puppet, Engine& engine) {
 int run_program(int argc, char** argv) {
     CLI::App app("Plays a clip on a figure in a cage, in the OGRE engine.");
     Arguments given;
-    app.add_option("figure", given.figure, "a file that bind_mesh wrote, with a clip")->required();
-    app.add_option("--pictures", given.pictures,
-                   "save pictures of the clip to files whose names begin with this");
+    app.add_option("figure", given.figure, "a packed figure with a clip, written by bind_mesh")->required();
+    app.add_option("--pictures", given.pictures, "save pictures of the clip to files with this prefix");
     app.add_option("--count", given.count, "the number of pictures")
         ->check(CLI::Range(1, 99))
         ->capture_default_str();
@@ -454,8 +451,9 @@ int run_program(int argc, char** argv) {
     app.add_option("--height", given.height, "the height of the pictures and of the window, in pixels")
         ->check(CLI::Range(16, 8192))
         ->capture_default_str();
-    app.add_option("--frames", given.frames,
-                   "play this many frames, 60 per second of the clip; fails if memory grows by 256 KiB")
+    app.add_option(
+           "--frames", given.frames,
+           "play this many frames, 60 per second of the clip; fails if memory grows by more than 256 KiB")
         ->check(CLI::Range(2000, 100000000));
     CLI11_PARSE(app, argc, argv);
 

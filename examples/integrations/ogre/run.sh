@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: sh examples/integrations/ogre/run.sh [--build-only]
-# A game's side in a real engine: installs OGRE and a software renderer (Debian), builds into build/engine/, binds the
-# character by mean value and by Green coordinates, plays its dances in OGRE, saves pictures to out/ogre_*.png and
-# out/ogre_green_*.png, and plays 10,000 frames of each to see that memory stays where it is.
+# The library in a game engine: installs OGRE and a software renderer (Debian), builds into build/engine/, and binds the
+# character with mean value and with Green coordinates. Plays its dances in OGRE, saves pictures to out/ogre_*.png and
+# out/ogre_green_*.png, and checks with 10,000 frames of each that memory does not grow.
 set -eu
 cd "$(dirname "$0")/../../.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev \
@@ -16,7 +16,7 @@ cmake --build build/engine --target make_character bind_mesh ogre_client
 programs=build/engine/examples
 mkdir -p out
 "$programs/make_character" out
-# OGRE 1.12 opens its windows in X only: one that nobody sees.
+# OGRE 1.12 needs X windows: a virtual display.
 in_x() { xvfb-run -a -s '-screen 0 1280x960x24' "$@"; }
 dance() { # FIGURE PICTURES COORDINATES
   "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh examples/integrations/packaging/run.sh
-# Tries the vcpkg port and the Conan recipe: installs the headers alone, and with the shared library, and builds programs in C++
-# and C of them. By vcpkg and Conan where they are on the path, else by stand_ins/, which do what the recipes ask of them.
+# Tests the vcpkg port and the Conan recipe: installs the headers, alone and with the shared library, and builds programs in C++
+# and C. Uses vcpkg and Conan if they are in PATH, else stand_ins/, which execute the port and the recipe.
 set -eu
 cd "$(dirname "$0")/../../.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev python3
@@ -30,30 +30,30 @@ step "vcpkg: the version is $version" grep -q "\"version\": \"$version\"" $own/v
 if command -v vcpkg >/dev/null 2>&1; then
   step "vcpkg itself" vcpkg install --classic "cageform[compiled]" --overlay-ports=$own/vcpkg
 else
-  echo "vcpkg is not here: by stand_ins/vcpkg.cmake"
-  step "vcpkg: headers alone" cmake -DFEATURES=core -DSHARED=OFF -DBUILD="$work/headers" -DINSTALLED="$work/vcpkg_headers" \
+  echo "no vcpkg: using stand_ins/vcpkg.cmake"
+  step "vcpkg: only headers" cmake -DFEATURES=core -DSHARED=OFF -DBUILD="$work/headers" -DINSTALLED="$work/vcpkg_headers" \
     -P $own/stand_ins/vcpkg.cmake
-  step "vcpkg: a program in C++" program $clients "$work/1" client -DCMAKE_PREFIX_PATH="$work/vcpkg_headers"
+  step "vcpkg: a C++ program" program $clients "$work/1" client -DCMAKE_PREFIX_PATH="$work/vcpkg_headers"
   step "vcpkg: with the library" cmake '-DFEATURES=core;compiled' -DSHARED=ON -DBUILD=build/shared -DINSTALLED="$work/vcpkg" \
     -P $own/stand_ins/vcpkg.cmake
-  step "vcpkg: a program in C++ of the library" program $clients "$work/2" client -DCMAKE_PREFIX_PATH="$work/vcpkg" -DCOMPILED=ON
-  step "vcpkg: a program in C" program $clients/c "$work/3" client_c -DCMAKE_PREFIX_PATH="$work/vcpkg"
+  step "vcpkg: a C++ program with the library" program $clients "$work/2" client -DCMAKE_PREFIX_PATH="$work/vcpkg" -DCOMPILED=ON
+  step "vcpkg: a C program" program $clients/c "$work/3" client_c -DCMAKE_PREFIX_PATH="$work/vcpkg"
 fi
 
 if command -v conan >/dev/null 2>&1; then
-  step "Conan: headers alone" conan create $own/conan --build=missing
+  step "Conan: only headers" conan create $own/conan --build=missing
   step "Conan: the static library" conan create $own/conan --build=missing -o '&:compiled=True'
   step "Conan: the shared library" conan create $own/conan --build=missing -o '&:compiled=True' -o '&:shared=True'
 else
-  echo "Conan is not here: by stand_ins/conan.py"
-  step "Conan: headers alone" /usr/bin/python3 $own/stand_ins/conan.py $own/conan/conanfile.py "$work/conan_build" \
+  echo "no Conan: using stand_ins/conan.py"
+  step "Conan: only headers" /usr/bin/python3 $own/stand_ins/conan.py $own/conan/conanfile.py "$work/conan_build" \
     "$work/conan_headers"
-  step "Conan: a program in C++" program $own/conan/test_package "$work/4" client \
+  step "Conan: a C++ program" program $own/conan/test_package "$work/4" client \
     -DCMAKE_PREFIX_PATH="$work/conan_headers/share/cmake/cageform"
   step "Conan: with the library" /usr/bin/python3 $own/stand_ins/conan.py $own/conan/conanfile.py build/shared "$work/conan" \
     compiled=True shared=True
-  step "Conan: a program in C++ of the library" program $own/conan/test_package "$work/5" client -DCOMPILED=ON \
+  step "Conan: a C++ program with the library" program $own/conan/test_package "$work/5" client -DCOMPILED=ON \
     -DCMAKE_PREFIX_PATH="$work/conan/share/cmake/cageform"
-  step "Conan: a program in C" program $own/conan/test_package "$work/5" client_c
+  step "Conan: a C program" program $own/conan/test_package "$work/5" client_c
 fi
 echo "$passed passed, 0 failed"

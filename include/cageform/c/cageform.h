@@ -1,17 +1,17 @@
 /* The C interface of cageform (C99), for engines and other languages.
  *
- * One file of a C++20 program defines CAGEFORM_C_IMPLEMENTATION before it includes this header; this compiles
- * the implementation. With CAGEFORM_C_RUNTIME_ONLY it contains only the functions of every frame (the first
- * half of this header), without dependencies, exceptions and RTTI. Alternatively, link the library of the
- * CMake target cageform::compiled.
+ * To compile the implementation, define CAGEFORM_C_IMPLEMENTATION in one file of a C++20 program before it
+ * includes this header. With CAGEFORM_C_RUNTIME_ONLY, only the functions of every frame (the first half of
+ * this header) are compiled, without dependencies, exceptions and RTTI. Alternatively, link the library of
+ * the CMake target cageform::compiled.
  *
  * Functions that can fail return a status: 0, or a code below; cageform_status_text() gives its message.
  * Arguments are validated: null pointers, short memory, numbers that are not finite and objects of another
  * kind give a status and leave outputs unchanged. Figures, coordinates, bindings, samples and bytes may be
  * read by several threads at once; any other object may be used by one thread at a time.
  *
- * Structs that begin with `size` may grow in later versions: set it to sizeof(the struct) and all other bytes
- * to zero, which selects the defaults. cageform_abi_version() changes with any other change of the ABI. */
+ * Structs that begin with `size` may grow in later versions: set `size` to sizeof(the struct). Set all other
+ * bytes to zero to select the defaults. cageform_abi_version() changes with any other change of the ABI. */
 #ifndef CAGEFORM_C_H
 #define CAGEFORM_C_H
 
@@ -232,7 +232,8 @@ typedef struct cageform_running {
     /* Calls body(argument, begin, end) for ranges that together cover [0, count) once, on any threads;
      * `grain` is the smallest range worth a task. Null: `threads` applies. */
     void (*parallel_for)(void* context, size_t count, size_t grain, cageform_range_body body, void* argument);
-    /* Receives the completed fraction, on the calling thread; return 0 to cancel. Not called every frame. */
+    /* Receives the completed fraction, 0 to 1, on the calling thread; returns 0 to cancel. Functions of every
+     * frame do not call it. */
     int (*progress)(void* context, double done);
     uint32_t threads; /* without parallel_for: threads started per loop; 0: only the calling thread */
 } cageform_running;
@@ -249,7 +250,7 @@ typedef struct cageform_skeleton cageform_skeleton;       /* result of cageform_
 typedef struct cageform_samples cageform_samples;         /* samples of a cage's interior, for pins */
 typedef struct cageform_pins cageform_pins;               /* poses a cage by pins */
 
-/* Frees an object of any kind; null is allowed. Free objects that refer to it first. */
+/* Frees an object of any kind; null is allowed. Before an object, free all objects that refer to it. */
 CAGEFORM_API cageform_status cageform_free(void* object);
 
 /* ---- Reports ------------------------------------------------------------------------------------------- */
@@ -265,9 +266,9 @@ enum {
 /* An error or a warning about a cage. */
 typedef struct cageform_fault {
     cageform_status status; /* 0: a warning */
-    uint32_t a_is, b_is;    /* CAGEFORM_VERTEX, …; the index of an edge is that of its first vertex */
+    uint32_t a_is, b_is;    /* kinds of the elements a and b: CAGEFORM_VERTEX, … */
     uint32_t reserved;
-    size_t a, b;
+    size_t a, b;      /* indices; the index of an edge is that of its first vertex */
     const char* text; /* static */
 } cageform_fault;
 
@@ -275,17 +276,17 @@ typedef struct cageform_fault {
 typedef struct cageform_report {
     size_t size;
     cageform_status status;
-    uint32_t faults, warnings; /* numbers of errors and warnings of the cage; cageform_check lists them */
+    uint32_t faults, warnings; /* number of errors and of warnings of the cage; cageform_check lists them */
     uint32_t reserved;
     size_t culprit;       /* index of the element with the error: a point, handle, pin, face, clip, … */
     cageform_fault fault; /* the first error of the cage, or the first warning */
-    double seconds;
-    char message[256]; /* the status and the culprit as text; empty without an error */
+    double seconds;       /* wall-clock time */
+    char message[256];    /* the status and the culprit as text; empty without an error */
 
     /* cageform_bind: numbers of points; cageform_binding_list returns their indices */
     size_t points, on_boundary, outside, faded, not_finite, unreached, not_restored;
     double partition_error;    /* max |sum of weights - 1| */
-    double reproduction_error; /* max distance of a point from the weighted sum of handles */
+    double reproduction_error; /* max distance of a point from the weighted sum of handles, in cage units */
     double least_weight;
     double amplification; /* max sum of |weights| of a point */
 
@@ -298,24 +299,28 @@ typedef struct cageform_report {
     size_t bytes, dense_bytes;
     double distance, mean_distance; /* maximum and mean change of a point by packing */
 
-    /* cageform_make_cage; volumes are areas in 2D */
-    size_t vertices, components, tunnels;
-    double margin, clearance, volume, tightest_volume, least_angle;
+    /* cageform_make_cage; lengths in figure units; volumes are areas in 2D */
+    size_t vertices, components, tunnels; /* components of the figure grown by the margin; genus in 3D */
+    double margin, clearance;       /* requested margin; exact minimum distance between cage and figure */
+    double volume, tightest_volume; /* of the cage; of the figure grown by the margin, gaps closed */
+    double least_angle;             /* smallest angle between adjacent edges, in degrees */
 
     /* cageform_pose_samples */
     size_t samples, rotations;
 
-    /* cageform_pins_solve: `miss` is the largest distance of a pin from its target, `culprit` that pin;
-     * in the units of the cage */
-    double miss, step, rigid_energy, least_stretch, largest_stretch;
-    size_t iterations, folded;
-    int settled;
+    /* cageform_pins_solve; lengths in the units of the cage */
+    double miss; /* largest distance of a pin from its target; `culprit` is that pin */
+    double step; /* largest distance that a handle moved */
+    double rigid_energy;
+    double least_stretch, largest_stretch; /* singular values of the mean deformations of the clusters */
+    size_t iterations, folded;             /* folded: number of inverted clusters */
+    int settled;                           /* 1: `step` is at most 3e-5 of the cage's size */
 
     /* cageform_compile_clip */
     double curve_error; /* maximum distance of a coordinate from the curve through its keys */
 
     /* cageform_fit_skeleton; distances are relative to the figure's diagonal at rest. `culprit` is the vertex
-     * with the largest distance, or the invalid one, in frame `frame`; CAGEFORM_NONE: at rest */
+     * with the largest distance, or the invalid vertex. `frame` is its frame; CAGEFORM_NONE: at rest */
     size_t bones, frame;
     size_t beyond; /* number of vertices over options.max_distance */
     double rms, max_distance;
@@ -328,7 +333,7 @@ typedef struct cageform_report {
 typedef struct cageform_open_options {
     size_t size;
     uint64_t cage_hash, figure_hash; /* expected hashes; 0: any */
-    int skip_checksum;               /* reads only tables and clips */
+    int skip_checksum;               /* 1: does not verify the checksum; reads only tables and clips */
     void* memory;                    /* for the object, cageform_figure_bytes() long; null: allocates */
     size_t memory_bytes;
 } cageform_open_options;
@@ -336,17 +341,18 @@ typedef struct cageform_open_options {
 typedef struct cageform_figure_info {
     size_t size;
     size_t points, handles;
-    size_t vertices; /* point handles: the size of clips and of the input of cageform_pose_handles */
+    size_t vertices; /* number of point handles; clips and the input of cageform_pose_handles have so many */
     size_t clips, levels;
     uint32_t scalar, dimension;
     int has_normals, has_tangents, has_labels;
     double origin[3]; /* origin of the coordinates of points, handles and clips: add it to clones */
 } cageform_figure_info;
 
+/* Returns the bytes that options.memory needs for a figure object. */
+CAGEFORM_API size_t cageform_figure_bytes(void);
 /* Opens a packed figure or binding in place. `data` must be aligned to 64 bytes and must not change while the
  * figure is in use. `options` and `culprit` may be null. After an error `culprit` is the tag of the invalid
  * part, four letters, the first one in the lowest byte; 0 for the whole file. */
-CAGEFORM_API size_t cageform_figure_bytes(void);
 CAGEFORM_API cageform_status cageform_open(const void* data, size_t bytes,
                                            const cageform_open_options* options, cageform_figure** figure,
                                            size_t* culprit);
@@ -374,19 +380,20 @@ CAGEFORM_API cageform_status cageform_figure_find_handle(const cageform_figure* 
 CAGEFORM_API cageform_status cageform_clone(const cageform_figure* figure, cageform_points pose,
                                             cageform_output points, const cageform_output* normals,
                                             const cageform_output* tangents, const cageform_running* running);
-/* Computes the gradients with respect to the handles (out, info.handles) from those with respect to the
- * cloned points. */
+/* Computes the gradients of a function with respect to the handles (out, info.handles) from its gradients
+ * with respect to the cloned points (info.points). */
 CAGEFORM_API cageform_status cageform_clone_transposed(const cageform_figure* figure,
                                                        cageform_points gradients, cageform_output handles,
                                                        const cageform_running* running);
-/* Computes a pose of all handles from a pose of the vertices, if some handles are vectors (Green). */
+/* Computes a pose of all handles (out, info.handles) from a pose of the vertices (info.vertices). Needed if
+ * some handles are vectors (Green). */
 CAGEFORM_API cageform_status cageform_pose_handles(const cageform_figure* figure, cageform_points vertices,
                                                    cageform_output handles);
 
 typedef struct cageform_clip_info {
     size_t size;
     size_t vertices;
-    double begin, end; /* times */
+    double begin, end; /* times, in the units of the keys */
     uint32_t scalar, dimension;
     const char* name; /* not zero-terminated; null for a clip without a figure */
     size_t name_length;
@@ -432,23 +439,24 @@ CAGEFORM_API cageform_status cageform_samples_open(const void* data, size_t byte
 
 typedef struct cageform_pins_options {
     size_t size;
-    double pin_weight; /* 0: 1e4 */
-    int hard;
-    size_t iterations; /* per frame; 0: 4 */
+    double pin_weight; /* stiffness of a pin of weight 1 relative to the stretch of the figure; 0: 1e4 */
+    int hard;          /* 1: pins are a thousand times nearer to their targets */
+    size_t iterations; /* per call of cageform_pins_solve; 0: 4 */
 } cageform_pins_options;
-/* Copies the samples. */
+/* Creates a solver without pins. It copies the samples; `options` may be null. */
 CAGEFORM_API cageform_status cageform_pins_create(const cageform_samples* samples,
                                                   const cageform_pins_options* options, cageform_pins** pins);
-/* Sets pins at points of a figure, whose weights are copied; count 0 removes all pins. `weights` and `report`
- * may be null. After an error report.culprit is the invalid pin. */
+/* Replaces all pins by `count` pins at points of a figure, given by index; count 0 removes all pins. Copies
+ * the weights of the points. `weights` has one factor of the stiffness per pin; null: 1. `report` may be
+ * null. After an error report.culprit is the invalid pin. */
 CAGEFORM_API cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure,
                                                const uint32_t* points, size_t count, const double* weights,
                                                cageform_report* report);
-/* Fixes handles at their positions in the pose. */
+/* Replaces the set of fixed handles, which keep their positions in the pose; count 0 frees all. */
 CAGEFORM_API cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
                                                 cageform_report* report);
-/* Moves the pose (in and out, all handles) towards the targets, one per pin. Call it until report.settled.
- * The scalar is that of the coordinates. No allocation. */
+/* Moves the pose (in and out, all handles) towards the targets, one per pin. Call it, for instance once per
+ * frame, until report.settled. The scalar is that of the coordinates. No allocation. */
 CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets,
                                                  cageform_output pose, cageform_report* report);
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
@@ -487,9 +495,9 @@ typedef struct cageform_cage {
     /* MESH: maximum distance of a corner from its face's plane; beyond it, a face is a fan around its mean */
     double off_plane;
 
-    /* LATTICE: no vertices */
+    /* LATTICE: these fields instead of vertices */
     uint32_t dimension;
-    uint32_t points[3], degree[3]; /* along each axis; 0: 4, and 3 */
+    uint32_t points[3], degree[3]; /* control points and degree along each axis; 0: 4 points, degree 3 */
     double origin[3], axes[3][3];  /* axes[k] is the edge of the box along axis k */
     double falloff;                /* distance outside at which displacements reach 0; 0: no falloff */
 

@@ -20,14 +20,14 @@ import {
 } from './numbers.js';
 
 const USUAL = { polygon: 'mean-value', mesh: 'mean-value', curves: 'curved-green', lattice: 'splines', sites: 'sibson' };
-/** Calls make(scope, report), which returns an object's address, and returns that with the report. */
+/** Calls make(scope, report), which returns the address of an object. Returns the address and the report. */
 export const reported = (engine, make) =>
   engine.scoped(scope => {
     const report = scope.newReport();
     return { at: make(scope, report), report: scope.report(report) };
   });
 
-/** Several cages over one figure. */
+/** Coordinates of several cages over one figure. */
 class Blend {
   constructor(cages) {
     if (!Array.isArray(cages) || cages.length === 0) refuse('cages: an array of cages is needed');
@@ -150,7 +150,7 @@ export class Coordinates extends Owner {
   }
 }
 
-/** Returns how many numbers a tangent has. */
+/** Returns the numbers per tangent. */
 function tangentLength(tangents, { count }, dimension) {
   const length =
     Array.isArray(tangents?.[0]) || ArrayBuffer.isView(tangents?.[0])
@@ -170,10 +170,10 @@ const LISTS = {
 export class Binding extends Owner {
   #Kind;
 
-  /** Not for callers: Coordinates.bind() makes bindings. */
+  /** Internal: Coordinates.bind() makes bindings. */
   constructor(made, engine, at, its) {
     super();
-    if (made !== MADE) refuse('a binding is made by Coordinates.bind()');
+    if (made !== MADE) refuse('Coordinates.bind() makes bindings');
     this._adopt(engine, at, [], []);
     this.#Kind = its.Kind;
     Object.assign(this, { report: its.report, points: its.points, handles: its.handles, scalar: nameOf(its.Kind) });
@@ -223,7 +223,7 @@ export class Binding extends Owner {
     const { _engine: engine, _at: at } = this;
     whole(first, 'first');
     if (whole(count, 'count') > this.points)
-      throw new CageformError('index_out_of_bounds', `count: there are ${this.points} points`);
+      throw new CageformError('index_out_of_bounds', `count: the binding has ${this.points} points`);
     return engine.scoped(scope => {
       const { members, numbers: taken } = scope.output(count, this.handles, this.#Kind);
       engine.check(engine.call('cageform_binding_weights', at, first, count, members.data, members.bytes));
@@ -279,10 +279,10 @@ export class Binding extends Owner {
       told = progressOf(progress);
     if (own.origin.length > 3) refuse('origin: at most three numbers are needed');
     if (clips === null || typeof clips !== 'object' || !Array.isArray(levels))
-      refuse('clips: an object of clips, levels: an array of bytes is needed');
+      refuse('clips: an object of clips is needed; levels: an array of bytes is needed');
     const parts = Object.entries(clips).map(([name, clip]) => {
       if (objectOf(Clip, clip, 'clips').bytes === null)
-        refuse(`clips: ${name} has no bytes, as compileClip() did not make it`);
+        refuse(`clips: ${name} is not from compileClip()`);
       return { name, data: clip.bytes };
     });
     const coarse = levels.map(level => bytesOf(level, 'levels'));
@@ -311,7 +311,7 @@ export class Binding extends Owner {
   }
 }
 
-/** Returns a copy of a cageform_bytes, which is freed. */
+/** Returns a copy of a cageform_bytes, and frees the original. */
 export function taken(engine, scope, made) {
   try {
     const data = scope.struct(4),

@@ -1,4 +1,4 @@
-// Cages: described, checked, made.
+// Cages: creation, checks, makeCage().
 
 import { CageformError, Fault, MADE, objectOf, refuse, started } from './engine.js';
 import { CHOICES, CONSTANTS } from './layout.js';
@@ -12,7 +12,7 @@ const KINDS = {
   sites: CONSTANTS.SITES,
 };
 
-/** The fields of a cage for the cells inside. */
+/** Returns the struct members for cells inside a cage. */
 const CELLS = ['cellVertices', 'bones', 'walls'];
 function cellsOf({ cellVertices = 0, bones = [], walls }) {
   if (!Array.isArray(bones)) refuse('bones: an array of { a, b, radius } is needed');
@@ -31,9 +31,9 @@ function cellsOf({ cellVertices = 0, bones = [], walls }) {
 export class Cage {
   #its;
 
-  /** Not for callers: the functions below make cages. */
+  /** Internal: the functions below make cages. */
   constructor(made, its) {
-    if (made !== MADE) refuse('a cage is made by Cage.polygon(), mesh(), curves(), lattice() or sites()');
+    if (made !== MADE) refuse('Cage.polygon(), mesh(), curves(), lattice() and sites() make cages');
     this.#its = {
       vertices: null,
       counts: null,

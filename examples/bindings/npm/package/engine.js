@@ -1,9 +1,9 @@
-// The WebAssembly module: calls, memory, errors. Everything else of the package stands on it.
+// The WebAssembly module: calls, memory, errors. All other scripts of the package use this one.
 
 import { importsOf, wasiHost } from './host.js';
 import { CONSTANTS, STATUSES, STRUCTS } from './layout.js';
 
-/** An index that names nothing. */
+/** The invalid index. */
 export const NONE = 0xffffffff;
 
 export class CageformError extends Error {
@@ -16,20 +16,20 @@ export class CageformError extends Error {
   }
 }
 
-/** Throws a mistake of the caller, which the library need not see. */
+/** Throws an error for an invalid argument, before a call of the library. */
 export function refuse(message) {
   throw new CageformError('argument_refused', message);
 }
 
-/** The exception by which a call that fails leaves the module. */
+/** The exception that unwinds a failed call. */
 class Left {
   constructor(code) {
     this.code = code;
   }
 }
 
-// Functions that change an object which is there, their first argument. If memory runs out in one, what it has allocated may
-// belong to the object, which is then left alone for ever.
+// Functions that modify an existing object, their first argument. If such a call runs out of memory, its allocations may
+// belong to the object. The object is then never used again, not even to free it.
 export const CHANGING = new Set([
   'cageform_free',
   'cageform_coordinates_solve',
@@ -63,10 +63,10 @@ export class Engine {
   }
 
   codes = Object.fromEntries(Object.entries(STATUSES).map(([code, name]) => [name, Number(code)]));
-  ended = false; // by a fault of the library itself
+  ended = false; // after a bug of the library
   #busy = false;
-  #left = new Set(); // addresses of objects that are half changed
-  #progress = null; // the caller's, of the call that runs
+  #left = new Set(); // addresses of partly modified objects
+  #progress = null; // the callback of the current call
   #raised = null;
 
   get buffer() {
@@ -82,18 +82,18 @@ export class Engine {
     }
   }
 
-  /** Throws if the library has ended. */
+  /** Throws if the library has stopped. */
   #goesOn() {
     if (this.ended)
-      throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
+      throw new CageformError('failed', 'the library stopped after an internal error; init() starts it again');
   }
-  /** Throws if no call can be made now. */
+  /** Throws if a call is not possible now. */
   ready() {
     this.#goesOn();
     if (this.#busy) refuse('progress() may not call the library');
   }
 
-  /** Calls a function and returns its number. A call that runs out of memory returns that status, and frees what it took. */
+  /** Calls a function and returns its result. A call that runs out of memory returns this status, and its memory is freed. */
   call(name, ...given) {
     this.ready();
     if (this.#left.size > 0 && this.#left.has(given[0])) return this.codes.object_of_another_kind;
@@ -136,7 +136,7 @@ export class Engine {
     return new TextDecoder().decode(length === undefined ? bytes.subarray(0, bytes.indexOf(0)) : bytes);
   }
 
-  /** Returns the address of new memory, which free() takes. */
+  /** Returns the address of new memory, for free(). */
   allocate(bytes) {
     this.ready();
     const at = bytes > NONE ? 0 : this.calls.malloc(Math.max(bytes, 1)) >>> 0;
@@ -147,12 +147,12 @@ export class Engine {
     if (!this.ended) this.calls.free(at);
   }
 
-  /** Returns numbers in memory, as a view that is valid until the memory grows. */
+  /** Returns a view of numbers in memory, valid until the memory grows. */
   view(kind, at, count) {
     return new ARRAYS[kind](this.buffer, at, count);
   }
 
-  /** Calls use(scope) with memory that is freed after it. */
+  /** Calls use(scope); memory of the scope is freed afterwards. */
   scoped(use) {
     this.ready();
     const scope = new Scope(this);
@@ -163,7 +163,7 @@ export class Engine {
     }
   }
 
-  /** Makes an object: calls a function, whose argument after `given` is where it puts the object, and returns its address. */
+  /** Makes an object: calls a function whose argument after `given` is the output pointer. Returns the object's address. */
   make(scope, name, given, { report = null, progress = null } = {}) {
     const made = scope.struct(4);
     const code = this.run(name, [...given, made, ...(report === null ? [] : [report])], progress);
@@ -171,7 +171,7 @@ export class Engine {
     return this.view('u32', made, 1)[0];
   }
 
-  /** Calls a function with a progress callback; what that throws is thrown. */
+  /** Calls a function with a progress callback. Rethrows an exception of the callback. */
   run(name, given, progress) {
     this.#progress = progress;
     this.#raised = null;
@@ -183,7 +183,7 @@ export class Engine {
   }
 }
 
-/** Memory of a call. */
+/** The memory of a call. */
 export class Scope {
   #taken = [];
   constructor(engine) {
@@ -200,7 +200,7 @@ export class Scope {
     return at;
   }
 
-  /** A struct with some members, the others 0; or so many bytes of 0. */
+  /** Allocates a struct with the given members, the others 0; or a number of zero bytes. */
   struct(name, members = {}) {
     const size = typeof name === 'number' ? name : STRUCTS[name].size;
     const at = this.#take(size);
@@ -211,7 +211,7 @@ export class Scope {
     }
     return at;
   }
-  /** Several structs, one after the other. */
+  /** Allocates an array of structs. */
   structs(name, all) {
     const { size } = STRUCTS[name],
       at = this.struct(Math.max(all.length, 1) * size);
@@ -262,7 +262,7 @@ export class Scope {
     return this.array(new TextEncoder().encode(text + '\0'));
   }
 
-  /** Members of a cageform_points with a copy of the numbers. */
+  /** Returns the members of a cageform_points for a copy of the numbers. */
   points({ numbers, dimension, count }) {
     return {
       data: this.array(numbers),
@@ -272,7 +272,7 @@ export class Scope {
       dimension,
     };
   }
-  /** Members of a cageform_output with room for points, and how to read them. */
+  /** Returns the members of a cageform_output with memory for points, and a function that reads the points. */
   output(count, dimension, Kind) {
     const bytes = count * dimension * Kind.BYTES_PER_ELEMENT;
     const at = aligned(this.#take(bytes + 8), 8);
@@ -302,7 +302,7 @@ const ELEMENTS = {
   [CONSTANTS.LOOP]: 'loop',
 };
 
-/** A fault of a cage, or a warning. */
+/** An error or a warning about a cage. */
 export class Fault {
   constructor(its, engine) {
     const element = (kind, index) => (ELEMENTS[kind] === undefined ? null : { kind: ELEMENTS[kind], index });
@@ -320,7 +320,7 @@ export class Fault {
   }
 }
 
-/** How a call went. */
+/** The result of a call. */
 export class Report {
   constructor({ size, reserved, status, culprit, frame, fault, settled, ...numbers }, engine) {
     this.status = STATUSES[status] ?? 'failed';
@@ -339,7 +339,7 @@ export class Report {
   }
 }
 
-/** An object of the library. Others may keep it: it is freed when its owner and they have let go. */
+/** An object of the library with a reference count: it is freed when its owner and all its users have released it. */
 class Kept {
   constructor(engine, at, keeps = [], memory = []) {
     Object.assign(this, { engine, at, keeps, memory, users: 1 });
@@ -358,14 +358,14 @@ class Kept {
 
 const dropped = new FinalizationRegistry(kept => kept.release());
 
-/** The first argument of constructors that are not for callers. */
+/** The first argument of internal constructors. */
 export const MADE = Symbol('made');
 
 /** The base of classes that own an object of the library. */
 export class Owner {
   #kept = null;
 
-  /** Takes an object over. */
+  /** Takes ownership of an object. */
   _adopt(engine, at, keeps, memory) {
     this.#kept = new Kept(engine, at, keeps, memory);
     dropped.register(this, this.#kept, this);
@@ -381,7 +381,7 @@ export class Owner {
     return this._kept.at;
   }
 
-  /** Frees the memory now, not when the garbage is collected. Objects made of this one stay usable. */
+  /** Frees the memory now, before garbage collection. Objects created from this one stay usable. */
   free() {
     if (this.#kept === null) return;
     this.#kept.engine.ended || this.#kept.engine.ready();
@@ -392,7 +392,7 @@ export class Owner {
   }
 }
 
-/** Returns an argument that has to be an object of a class, of this engine. */
+/** Returns an argument; throws if it is not an object of a class and of this engine. */
 export function objectOf(Class, given, name, engine = null) {
   if (!(given instanceof Class))
     throw new CageformError(
@@ -400,16 +400,16 @@ export function objectOf(Class, given, name, engine = null) {
       `${name}: a ${Class.name} is needed`,
     );
   if (engine !== null && given._engine !== engine)
-    throw new CageformError('object_of_another_kind', `${name}: it belongs to a library that was started apart`);
+    throw new CageformError('object_of_another_kind', `${name}: it belongs to another instance of the library`);
   return given;
 }
 
 let current = null;
 
-/** Returns an array of numbers, or a copy of one in the library's memory, which may grow and move during a call. */
+/** Returns an array of numbers; copies views of the library's memory, because a call may grow and move this memory. */
 export const outside = array => (current !== null && array.buffer === current.buffer ? array.slice() : array);
 
-/** Returns the library that is started, of all functions or of those of every frame. */
+/** Returns the started library: the full one, or the one with the functions of every frame. */
 export function started(bind = false) {
   if (current === null || (bind && current.calls.cageform_bind === undefined))
     refuse(
@@ -421,18 +421,18 @@ export function started(bind = false) {
   return current;
 }
 
-/** Starts the library of a module, unless one that has its functions runs already. */
+/** Starts the library of a module, unless a library with its functions is running. */
 export async function start(source, file, bind) {
   const has = engine => engine.calls[bind ? 'cageform_bind' : 'cageform_open'] !== undefined;
   const serves = () => current !== null && !current.ended && has(current);
   if (serves()) return;
   const module = await compile(source ?? file);
-  const engine = await Engine.start(module).catch(error => refuse('init: the module does not start: ' + error.message));
-  if (!has(engine)) refuse('init: the module is another one');
+  const engine = await Engine.start(module).catch(error => refuse('init: the module cannot start: ' + error.message));
+  if (!has(engine)) refuse('init: the module lacks required functions');
   if (!serves()) current = engine;
 }
 
-/** Compiles a module: from bytes, an address, a response or its promise, or compiled already. */
+/** Returns a compiled module from bytes, an address, a response or its promise, or a compiled module. */
 async function compile(source) {
   const given = await source;
   if (given instanceof WebAssembly.Module) return given;
@@ -445,7 +445,7 @@ async function compile(source) {
 }
 async function load(address) {
   if (String(address).startsWith('file:') && typeof process !== 'undefined' && process.versions?.node) {
-    const files = 'node:fs/promises'; // not there in browsers, so that bundlers leave it alone
+    const files = 'node:fs/promises'; // in a variable, so that bundlers ignore it; browsers do not have it
     return (await import(/* webpackIgnore: true */ /* @vite-ignore */ files)).readFile(new URL(address));
   }
   const response = await fetch(address);

@@ -1,8 +1,8 @@
-// Types of the functions of every frame.
+// Types for the functions of every frame.
 
 import type { LibraryStatus, ReportNumbers } from './layout.js';
 
-/** Numbers in one row, or an array for each point. float32 and float64 arrays are read as they are. */
+/** A flat array of numbers, or an array per point. Float32Array and Float64Array are read without conversion. */
 export type Numbers =
   Float32Array | Float64Array | readonly number[] | readonly (readonly number[] | Float32Array | Float64Array)[];
 export type Indices =
@@ -10,14 +10,14 @@ export type Indices =
 export type Array32or64 = Float32Array | Float64Array;
 export type Scalar = 'float32' | 'float64';
 
-/** The name of a status; or 'argument_refused', of an argument that is no such thing as its type says. */
+/** The name of a status; or 'argument_refused' for an argument of the wrong type. */
 export type Status = LibraryStatus | 'argument_refused';
 
-/** A status that is not ok. `message` is a sentence. */
+/** A status that is not ok. `message` is the error as text. */
 export class CageformError extends Error {
   readonly name: 'CageformError';
   readonly status: Status;
-  /** The index that the status names: of a point, handle, pin, face, clip; or the tag of the part of a file. */
+  /** The index of the invalid element: a point, handle, pin, face or clip; or the tag of the invalid part of a file. */
   readonly culprit: number | string | null;
   readonly report: Report | null;
 }
@@ -27,7 +27,7 @@ export interface Element {
   readonly index: number;
 }
 
-/** A fault of a cage, or a warning; it prints itself. */
+/** An error or a warning about a cage; toString() returns it as text. */
 export class Fault {
   private constructor();
   readonly text: string;
@@ -37,22 +37,22 @@ export class Fault {
   toString(): string;
 }
 
-/** How a call went; toString() says what the call knows. */
+/** The result of a call; toString() lists the numbers that the call sets. */
 export interface Report extends ReportNumbers {
   readonly status: LibraryStatus | 'ok';
   readonly message: string;
   readonly culprit: number | null;
-  /** The first fault of the cage, or the first warning. */
+  /** The first error of the cage, or the first warning. */
   readonly fault: Fault | null;
-  /** Pins: the pose has come to rest. */
+  /** Pins: the last solve moved no handle by more than 3e-5 of the cage's size. */
   readonly settled: boolean;
   toString(): string;
 }
 
 export interface CloneOptions {
-  /** Normals, in an array that is written, or in a new one. */
+  /** Normals: true for a new array, or an array to write. */
   normals?: Array32or64 | boolean;
-  /** Tangents in space, of four numbers: the fourth is the handedness. */
+  /** 3D: tangents of four numbers; the fourth is the handedness. */
   tangents?: Array32or64 | boolean;
 }
 export interface Cloned {
@@ -63,16 +63,16 @@ export interface Cloned {
 
 declare class Owner {
   protected constructor();
-  /** Frees the memory now; else the garbage collection does. Objects made of this one stay usable. */
+  /** Frees the memory now; otherwise garbage collection frees it. Objects created from this one stay usable. */
   free(): void;
 }
 
-/** A figure that is cloned with poses of its handles: of a binding, or by open(). */
+/** A figure from a binding or from open(). Poses of its handles deform it. */
 export class Figure extends Owner {
   private constructor();
   readonly points: number;
   readonly handles: number;
-  /** Handles that are points: what clips and poseHandles() take. */
+  /** Number of handles that are points: the size of clips and of the input of poseHandles(). */
   readonly vertices: number;
   readonly dimension: 2 | 3;
   readonly scalar: Scalar;
@@ -81,27 +81,27 @@ export class Figure extends Owner {
   readonly hasNormals: boolean;
   readonly hasTangents: boolean;
   readonly hasLabels: boolean;
-  /** The place from which points, handles and clips count: dimension numbers. Add it to clones, in double precision. */
+  /** Origin of the coordinates of points, handles and clips: `dimension` numbers. Add it to clones in double precision. */
   readonly origin: readonly number[];
 
-  /** The handles at rest: a pose to start from. */
+  /** Returns the handles at rest, the initial pose. */
   rest(out?: Array32or64): Array32or64;
-  /** The labels of the handles; '' for those without. */
+  /** The labels of the handles; '' for none. */
   labels(): string[];
-  /** Opens a level of less detail, which takes the same poses. */
+  /** Opens a level of less detail, for the same poses. */
   level(level: number): Figure;
-  /** Moves the figure with a pose of all handles. At rest the points come back to the bit. `out` is written instead of a new
-   *  array; it has the figure's scalar. */
+  /** Deforms the figure by a pose of all handles. The pose at rest gives the bound points, bitwise. Writes `out`, if given,
+   *  which must have the figure's scalar. */
   clone(pose: Numbers, options?: CloneOptions & { out?: Array32or64 }): Cloned;
-  /** As clone(), without a copy: views of the library's memory. The next clone of this figure overwrites them. They end when
-   *  the memory grows or the figure is freed: after a call that makes an object or opens a file, ask anew. A view that has
-   *  ended by growth has length 0. */
+  /** As clone(), without a copy: returns views of the library's memory. The next clone of this figure overwrites them. They
+   *  become invalid when the memory grows or the figure is freed: request new views after calls that create objects or open
+   *  files. A view that is invalid after growth has length 0. */
   cloneView(pose: Numbers, options?: { normals?: boolean; tangents?: boolean }): Cloned;
-  /** The transpose of clone: gradients of a function of the points to those of the handles. */
+  /** Converts gradients with respect to the cloned points to gradients with respect to the handles: the transpose of clone. */
   gradients(ofPoints: Numbers, out?: Array32or64): Array32or64;
-  /** A pose of all handles from one of the cage's vertices; Green coordinates need it. */
+  /** Computes a pose of all handles from a pose of the cage's vertices; Green coordinates need it. */
   poseHandles(vertices: Numbers, out?: Array32or64): Array32or64;
-  /** Plays a clip, by number or name. */
+  /** Returns a clip, by index or name. */
   clip(clip: number | string): Clip;
 }
 
@@ -114,16 +114,16 @@ export class Clip extends Owner {
   readonly dimension: 2 | 3;
   readonly scalar: Scalar;
   readonly name: string | null;
-  /** The bytes that pack() takes, if compileClip() made the clip. */
+  /** The packed clip for pack(), if compileClip() made the clip. */
   readonly bytes: Uint8Array | null;
-  /** The cage's vertices at a time. */
+  /** Returns the cage's vertices at a time. */
   sample(time: number, out?: Array32or64): Array32or64;
 }
 
-/** Opens a packed figure, whose bytes are copied. */
+/** Opens a packed figure. Copies the bytes. */
 export function open(bytes: ArrayBuffer | ArrayBufferView, options?: { skipChecksum?: boolean }): Figure;
 
-/** The sources that init() takes: bytes, a compiled module, a response or its promise, or an address. */
+/** The sources of init(): bytes, a compiled module, a response or its promise, or an address. */
 export type Source = ArrayBuffer | ArrayBufferView | WebAssembly.Module | Response | URL | string;
 
 /** The version of the library. */

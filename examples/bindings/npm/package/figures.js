@@ -1,10 +1,10 @@
-// Figures and clips, which are called every frame.
+// Figures and clips: the functions of every frame.
 
 import { CageformError, MADE, NONE, Owner, aligned, refuse, scalarOf, started } from './engine.js';
 import { bytesOf, classOf, nameOf, number, options, output, points, whole } from './numbers.js';
 import { STATUSES, STRUCTS } from './layout.js';
 
-/** Reads a struct that a function fills. */
+/** Calls a function that fills a struct, and returns the struct's members. */
 export function described(engine, name, at, struct) {
   return engine.scoped(scope => {
     const its = scope.struct(struct);
@@ -13,7 +13,7 @@ export function described(engine, name, at, struct) {
   });
 }
 
-/** Calls a function that writes points: use(scope, members of the output) returns its status. */
+/** Calls use(scope, members of an output struct), which calls a function that writes points and returns its status. */
 export function written(engine, count, dimension, Kind, out, name, use) {
   return engine.scoped(scope => {
     const { members, numbers } = scope.output(count, dimension, Kind);
@@ -26,12 +26,12 @@ export function written(engine, count, dimension, Kind, out, name, use) {
 
 export class Figure extends Owner {
   #Kind = null;
-  #room = null; // where poses and clones are: structs and numbers
+  #room = null; // memory for poses and clones: structs and numbers
 
-  /** Not for callers: open(), Binding and level() make figures. */
+  /** Internal: open(), Binding and level() make figures. */
   constructor(made, engine, at, keeps = [], memory = []) {
     super();
-    if (made !== MADE) refuse('a figure is made by open() or bind()');
+    if (made !== MADE) refuse('open() and bind() make figures');
     this._adopt(engine, at, keeps, memory);
     const {
       points: count,
@@ -84,7 +84,7 @@ export class Figure extends Owner {
   level(level) {
     const { _engine: engine, _at: at } = this;
     if (whole(level, 'level') > this.levels)
-      throw new CageformError('index_out_of_bounds', `level: there are ${this.levels}`, level);
+      throw new CageformError('index_out_of_bounds', `level: the figure has ${this.levels}`, level);
     return new Figure(
       MADE,
       engine,
@@ -93,7 +93,7 @@ export class Figure extends Owner {
     );
   }
 
-  /** Takes the memory of clones, once for the figure's life: it is freed with it. */
+  /** Allocates the memory for clones, once. It is freed with the figure. */
   #prepare(vectors) {
     if (this.#room !== null && this.#room.vectors >= vectors) return this.#room;
     const { _kept: kept, dimension } = this,
@@ -144,14 +144,14 @@ export class Figure extends Owner {
     const { _engine: engine, _at: at, dimension } = this,
       Kind = this.#Kind;
     engine.ready();
-    if (tangents && dimension === 2) refuse('tangents: those of figures in space alone are cloned');
+    if (tangents && dimension === 2) refuse('tangents: only 3D figures have tangents');
     const given = points(pose, 'pose', { dimension, Kind });
     if (given.count !== this.handles)
       throw new CageformError('pose_size_differs', `pose: ${this.handles} points are needed, not ${given.count}`);
     const room = this.#prepare(tangents ? 2 : normals ? 1 : 0),
       { structs } = room;
     this.#view(room, 'pose').set(given.numbers);
-    engine.view('u32', room.start, room.template.length).set(room.template); // a function may write to structs that it is passed
+    engine.view('u32', room.start, room.template.length).set(room.template); // a function may write to structs that it receives
     engine.check(
       engine.call(
         'cageform_clone',
@@ -220,7 +220,7 @@ export class Figure extends Owner {
           to = scope.struct(4);
         engine.check(engine.call('cageform_figure_find_clip', at, scope.array(name), name.length, to));
         found = engine.view('u32', to, 1)[0];
-        if (found === NONE) throw new CageformError('index_out_of_bounds', `there is no clip '${clip}'`);
+        if (found === NONE) throw new CageformError('index_out_of_bounds', `no clip '${clip}'`);
       }
       whole(found, 'clip');
       return new Clip(MADE, engine, engine.make(scope, 'cageform_play', [at, found, 0]), [this._kept]);
@@ -232,10 +232,10 @@ export class Clip extends Owner {
   #Kind = null;
   #dimension = 0;
 
-  /** Not for callers: Figure.clip() and compileClip() make clips. */
+  /** Internal: Figure.clip() and compileClip() make clips. */
   constructor(made, engine, at, keeps = [], memory = [], bytes = null) {
     super();
-    if (made !== MADE) refuse('a clip is made by Figure.clip() or compileClip()');
+    if (made !== MADE) refuse('Figure.clip() and compileClip() make clips');
     this._adopt(engine, at, keeps, memory);
     const { begin, end, vertices, scalar, dimension, name, nameLength } = described(
       engine,
@@ -265,7 +265,7 @@ export class Clip extends Owner {
   }
 }
 
-/** Copies a file's bytes to memory at a multiple of 64. Returns their address, and that of the memory. */
+/** Copies a file's bytes to memory aligned to 64. Returns the address of the bytes and that of the allocation. */
 export function fileAt(engine, bytes) {
   const memory = engine.allocate(bytes.length + 64),
     at = aligned(memory, 64);
@@ -305,7 +305,7 @@ export function open(source, chosen) {
   );
 }
 
-/** Returns make(), and frees memory if it throws. */
+/** Returns the result of make(); frees the memory if make() throws. */
 export function orFree(engine, memory, make) {
   try {
     return make();

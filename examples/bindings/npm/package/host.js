@@ -1,6 +1,6 @@
 // The host of the WebAssembly module.
 
-/** The imports of WASI's C library: a clock, and no output; and `own` functions. `memory` returns the module's. */
+/** Returns the imports of WASI's C library (a clock and no output) and `own` functions. `memory` returns the module's memory. */
 export function wasiHost(memory, own) {
   const view = () => new DataView(memory().buffer);
   const known = {
@@ -20,7 +20,7 @@ export function wasiHost(memory, own) {
   return new Proxy(known, { get: (all, name) => all[name] ?? (() => badFile) });
 }
 
-/** Returns the imports of a module, by their groups. */
+/** Returns the imports of a module, grouped by import module. */
 export function importsOf(module, host) {
   const imports = {};
   for (const { module: group, name } of WebAssembly.Module.imports(module)) (imports[group] ??= {})[name] = host[name];

@@ -15,24 +15,24 @@ export type {
   Status,
 } from './figures.js';
 
-/** Starts the library; without an argument it finds cageform.wasm beside this file. Await it before the first call. */
+/** Starts the library; the default source is cageform.wasm next to this file. Await it before the first call. */
 export function init(source?: Source | Promise<Source>): Promise<void>;
 
-/** Is told the fraction done. Returning false cancels; what it throws is thrown by the call. It may not call the library. */
+/** Receives the completed fraction, 0 to 1. Return false to cancel. The call rethrows exceptions. Must not call the library. */
 export type Progress = (done: number) => boolean | void;
 
 declare class Owner {
-  /** Frees the memory now; else the garbage collection does. Objects made of this one stay usable. */
+  /** Frees the memory now; otherwise garbage collection frees it. Objects created from this one stay usable. */
   free(): void;
 }
 
 /** Cells inside a polygon or a mesh of triangles, for harmonic coordinates. */
 export interface CageCells {
-  /** So many of the last vertices are not on the boundary; they are handles too. */
+  /** Number of vertices at the end of `vertices` that are not on the boundary; they are handles, too. */
   cellVertices?: number;
-  /** Points (a = b) and edges inside; everything within the radius follows them. */
+  /** Vertices (a = b) and, in 3D, edges inside; everything within the radius moves with them. */
   bones?: readonly { a: number; b?: number; radius: number }[];
-  /** In the plane two ends an edge, in space three corners a triangle. */
+  /** 2D: two vertex indices per edge; 3D: three per triangle. */
   walls?: Indices;
 }
 
@@ -41,24 +41,24 @@ export class Cage {
   private constructor();
   readonly kind: 'polygon' | 'mesh' | 'curves' | 'lattice' | 'sites';
   readonly dimension: 2 | 3;
-  /** Copies of the numbers. */
+  /** Copies of the arrays. */
   readonly vertices: Array32or64 | null;
   readonly loops: Uint32Array | null;
   readonly faces: number[][] | null;
 
-  /** Loops in the plane, and how many vertices each has. */
+  /** A 2D cage of loops; `loops` has the number of vertices of each. */
   static polygon(vertices: Numbers, loops?: Indices | null, options?: CageCells): Cage;
-  /** Faces in space, counter-clockwise seen from outside: an array for each, or flat with so many `corners` each (3). Quads
-   *  may be divided; a face whose corners are farther off its plane than `offPlane` is a fan. */
+  /** A 3D cage of faces, counter-clockwise seen from outside: an array per face, or a flat array with `corners` (3) per face.
+   *  `divisions` divides quads. A face with a corner farther than `offPlane` from its plane is a fan. */
   static mesh(
     vertices: Numbers,
     faces: Indices,
     options?: CageCells & { corners?: number; divisions?: number; offPlane?: number },
   ): Cage;
-  /** Loops of Bézier curves in the plane, for Green coordinates: 2 to 4 control points an edge; and edges of each loop. */
+  /** A 2D cage of loops of Bézier curves, for Green coordinates: 2 to 4 control points per edge; `loops`: edges per loop. */
   static curves(edges: readonly Numbers[], loops?: Indices): Cage;
-  /** A box of splines: control points along each axis, a corner of the box, and its edges. Knots along each axis are points +
-   *  degree + 1 ascending numbers from 0 to 1; left out, they are uniform. */
+  /** A box of splines: control points along each axis, a corner of the box, and its edges. `knots`: along each axis points +
+   *  degree + 1 ascending numbers from 0 to 1; default: uniform. */
   static lattice(options: {
     points?: number | number[];
     origin: number[];
@@ -67,45 +67,45 @@ export class Cage {
     falloff?: number;
     knots?: readonly (Numbers | null | undefined)[];
   }): Cage;
-  /** Points without a cage, for Sibson coordinates. */
+  /** Control points without a cage, for Sibson coordinates. */
   static sites(points: Numbers, options?: { dimension?: 2 | 3 }): Cage;
 }
 
-/** The faults and warnings of a cage; none if it can serve. */
+/** Returns the errors and warnings of a cage. */
 export function check(cage: Cage): Fault[];
 
 export interface MakeCageOptions {
   /** 3 for a mesh, 2 for segments. */
   dimension?: 2 | 3;
-  /** 0: 24 in the plane, 112 in space. */
+  /** Requested number of vertices; 0: 24 in 2D, 112 in 3D. */
   vertices?: number;
-  /** A share of the figure's diagonal; 0: 0.025 in the plane, 0.02 in space. */
+  /** Relative to the figure's diagonal; 0: 0.025 in 2D, 0.02 in 3D. */
   margin?: number;
   shape?: Shape;
   mirror?: 'none' | 'x' | 'y' | 'z';
-  /** In the plane half the width of each segment. */
+  /** 2D: half the width of each segment. */
   radii?: readonly number[] | Float64Array | Float32Array;
   fillTunnels?: boolean;
   manyCages?: boolean;
   regular?: number;
   progress?: Progress;
 }
-/** Makes a cage around a figure: vertices and triangles in space, or ends and segments in the plane. It takes seconds: run it in
+/** Makes a cage around a figure: 3D vertices and triangles, or 2D ends and segments. The call takes seconds: run it in
  *  a worker. */
 export function makeCage(points: Numbers, indices: Indices, options?: MakeCageOptions): { cage: Cage; report: Report };
 
-/** The names of coordinate types, as coordinates/types.hpp lists them. */
+/** The names of coordinate types, in the order of coordinates/types.hpp. */
 export type CoordinatesKind = CoordinateType;
 
 export interface CoordinatesOptions {
-  /** Left out: mean-value; splines of a lattice, curved-green of curves, sibson of sites. */
+  /** Default: mean-value; for a lattice splines, for curves curved-green, for sites sibson. */
   kind?: CoordinatesKind;
-  /** The scalar of weights, poses and clones; float32 if it is left out. */
+  /** The scalar of weights, poses and clones; default: float32. */
   scalar?: Scalar;
-  /** Harmonic: the largest error of a weight; 0: 1e-3. */
+  /** Harmonic: maximum error of a weight; 0: 1e-3. */
   accuracy?: number;
   memoryLimit?: number;
-  /** curved-green: x, y, radius. */
+  /** curved-green: x, y and radius of a disk. */
   disk?: readonly number[];
 }
 
@@ -113,85 +113,85 @@ export interface CoordinatesOptions {
 export class Coordinates extends Owner {
   static readonly kinds: readonly CoordinatesKind[];
   constructor(cage: Cage, options?: CoordinatesOptions);
-  /** Makes coordinates of several cages over one figure, such as a body and a head; where they overlap, they are blended by depth. Mean value or
-   *  harmonic. Handles are those of the first cage, then of the next. */
+  /** Makes coordinates of several cages over one figure, such as a body and a head. Where cages overlap, weights are blended
+   *  by depth. Mean value or harmonic. The handles of the first cage come first, then those of the next. */
   static blend(cages: readonly Cage[], options?: CoordinatesOptions): Coordinates;
   readonly kind: CoordinatesKind;
   readonly scalar: Scalar;
   readonly report: Report;
-  /** Their number, vectors among them. */
+  /** Number of handles, including vectors. */
   readonly handles: number;
   readonly vertices: number;
   readonly dimension: 2 | 3;
   readonly hasWeightsOutside: boolean;
   readonly hasGradients: boolean;
   rest(out?: Array32or64): Array32or64;
-  /** Solves for harmonic functions and keeps them, so that several binds solve only once. */
+  /** Computes and stores the harmonic functions, so that several binds solve only once. */
   solve(options?: { progress?: Progress }): Report;
-  /** Binds points, and normals and tangents of as many. Bad points are listed and kept in place. */
+  /** Binds points, and normals and tangents (one per point). Points without weights are listed and do not move. */
   bind(points: Numbers, options?: BindOptions): Binding;
 }
 
 export interface BindOptions {
   normals?: Numbers;
-  /** In space, of 3 or 4 numbers. */
+  /** 3D: 3 or 4 numbers each. */
   tangents?: Numbers;
   outside?: OutsidePoints;
-  /** Outside, displacements fade to nothing at this distance; 0: they do not. */
+  /** Distance outside at which displacements reach 0; 0: no falloff. */
   falloff?: number;
   leaveLinearPrecision?: boolean;
   progress?: Progress;
 }
 
-/** A figure with all its weights. */
+/** A bound figure with all its weights. */
 export class Binding extends Owner {
   private constructor();
   readonly report: Report;
-  /** To be cloned. It keeps the weights: free() it too. */
+  /** The figure for clone(). It keeps the weights in memory: call its free(), too. */
   readonly figure: Figure;
   readonly points: number;
   readonly handles: number;
   readonly scalar: Scalar;
-  /** Points, by number. */
+  /** Point indices in ascending order. */
   readonly onBoundary: Uint32Array;
   readonly outside: Uint32Array;
   readonly notFinite: Uint32Array;
   readonly unreached: Uint32Array;
   readonly notRestored: Uint32Array;
   readonly faded: Uint32Array;
-  /** The weights of points, `handles` numbers each. */
+  /** Returns the weights of points, `handles` numbers each. */
   weights(first?: number, count?: number): Array32or64;
-  /** Labels the handles. They are packed with the figure; `figure` is then another. */
+  /** Sets one label per handle. Labels are packed with the figure. Replaces `figure` by a new one. */
   setLabels(labels: readonly (string | null)[]): void;
-  /** Packs the figure for open(), and for games. */
+  /** Packs the figure to bytes for open() and for games. */
   pack(options?: PackOptions): { bytes: Uint8Array; report: Report };
 }
 
 export interface PackOptions {
-  /** The largest distance of a point from where all weights put it; 0: no limit. */
+  /** Maximum change of a point by packing; 0: no limit. */
   tolerance?: number;
-  /** Weights below may be dropped; with tolerance and largest 0 as well, nothing is. */
+  /** Smaller weights may be dropped; if tolerance, threshold and largest are 0, none is. */
   threshold?: number;
-  /** How many weights a point keeps. */
+  /** Maximum number of weights per point; 0: all. */
   largest?: number;
-  /** The tolerance holds this far from affine poses; */
+  /** The tolerance holds for handles up to this distance from an affine pose; 0: a tenth of the cage's size. */
   reach?: number;
-  /** or in these poses, one after the other. */
+  /** Replaces `reach`: the tolerance holds in these poses, each of all handles. */
   poses?: Numbers;
   format?: WeightFormat;
   clips?: Readonly<Record<string, Clip>>;
-  /** Packed figures of less detail, of the same handles. */
+  /** Packed figures of less detail with the same handles. */
   levels?: readonly (ArrayBuffer | ArrayBufferView)[];
-  /** The place from which points, handles and clips count, for Figure.origin. */
+  /** Origin of the coordinates of points, handles and clips, stored for Figure.origin. */
   origin?: readonly number[];
   progress?: Progress;
 }
 
 export interface ClipOptions {
   dimension?: 2 | 3;
-  /** The largest error of a coordinate; 0: a thousandth of the poses' size or less. */
+  /** Maximum error of a coordinate; 0: at most a thousandth of the poses' size. */
   tolerance?: number;
-  /** The largest distance that curves in 16 bits may cost; 0: they stay exact. */
+  /** Maximum distance caused by 16-bit curves; 0: curves stay exact. */
   packTolerance?: number;
   keys?: Keys;
   before?: 'stay' | 'straight_on' | 'cycle' | 'cycle_with_offset' | 'ping_pong';
@@ -199,14 +199,14 @@ export interface ClipOptions {
   scalar?: Scalar;
   progress?: Progress;
 }
-/** Compiles poses of the cage's vertices at ascending times: all numbers in a row, or an array for each time. */
+/** Compiles poses of the cage's vertices at ascending times to a clip. Poses are a flat array, or an array per time. */
 export function compileClip(
   times: Numbers,
   poses: Numbers | readonly Numbers[],
   options?: ClipOptions,
 ): { clip: Clip; report: Report };
 
-/** Samples of the inside of a cage, by which pins move it: of coordinates that have gradients. */
+/** Samples of the interior of a cage, for Pins. The coordinates must have gradients. */
 export class Samples extends Owner {
   constructor(
     coordinates: Coordinates,
@@ -216,21 +216,21 @@ export class Samples extends Owner {
   readonly dimension: 2 | 3;
   readonly scalar: Scalar;
   readonly report: Report | null;
-  /** The bytes that openSamples() reads. */
+  /** Returns the bytes for openSamples(). */
   pack(): Uint8Array;
 }
 export function openSamples(bytes: ArrayBuffer | ArrayBufferView, options?: { skipChecksum?: boolean }): Samples;
 
-/** Moves a cage by pins on a figure, as rigidly as possible inside. */
+/** Moves a cage so that pinned points reach targets and its interior deforms as rigidly as possible. */
 export class Pins extends Owner {
   constructor(samples: Samples, options?: { pinWeight?: number; hard?: boolean; iterations?: number });
   readonly handles: number;
   readonly dimension: 2 | 3;
   readonly scalar: Scalar;
-  /** Pins points of a figure, by number, instead of those before. */
+  /** Replaces all pins by pins at points of a figure, given by index. */
   set(figure: Figure, points: Indices, options?: { weights?: readonly number[] | Float64Array }): void;
-  /** Holds handles where the pose has them. */
+  /** Replaces the set of fixed handles, which keep their positions in the pose. */
   hold(handles: Indices): void;
-  /** A frame: moves a copy of the pose towards the targets, one for each pin; again until report.settled. */
+  /** Moves a copy of the pose towards the targets, one per pin. Repeat, for instance every frame, until report.settled. */
   solve(targets: Numbers, pose: Numbers): { pose: Array32or64; report: Report };
 }

@@ -1,4 +1,4 @@
-// Everything: the run time, and what is made before it.
+// All functions: those of every frame, and those of bind time.
 
 import { start } from './engine.js';
 import { VERSION } from './layout.js';

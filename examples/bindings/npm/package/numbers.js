@@ -1,11 +1,11 @@
-// The caller's numbers, checked.
+// Checks and conversion of the caller's numbers.
 
 import { CONSTANTS } from './layout.js';
 import { CageformError, outside, refuse } from './engine.js';
 
 const isList = given => Array.isArray(given) || (ArrayBuffer.isView(given) && !(given instanceof DataView));
 
-/** Returns an array of a class, the caller's own where it is one already. */
+/** Returns an array of a class: the caller's own if it has this class, else a copy. */
 function converted(Kind, given, name) {
   if (given instanceof Kind) return given;
   try {
@@ -15,26 +15,26 @@ function converted(Kind, given, name) {
   }
 }
 
-/** Returns points { numbers, dimension, count }: of a flat array, or one of arrays. Numbers stay as they are if they are a
- *  Float32Array or a Float64Array; `Kind` asks for one of them. */
+/** Returns points { numbers, dimension, count } from a flat array or an array of arrays. Does not convert the numbers of a
+ *  Float32Array or a Float64Array; `Kind` requires one of the two. */
 export function points(given, name, { dimension, Kind = null }) {
   if (given === null || given === undefined) throw new CageformError('argument_null', `${name}: an array is needed`);
   if (!isList(given)) refuse(`${name}: an array is needed`);
   let flat = given;
   if (Array.isArray(given) && isList(given[0])) {
     if (given.some(row => !isList(row) || row.length !== dimension))
-      throw new CageformError('dimension_differs', `${name}: ${dimension} numbers a point are needed`);
+      throw new CageformError('dimension_differs', `${name}: ${dimension} numbers per point are needed`);
     flat = given.map(row => Array.from(row)).flat();
   }
   if (flat.length % dimension !== 0)
-    throw new CageformError('dimension_differs', `${name}: ${flat.length} numbers are not points of ${dimension}`);
+    throw new CageformError('dimension_differs', `${name}: ${flat.length} numbers are not a multiple of ${dimension}`);
   if (Array.isArray(flat) && flat.some(number => typeof number !== 'number')) refuse(`${name}: numbers are needed`);
   const wanted = Kind ?? (flat instanceof Float32Array ? Float32Array : Float64Array);
   const numbers = outside(converted(wanted, flat, name));
   return { numbers, dimension, count: numbers.length / dimension };
 }
 
-/** Returns one row of the numbers of arrays of arrays; each array has as many as the first beside it. */
+/** Returns the numbers of nested arrays as a flat array. Throws if the length of an array differs from its first sibling's. */
 export function flattened(given, name) {
   if (!Array.isArray(given) || !isList(given[0])) return given;
   const rows = given.map((row, k) => (isList(row) ? Array.from(flattened(row, `${name}[${k}]`)) : [row]));
@@ -48,7 +48,7 @@ export function flattened(given, name) {
   return rows.flat();
 }
 
-/** Returns the array to be written: the caller's, which has to have this size, or a new one. */
+/** Returns the array to write: the caller's, which must have this size, or a new one. */
 export function output(given, size, Kind, name) {
   if (given === undefined || given === null || given === true) return new Kind(size);
   if (!(given instanceof Kind)) throw new CageformError('scalar_differs', `${name}: a ${Kind.name} is needed`);
@@ -57,7 +57,7 @@ export function output(given, size, Kind, name) {
   return given;
 }
 
-/** Returns whole numbers of a flat array, or one of arrays. */
+/** Returns the integers of a flat array or of an array of arrays. */
 export function indices(given, name) {
   if (given instanceof Uint32Array) return given.slice();
   if (given === null || given === undefined) throw new CageformError('argument_null', `${name}: an array is needed`);
@@ -69,7 +69,7 @@ export function indices(given, name) {
 
 export function whole(given, name, from = 0) {
   if (!Number.isInteger(given) || given < from || given > 0xffffffff)
-    refuse(`${name}: a whole number from ${from} to 2^32 - 1 is needed`);
+    refuse(`${name}: an integer from ${from} to 2^32 - 1 is needed`);
   return given;
 }
 export function number(given, name) {
@@ -92,7 +92,7 @@ export function options(given, known) {
   if (given === undefined) return {};
   if (given === null || typeof given !== 'object') refuse('options: an object is needed');
   for (const name of Object.keys(given)) {
-    if (!known.includes(name)) refuse(`there is no option ${name}; there are ${known.join(', ')}`);
+    if (!known.includes(name)) refuse(`unknown option ${name}; options: ${known.join(', ')}`);
   }
   return given;
 }
@@ -109,11 +109,11 @@ export function choice(choices, chosen, name) {
 
 const SCALARS = { float32: Float32Array, float64: Float64Array };
 export const scalarClass = given => choice(SCALARS, given, 'scalar');
-/** The class of arrays that a number of the library stands for. */
+/** The array class of a scalar code of the library. */
 export const classOf = scalar => (scalar === CONSTANTS.FLOAT ? Float32Array : Float64Array);
 export const nameOf = Kind => (Kind === Float32Array ? 'float32' : 'float64');
 
-/** Returns bytes: of an ArrayBuffer, or of any view. */
+/** Returns the bytes of an ArrayBuffer or of any view. */
 export function bytesOf(given, name) {
   if (given instanceof ArrayBuffer) return new Uint8Array(given);
   if (ArrayBuffer.isView(given)) return outside(new Uint8Array(given.buffer, given.byteOffset, given.byteLength));

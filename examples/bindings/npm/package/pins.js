@@ -1,4 +1,4 @@
-// Clips that are compiled, and pins that move a cage.
+// Compiled clips, and pins.
 
 import { Coordinates, reported, taken } from './bindings.js';
 import { dimensionOf } from './cages.js';

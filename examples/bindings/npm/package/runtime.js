@@ -1,4 +1,4 @@
-// The functions of every frame: packed figures and their clips.
+// The functions of every frame: packed figures and clips.
 
 import { start } from './engine.js';
 import { open } from './figures.js';

@@ -1,4 +1,4 @@
-// Times bind and clone of 50,000 points, of what bench.py wrote: node bench.js FOLDER
+// Times bind and clone of 50,000 points with the input of bench.py: node bench.js FOLDER
 
 import { readFile } from 'node:fs/promises';
 import { Cage, Coordinates, init, open } from 'cageform';
@@ -7,7 +7,7 @@ const given = JSON.parse(await readFile(`${process.argv[2]}/bench.json`, 'utf8')
 const bytes = name => Uint8Array.from(Buffer.from(given[name], 'base64')).buffer,
   floats = name => new Float32Array(bytes(name));
 
-/** Returns the least milliseconds of a call. */
+/** Returns the minimum time of a call in ms. */
 function best(call, rounds) {
   let least = Infinity;
   for (let n = 0; n < rounds; ++n) {
@@ -40,6 +40,6 @@ const shown = [
   best(() => figure.cloneView(pose), 100),
 ].map(x => x.toFixed(3));
 console.log(
-  `${`node ${process.version}`.padEnd(36)} bind ${shown[0]} ms, clone ${shown[1]} ms, with normals ${shown[2]} ms, of a file ${shown[3]} ms, ` +
+  `${`node ${process.version}`.padEnd(36)} bind ${shown[0]} ms, clone ${shown[1]} ms, with normals ${shown[2]} ms, from a file ${shown[3]} ms, ` +
     `without a copy ${shown[4]} ms; init ${started.toFixed(0)} ms`,
 );

@@ -1,4 +1,4 @@
-"""Times bind and clone of 50,000 points by the native library, and writes the same for bench.js: python3 bench.py FOLDER"""
+"""Times bind and clone of 50,000 points with the native library, and writes the input for bench.js: python3 bench.py FOLDER"""
 
 import base64
 import json
@@ -14,7 +14,7 @@ COUNT, SIDE = 50000, 4
 
 
 def box():
-    """Returns a box whose sides are grids: 98 vertices, 192 triangles."""
+    """Returns a box with grids on its sides: 98 vertices, 192 triangles."""
     index, triangles = {}, []
     at = lambda p: index.setdefault(p, len(index))
     for axis in range(3):
@@ -32,7 +32,7 @@ def box():
 
 
 def best(call, rounds):
-    """Returns the least milliseconds of a call."""
+    """Returns the minimum time of a call in ms."""
     times = []
     for _ in range(rounds):
         start = time.perf_counter()
@@ -54,7 +54,7 @@ def main(folder):
     plain, turned = coordinates.bind(points, threads=1), coordinates.bind(points, normals=normals, threads=1)
     packed = cageform.open(plain.pack(tolerance=1e-3, threads=1)[0])
     out = np.empty_like(points)
-    print('%-36s bind %7.1f ms, clone %6.3f ms, with normals %6.3f ms, of a file %6.3f ms' % (
+    print('%-36s bind %7.1f ms, clone %6.3f ms, with normals %6.3f ms, from a file %6.3f ms' % (
         'native, one thread, %d vertices' % len(vertices), best(lambda: coordinates.bind(points, threads=1), 3),
         best(lambda: plain.figure.clone(pose, out=out), 30), best(lambda: turned.figure.clone(pose, normals=True), 10),
         best(lambda: packed.clone(pose, out=out), 30)))

@@ -1,5 +1,5 @@
-// The tests of the package, for node and for a browser: each has a name and run({ cageform, runtime, file, bytes }). `file(path)`
-// returns a file's text, `bytes(name)` those of one of the package's modules.
+// The tests of the package, for node and browsers: each has a name and run({ cageform, runtime, file, bytes }). `file(path)`
+// returns the text of a file, `bytes(name)` the bytes of a module of the package.
 
 import { hostile } from './hostile.js';
 import {
@@ -19,7 +19,7 @@ import {
   uniformly,
 } from './support.js';
 
-/** Coordinates of every type, of each cage that it takes, with points inside. */
+/** Returns coordinates of every type on every cage that it supports, with points inside. */
 function* everyType({ Cage, Coordinates, CageformError }, random) {
   for (const scalar of ['float32', 'float64']) {
     const Kind = scalar === 'float32' ? Float32Array : Float64Array,
@@ -50,7 +50,7 @@ function* everyType({ Cage, Coordinates, CageformError }, random) {
           if (!(error instanceof CageformError && known.includes(error.status))) throw error;
         }
       }
-      assert(taken > 0, `${kind} takes none of the cages`);
+      assert(taken > 0, `${kind} supports none of the cages`);
     }
   }
 }
@@ -59,7 +59,7 @@ const bytesOf64 = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
 
 export const tests = [
   {
-    name: 'a call before init() is refused with a sentence',
+    name: 'a call before init() throws an error with a message',
     before: true,
     run({ cageform }) {
       refused(cageform, 'argument_refused', () => new cageform.Coordinates(cageform.Cage.polygon(SQUARE)));
@@ -68,7 +68,7 @@ export const tests = [
   },
 
   {
-    name: 'init() refuses what is no module',
+    name: 'init() rejects invalid modules',
     before: true,
     async run({ cageform, bytes }) {
       for (const wrong of [new Uint8Array(8), 7, {}, new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0])]) {
@@ -82,14 +82,14 @@ export const tests = [
         () => null,
         given => given,
       );
-      assert(small instanceof cageform.CageformError, 'the small module has not all functions');
+      assert(small instanceof cageform.CageformError, 'the run-time module lacks the functions of bind time');
     },
   },
 
-  // The native library with portable settings (no fused multiplication) has the same arithmetic, but for functions of the C
-  // library, and the harmonic solver, which iterates.
+  // The native library with portable settings (no fused multiply-add) has the same arithmetic, except functions of the C
+  // library and the iterative harmonic solver.
   {
-    name: 'weights, clones, normals and files are those of the native library',
+    name: 'weights, clones, normals and files equal those of the native library',
     async run({ cageform, file }) {
       const { Cage, Coordinates, open } = cageform;
       for (const native of JSON.parse(await file('native.json'))) {
@@ -119,7 +119,7 @@ export const tests = [
   },
 
   {
-    name: 'weights are those of the reference data, to its accuracy',
+    name: 'weights agree with the reference data to its accuracy',
     async run({ cageform, file }) {
       const { Cage, Coordinates } = cageform;
       const cases = [
@@ -169,14 +169,14 @@ export const tests = [
             for (let i = 0; i < coordinates.handles; ++i)
               most = Math.max(most, Math.abs(weights[n * coordinates.handles + i] - expected[n][order ? order[i] : i]));
           });
-          assert(most <= bound, `${name}: a weight is off by ${most}`);
+          assert(most <= bound, `${name}: maximum error of a weight ${most}`);
         }
       }
     },
   },
 
   {
-    name: 'every type: weights sum to one, rest comes back to the bit, moves are exact',
+    name: 'every type: weights sum to one, the rest pose is bitwise exact, translations are exact',
     run({ cageform }) {
       const random = randomOf(1);
       for (const { coordinates, points, Kind } of everyType(cageform, random)) {
@@ -222,7 +222,7 @@ export const tests = [
   },
 
   {
-    name: "arrays of every layout give the same bits; out is the caller's",
+    name: "all array layouts give bitwise equal results; `out` is written and returned",
     run({ cageform }) {
       const random = randomOf(3),
         flat = uniformly(random, 300, -0.9, 0.9),
@@ -257,7 +257,7 @@ export const tests = [
   },
 
   {
-    name: 'normals and tangents at rest come back',
+    name: 'the rest pose reproduces normals and tangents',
     run({ cageform }) {
       const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
       const binding = coordinates.bind([0, 0, 0, 0.5, 0.5, 0.5], {
@@ -280,7 +280,7 @@ export const tests = [
   },
 
   {
-    name: 'a view ends when memory grows, with length 0, and the next one is right',
+    name: 'a view becomes invalid when memory grows, with length 0, and the next view is correct',
     run({ cageform }) {
       const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)),
         random = randomOf(4);
@@ -289,10 +289,10 @@ export const tests = [
       const expected = figure.clone(pose).points,
         { points: view } = figure.cloneView(pose);
       sameBits(view, expected, 'view');
-      assert(figure.cloneView(pose).points === view, 'the view is the same while memory stays');
+      assert(figure.cloneView(pose).points === view, 'the view is the same while memory does not grow');
       const held = [];
       for (let n = 0; view.length > 0 && n < 60; ++n) held.push(coordinates.bind(uniformly(random, 300000, -0.9, 0.9)));
-      equal(view.length, 0, 'length of a view that has ended');
+      equal(view.length, 0, 'length of an invalid view');
       refused(cageform, 'dimension_differs', () => coordinates.bind([1]));
       refused(cageform, 'pose_size_differs', () => figure.clone(view));
       sameBits(figure.cloneView(pose).points, expected, 'view after growth');
@@ -309,7 +309,7 @@ export const tests = [
   },
 
   {
-    name: 'keys that float32 cannot tell apart by their times',
+    name: 'keys whose times are equal in float32',
     run({ cageform }) {
       const late = 70000.5,
         times = Array.from({ length: 30 }, (x, k) => late + k / 500),
@@ -332,7 +332,7 @@ export const tests = [
         { figure: before } = binding;
       binding.setLabels(['foot', null, 'head', '']);
       binding.setLabels(['Fuß', null, 'head', '']);
-      sameBits(before.clone(before.rest()).points, points, 'a figure made before');
+      sameBits(before.clone(before.rest()).points, points, 'a figure from before setLabels()');
       const rest = Array.from(coordinates.rest()),
         taller = rest.map((x, i) => (i % 2 ? 1.5 * x : x));
       const { clip, report } = cageform.compileClip([0, 1, 2], [rest, taller, rest], { dimension: 2, after: 'cycle' });
@@ -360,7 +360,7 @@ export const tests = [
       const error = refused(cageform, 'index_out_of_bounds', () => figure.clip(7));
       assert(error.culprit === null, 'no culprit');
       for (let n = 0; n < 400; ++n) {
-        // spoilt files
+        // corrupt files
         const spoilt = bytes.slice(0, n % 2 ? undefined : random.pick(bytes.length));
         if (n % 2) spoilt[random.pick(spoilt.length)] ^= 1 << random.pick(8);
         try {
@@ -372,9 +372,9 @@ export const tests = [
           );
           continue;
         }
-        assert(spoilt.length === bytes.length, `${n}: a shorter file was opened`);
+        assert(spoilt.length === bytes.length, `${n}: a truncated file was opened`);
       }
-      const trusted = bytes.slice(); // without the checksum whatever is left may not trap
+      const trusted = bytes.slice(); // without the checksum, errors must not trap
       for (let n = 0; n < 400; ++n) {
         trusted.set(bytes);
         for (let k = 0; k < 4; ++k) trusted[random.pick(trusted.length)] = random.pick(256);
@@ -388,7 +388,7 @@ export const tests = [
   },
 
   {
-    name: 'pins reach their targets, with samples that were packed',
+    name: 'pins reach their targets, with packed samples',
     run({ cageform }) {
       const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
       const samples = new cageform.Samples(coordinates, { samples: 2000 }),
@@ -416,7 +416,7 @@ export const tests = [
   },
 
   {
-    name: 'makeCage: encloses, is told progress, is cancelled, passes exceptions on',
+    name: 'makeCage: encloses the figure, reports progress, can be cancelled, rethrows exceptions',
     run({ cageform }) {
       const told = [],
         ends = [
@@ -467,7 +467,7 @@ export const tests = [
       } catch (error) {
         caught = error;
       }
-      assert(caught === own, "the exception is the callback's");
+      assert(caught === own, 'the exception is that of the callback');
       const inside = refused(cageform, 'argument_refused', () =>
         cageform.makeCage(CUBE, TRIANGLES, {
           progress() {
@@ -535,7 +535,7 @@ export const tests = [
         refused(cageform, 'cage_self_crossing', () => Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(CROSSED)]))
           .culprit,
         1,
-        'the cage that is refused',
+        'the invalid cage',
       );
       refused(cageform, 'argument_refused', () => Coordinates.blend([]));
       refused(cageform, 'argument_null', () => Coordinates.blend([null]));
@@ -543,12 +543,12 @@ export const tests = [
   },
 
   {
-    name: 'bad points are listed and kept',
+    name: 'invalid points are listed and do not move',
     run({ cageform }) {
       const coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE));
       const binding = coordinates.bind([NaN, 1, 9, 9, 1, 1], { outside: 'keep-in-place' });
       equal(`${binding.notFinite} ${binding.outside}`, '0 1', 'lists');
-      assert(Number.isNaN(binding.figure.clone(binding.figure.rest()).points[0]), 'a point that is not finite stays');
+      assert(Number.isNaN(binding.figure.clone(binding.figure.rest()).points[0]), 'a point that is not finite does not change');
     },
   },
 
@@ -571,7 +571,7 @@ export const tests = [
       };
       freed.figure.free();
       freed.free();
-      freed.free(); // twice is once
+      freed.free(); // the second call has no effect
       no('object_of_another_kind', () => freed.weights());
       no('object_of_another_kind', () => freed.figure.clone(SQUARE));
       no('pose_size_differs', () => figure.clone([[0, 0]]));
@@ -705,7 +705,7 @@ export const tests = [
       ]) {
         const times = poses.map((row, k) => k);
         const { message } = refused(cageform, 'counts_do_not_match', () => compileClip(times, poses, { dimension: 2 }));
-        equal(message.split(': ').pop(), words, 'a row of another length');
+        equal(message.split(': ').pop(), words, 'a row of a different length');
       }
       no('object_of_another_kind', () => new Samples(figure));
       no('object_of_another_kind', () => new Pins(space));
@@ -722,7 +722,7 @@ export const tests = [
   },
 
   {
-    name: 'knots of a lattice: uniform ones change nothing, others move the points along their axis',
+    name: 'knots of a lattice: uniform knots change nothing, others move the points along their axis',
     run({ cageform }) {
       const { Cage, Coordinates } = cageform,
         rest = knots => new Coordinates(Cage.lattice({ ...BOX, points: 5, knots }), { scalar: 'float64' }).rest();
@@ -736,7 +736,7 @@ export const tests = [
   },
 
   {
-    name: 'memory that runs out is a status, and is given back',
+    name: 'running out of memory is a status, and the memory is freed',
     run({ cageform }) {
       const { Cage, Coordinates } = cageform,
         space = new Coordinates(Cage.mesh(CUBE, TRIANGLES));
@@ -752,7 +752,7 @@ export const tests = [
         assert(error.report.status === 'out_of_memory' && error.culprit === null, 'report');
         const size = fine.cloneView(pose).points.buffer.byteLength;
         grown ??= size;
-        equal(size, grown, 'memory after the first time');
+        equal(size, grown, 'memory after the first call');
       }
       refused(cageform, 'too_many_handles', () => new Coordinates(Cage.lattice({ ...BOX, points: 2000 })));
       sameBits(fine.clone(pose).points, expected, 'clone');
@@ -761,7 +761,7 @@ export const tests = [
   },
 
   {
-    name: 'free() in any order; a figure keeps what it was made of',
+    name: 'free() in any order; a figure keeps the objects that it uses',
     run({ cageform }) {
       const random = randomOf(6),
         points = uniformly(random, 30000, -0.9, 0.9);
@@ -776,7 +776,7 @@ export const tests = [
         for (let k = all.length; k > 1; --k) all.push(...all.splice(random.pick(k), 1));
         for (const object of all.slice(0, 2)) object.free();
         for (const own of all.slice(2)) {
-          if (own instanceof cageform.Figure) sameBits(own.clone(pose).points, points, 'after others went');
+          if (own instanceof cageform.Figure) sameBits(own.clone(pose).points, points, 'after other objects were freed');
         }
         if (n > 2)
           size ??=
@@ -785,14 +785,14 @@ export const tests = [
         for (const object of all) object.free();
       }
       const { figure } = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)).bind(points);
-      assert(figure.cloneView(figure.rest()).points.buffer.byteLength === size, 'memory grows though all is freed');
+      assert(figure.cloneView(figure.rest()).points.buffer.byteLength === size, 'memory grows although all objects are freed');
     },
   },
 
   { name: '10,000 hostile calls', run: context => hostile(context, 10000, 7) },
 
   {
-    name: 'the run time alone: opens, clones and plays with the same bits',
+    name: 'the run-time module opens, clones and plays with bitwise equal results',
     async run({ cageform, runtime, file }) {
       await runtime.init();
       for (const native of JSON.parse(await file('native.json'))) {

@@ -1,6 +1,6 @@
 """Runs the tests of the npm package in a headless Chromium: python3 chromium.py FOLDER
 
-FOLDER has the installed package, the tests, and data/; a server on this machine alone hands them out.
+FOLDER has the installed package, the tests, and data/. A server for this host only serves the files.
 """
 
 import functools
@@ -22,7 +22,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 def serve(folder):
-    """Returns the address of a folder's files."""
+    """Serves a folder and returns the address."""
     server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), functools.partial(Quiet, directory=folder))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     return 'http://127.0.0.1:%d' % server.server_port
@@ -42,7 +42,7 @@ def main():
         if result['fault'] is not None:
             print(result['fault'])
     for fault in faults:
-        print('the browser says: ' + fault)
+        print('browser error: ' + fault)
     failed = sum(result['fault'] is not None for result in results) + len(faults)
     print('in Chromium: %d passed, %d failed' % (len(results) - failed, failed))
     return 1 if failed or len(results) < 20 else 0

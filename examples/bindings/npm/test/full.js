@@ -1,4 +1,4 @@
-// Tests calls when all of the 4 GB are taken, in node alone: node --test full.js
+// Tests calls when all 4 GB are in use, only in node: node --test full.js
 
 import { test } from 'node:test';
 import * as cageform from 'cageform';
@@ -12,12 +12,12 @@ const harmonic = () => new Coordinates(Cage.mesh(CUBE, TRIANGLES), { kind: 'harm
 const changed = harmonic();
 const pins = new Pins(new Samples(space, { samples: 4000 }));
 const figure = space.bind(CUBE).figure;
-const wide = new Coordinates(Cage.lattice({ ...BOX, points: 15 })); // a point takes 13 kB
+const wide = new Coordinates(Cage.lattice({ ...BOX, points: 15 })); // 13 kB per point
 const lattice = wide.bind([0, 0, 0]);
 const expected = figure.clone(CUBE.map(([x, y, z]) => [2 * x, y, z])).points;
 const held = [];
 
-await test('memory runs out in every size', () => {
+await test('allocations of every size run out of memory', () => {
   for (const coordinates of [wide, space]) {
     for (let points = 1 << 16; points > 50 || (coordinates === wide && points >= 1); points >>= 1) {
       for (;;) {
@@ -31,18 +31,18 @@ await test('memory runs out in every size', () => {
     }
   }
 });
-await test('calls without memory are refused; what runs every frame goes on', () => {
+await test('calls without memory return errors; the functions of every frame still work', () => {
   sameBits(figure.clone(CUBE.map(([x, y, z]) => [2 * x, y, z])).points, expected, 'clone');
   refused(cageform, 'out_of_memory', () => harmonic().bind(CUBE));
   refused(cageform, 'out_of_memory', () => lattice.setLabels(Array(3375).fill('x'.repeat(3000))));
   refused(cageform, 'out_of_memory', () => new Samples(space));
 });
-await test('an object that was being changed is left alone', () => {
+await test('a partly modified object is never used again', () => {
   refused(cageform, 'out_of_memory', () => changed.solve());
   refused(cageform, 'object_of_another_kind', () => changed.solve());
   refused(cageform, 'object_of_another_kind', () => changed.bind(CUBE));
 });
-await test('all works again when memory is freed', () => {
+await test('all calls work again after memory is freed', () => {
   for (const binding of held) {
     binding.figure.free();
     binding.free();

@@ -1,8 +1,8 @@
-"""Writes what the native library computes, for the tests of the npm package: python3 native.py FOLDER
+"""Writes results of the native library for the tests of the npm package: python3 native.py FOLDER
 
-The Python package and its library are found by PYTHONPATH and CAGEFORM_LIBRARY. FOLDER/native.json has cages, points, weights,
-poses, clones and packed figures; small.json has some of them, and a copy of it is kept beside this file for a test without the
-native library.
+PYTHONPATH and CAGEFORM_LIBRARY locate the Python package and its library. FOLDER/native.json has cages, points, weights,
+poses, clones and packed figures. small.json has a few of them; a copy is in the repository for the test without the
+native library (small.js).
 """
 
 import base64
@@ -26,7 +26,7 @@ rng = np.random.default_rng(38)
 
 
 def cases():
-    """Yields a name, how JavaScript makes the cage, the cage, options of coordinates, a box inside."""
+    """Yields a name, the JavaScript arguments for the cage, the cage, options of coordinates, and a box inside."""
     square = ('polygon', [SQUARE]), cageform.Cage.polygon(SQUARE), (0.5, 3.5)
     star = ('polygon', [STAR[::-1]]), cageform.Cage.polygon(STAR[::-1]), (-0.2, 0.2)
     cube = ('mesh', [CUBE, TRIANGLES]), cageform.Cage.mesh(CUBE, TRIANGLES), (-0.9, 0.9)

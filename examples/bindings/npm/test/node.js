@@ -1,4 +1,4 @@
-// The tests in node: node --test node.js, in a folder where the package is installed. DATA has native.json and oracle/.
+// The tests in node: node --test node.js, in a folder with the installed package. DATA has native.json and oracle/.
 
 import { execFileSync } from 'node:child_process';
 import { readFile, writeFile } from 'node:fs/promises';
@@ -16,13 +16,13 @@ const context = {
     readFile(new URL(import.meta.resolve?.(`cageform/${name}`) ?? `./node_modules/cageform/${name}`, import.meta.url)),
 };
 for (const { name, run } of tests.filter(one => one.before)) await test(name, () => run(context));
-await test('init() starts the library, several times once', () => Promise.all([cageform.init(), cageform.init()]));
+await test('several calls of init() start the library once', () => Promise.all([cageform.init(), cageform.init()]));
 for (const { name, run } of tests.filter(one => !one.before))
   await test(name, async t => {
     const said = await run(context);
     if (said) t.diagnostic(said);
   });
-await test('the ten lines of the README print what it says', async () => {
+await test('the program of the README prints the output shown there', async () => {
   const text = await readFile('node_modules/cageform/README.md', 'utf8');
   const [, program, printed] = text.match(/```js\n([^]*?)```\n\nIt prints\n\n((?: {4}.*\n)+)/);
   await writeFile('readme.js', program);

@@ -1,5 +1,5 @@
-// Tests the run time alone, of the folder that this file is copied to: node --test small.js
-// small.json is of the native library: native.py writes it.
+// Tests the run-time module in the folder of this file: node --test small.js
+// small.json has results of the native library, written by native.py.
 
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
@@ -9,7 +9,7 @@ import { assert, randomOf, sameBits } from './support.js';
 const bytesOf = text => Uint8Array.from(Buffer.from(text, 'base64'));
 const small = JSON.parse(await readFile(new URL('small.json', import.meta.url), 'utf8'));
 
-await test('nothing works before init()', () => {
+await test('calls before init() are errors', () => {
   try {
     runtime.open(new Uint8Array(8));
   } catch (error) {
@@ -17,7 +17,7 @@ await test('nothing works before init()', () => {
   }
   throw new Error('opened');
 });
-await test('opens, clones and plays with the bits of the native library', async () => {
+await test('opens, clones and plays bitwise as the native library', async () => {
   await runtime.init();
   for (const one of small) {
     const figure = runtime.open(bytesOf(one.packedWithClip)),
@@ -27,7 +27,7 @@ await test('opens, clones and plays with the bits of the native library', async 
     figure.free();
   }
 });
-await test('2,000 spoilt files are refused, or harmless without their checksum', () => {
+await test('2,000 corrupt files are errors, and do not trap without the checksum', () => {
   const random = randomOf(9);
   let refusals = 0;
   for (let n = 0; n < 2000; ++n) {

@@ -5,7 +5,7 @@ export function assert(holds, message) {
 }
 export const equal = (a, b, what) => assert(Object.is(a, b), `${what}: ${a} is not ${b}`);
 
-/** The largest difference of numbers. */
+/** Returns the largest difference of numbers. */
 export function difference(a, b) {
   equal(a.length, b.length, 'lengths');
   let most = 0;
@@ -15,22 +15,22 @@ export function difference(a, b) {
   return most;
 }
 export const sameBits = (a, b, what) =>
-  assert(a.length === b.length && a.every((x, i) => Object.is(x, b[i]) || x === b[i]), `${what}: other bits`);
+  assert(a.length === b.length && a.every((x, i) => Object.is(x, b[i]) || x === b[i]), `${what}: not bitwise equal`);
 
-/** Returns the CageformError, of a status, that a call has to throw. */
+/** Returns the CageformError of a call, which must throw one with the given status. */
 export function refused(cageform, status, call) {
   try {
     call();
   } catch (error) {
     assert(error instanceof cageform.CageformError, `${status}: not a CageformError but ${error?.stack}`);
     equal(error.status, status, `${error.message} (${call})`);
-    assert(error.message.length > 5, `${status}: no sentence`);
+    assert(error.message.length > 5, `${status}: no message`);
     return error;
   }
-  throw new Error(`${call} was not refused`);
+  throw new Error(`${call} did not throw`);
 }
 
-/** Random numbers of a seed (Vigna's splitmix in 32 bits). */
+/** Returns a generator of random numbers from a seed (Vigna's splitmix in 32 bits). */
 export function randomOf(seed) {
   let state = seed >>> 0;
   const next = () => {

@@ -1,4 +1,4 @@
-// Makes a cage on a thread of its own.
+// Makes a cage in a worker.
 
 import { init, makeCage } from '/node_modules/cageform/index.js';
 

@@ -1,11 +1,11 @@
-// Binds the character and packs it with its dance, in node: node bind.js FOLDER OUT
-// FOLDER has character.obj, its cage and its clip (make_character writes them). OUT/character.figure is what the page opens;
-// OUT/character.json has the faces, and what the page has to come to at a time, for the test.
+// Binds the character and packs it with its dance: node bind.js FOLDER OUT
+// FOLDER has character.obj, its cage and its clip (make_character writes them). The page opens OUT/character.figure.
+// OUT/character.json has the faces and, for the test, the points that the page must compute at one time.
 
 import { readFile, writeFile } from 'node:fs/promises';
 import { Cage, Coordinates, compileClip, init, open } from 'cageform';
 
-/** Returns vertices and triangles of an OBJ text. */
+/** Returns the vertices and triangles of an OBJ text. */
 function parse(text) {
   const rows = text.split('\n').map(line => line.split(' '));
   const vertices = rows.filter(([word]) => word === 'v').flatMap(row => row.slice(1, 4).map(Number));
@@ -15,7 +15,7 @@ function parse(text) {
   return { vertices: Float32Array.from(vertices), faces };
 }
 
-/** Returns normals of vertices: means of the faces' normals, weighted by area. */
+/** Returns vertex normals: means of the face normals, weighted by area. */
 function normalsOf({ vertices, faces }) {
   const normals = new Float32Array(vertices.length),
     at = i => vertices.subarray(3 * i, 3 * i + 3);
@@ -36,7 +36,7 @@ function normalsOf({ vertices, faces }) {
   return normals;
 }
 
-/** Returns times and poses of a clip; the first pose ends it again. */
+/** Returns the times and poses of a clip; the last pose repeats the first. */
 function parseClip(text) {
   const times = [],
     poses = [];
@@ -67,7 +67,7 @@ console.log(`${binding.points} points bound in ${Math.round(performance.now() - 
 const { times, poses } = parseClip(await file('character_clip.csv'));
 const { clip } = compileClip(times, poses, { after: 'cycle', packTolerance: 1e-4 });
 const { bytes, report } = binding.pack({ tolerance: 5e-3, clips: { dance: clip } });
-console.log(`${bytes.length} bytes, ${report.distance.toPrecision(2)} off at most`);
+console.log(`${bytes.length} bytes, maximum error ${report.distance.toPrecision(2)}`);
 await writeFile(`${out}/character.figure`, bytes);
 
 const figure = open(bytes),

@@ -1,4 +1,4 @@
-// A character that is cloned from its cage in each frame, drawn by three.js. #0.6 in the address stops at that time.
+// A character, cloned from its cage every frame and drawn by three.js. #0.6 in the address shows only the time 0.6.
 
 import {
   AmbientLight,
@@ -23,7 +23,7 @@ const figure = open(await bytesOf('character.figure')),
   dance = figure.clip('dance');
 const { faces, cageFaces } = await (await fetch('character.json')).json();
 
-/** A geometry whose positions are written anew in each frame. */
+/** A geometry whose positions change every frame. */
 function geometryOf(count, indices) {
   const geometry = new BufferGeometry();
   for (const name of ['position', 'normal'])
@@ -35,10 +35,10 @@ const body = geometryOf(figure.points, faces),
   { position, normal } = body.attributes;
 const pose = figure.rest(),
   cage = new BufferGeometry();
-cage.setAttribute('position', new BufferAttribute(pose, 3)); // what a clip writes is what is drawn
+cage.setAttribute('position', new BufferAttribute(pose, 3)); // the clip writes directly into the drawn positions
 cage.setIndex(cageFaces);
 
-/** Sets the pose, the points and their normals of a time. */
+/** Computes the pose, the points and their normals at a time. */
 function show(time) {
   dance.sample(time, pose);
   figure.clone(pose, { out: position.array, normals: normal.array });
@@ -52,7 +52,7 @@ const light = new DirectionalLight(0xffffff, 2.5);
 light.position.set(2, 4, 5);
 const skin = new Mesh(body, new MeshStandardMaterial({ color: 0xd9824a, roughness: 0.6 }));
 const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x2266aa }));
-skin.frustumCulled = lines.frustumCulled = false; // bounds are of the first frame
+skin.frustumCulled = lines.frustumCulled = false; // bounds are those of the first frame
 scene.add(new AmbientLight(0xffffff, 1), light, skin, lines);
 camera.position.set(2.2, 1.4, 5.2);
 camera.lookAt(0, 0.95, 0);
@@ -80,7 +80,7 @@ function draw(now) {
   lines.geometry = new EdgesGeometry(cage, 1);
   renderer.render(scene, camera);
   if (frames % 30 === 0)
-    document.getElementById('says').textContent = `${figure.points} points, ${(spent / frames).toFixed(2)} ms a frame`;
+    document.getElementById('says').textContent = `${figure.points} points, ${(spent / frames).toFixed(2)} ms per frame`;
   window.drawn = {
     frames,
     milliseconds: spent / frames,

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Usage: sh examples/bindings/npm/three/run.sh [--serve]
-# Installs three.js from npm's registry, which needs a network, and the package of ../run.sh; binds the project's character in
-# node; opens the page in a headless Chromium, checks what it shows, and writes out/npm_three_*.png.
-#   --serve   hands the page out for a browser instead, until it is stopped
-# This test is apart from those of the package, which need no network.
+# Installs three.js from npm's registry (needs a network) and the package of ../run.sh, and binds the sample character in
+# node. Opens the page in a headless Chromium, checks the points and pictures, and writes out/npm_three_*.png.
+#   --serve   serves the page for a browser instead, until it is stopped
+# The package's own tests do not include this script, because they need no network.
 set -eu
 cd "$(dirname "$0")/../../../.."
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp)

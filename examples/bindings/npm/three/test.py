@@ -31,11 +31,11 @@ def main(folder, pictures, *options):
         faults = browser.faults()
     finally:
         browser.close()
-    assert points == expected['points'], 'the page and node come to other points'
+    assert points == expected['points'], 'the points of the page differ from those of node'
     assert not faults, faults
     shots = {(pathlib.Path(pictures) / ('npm_three_%g.png' % stop)).read_bytes() for stop in (0, expected['time'], 1.5)}
-    assert len(shots) == 3, 'the pictures do not differ'
-    print('three.js: %d points as in node, to the bit; %.2f ms a frame for clip, clone and normals' % (len(points) // 3, each))
+    assert len(shots) == 3, 'the pictures are equal'
+    print('three.js: %d points bitwise as in node; %.2f ms per frame for clip, clone and normals' % (len(points) // 3, each))
 
 
 main(*sys.argv[1:])

@@ -1,4 +1,4 @@
-"""The wheel holds the shared library: one for each platform, and for any Python 3."""
+"""The wheel contains the shared library: one wheel per platform, for any Python 3."""
 
 import pathlib
 import re
@@ -12,7 +12,7 @@ except ImportError:
 
 
 def tag(platform):
-    """The platform that wheels are named after: for Linux, the glibc that the library needs."""
+    """Returns the platform in the wheel's name; for Linux it contains the glibc version that the library needs."""
     library = pathlib.Path('cageform/libcageform.so')
     if not platform.startswith('linux_') or not library.exists():
         return platform

@@ -1,4 +1,4 @@
-"""A clip: three poses at three times become curves, are packed with the figure into a file, and are played from there."""
+"""A clip: three poses at three times become curves. Packs them with the figure into a file, and plays the file."""
 
 import tempfile
 
@@ -18,4 +18,4 @@ with tempfile.NamedTemporaryFile(suffix='.cage') as file:
     played = figure.clip('lean')
     for time in (0, 0.5, 1, 2.5):
         moved = figure.clone(played.sample(time))
-        print('%.1f s: the middle is at %.2f, %.2f' % (time, *moved.mean(axis=0)))
+        print('%.1f s: mean position %.2f, %.2f' % (time, *moved.mean(axis=0)))

@@ -11,7 +11,7 @@ figure = cageform.Coordinates(cageform.Cage.polygon(ring)).bind(rng.uniform((-1,
 hidden = ring + 0.3 * rng.normal(size=ring.shape).cumsum(axis=0) / 5
 targets = figure.clone(hidden)
 
-# Conjugate gradients of the sum of squares, which is quadratic in the pose.
+# Conjugate gradients for the sum of squares, which is quadratic in the pose.
 pose = figure.rest()
 gradient = -figure.gradients(figure.clone(pose) - targets)
 direction = gradient

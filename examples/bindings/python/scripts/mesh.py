@@ -30,13 +30,13 @@ def main(model, folder, vertices=60):
     points, faces = read_obj(model)
     triangles = np.array([(face[0], a, b) for face in faces for a, b in zip(face[1:], face[2:])])
     cage, made = cageform.make_cage(points, triangles, vertices=int(vertices))
-    print('the cage: %d vertices, %.3g from the figure' % (made.vertices, made.clearance))
+    print('cage: %d vertices, distance from the figure %.3g' % (made.vertices, made.clearance))
     coordinates = cageform.Coordinates(cage, dtype=np.float32)
     binding = coordinates.bind(points)
     print(binding.report)
     pose = cage.vertices.copy()
     low, high = pose[:, 1].min(), pose[:, 1].max()
-    pose[:, 0] += 0.3 * (high - low) * ((pose[:, 1] - low) / (high - low)) ** 2  # the higher, the farther
+    pose[:, 0] += 0.3 * (high - low) * ((pose[:, 1] - low) / (high - low)) ** 2  # displacement grows with the height
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     write_obj(folder / 'cage.obj', pose, cage.faces)

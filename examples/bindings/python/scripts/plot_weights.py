@@ -1,4 +1,4 @@
-"""Plots the weight of a cage's vertex, by two types of coordinates: python3 plot_weights.py OUT.png (matplotlib)"""
+"""Plots the weight of a cage vertex for two coordinate types: python3 plot_weights.py OUT.png (needs matplotlib)"""
 
 import sys
 

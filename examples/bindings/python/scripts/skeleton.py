@@ -1,4 +1,4 @@
-"""Fits a skeleton to a sequence of meshes: an arm that bends at its elbow and turns its hand becomes bones for an engine."""
+"""Fits a skeleton for an engine to a sequence of meshes: an arm that bends its elbow and twists its wrist."""
 
 import numpy as np
 
@@ -24,10 +24,10 @@ def posed(phase):
 
 frames = np.array([posed(phase) for phase in np.linspace(0, 2 * np.pi, 25)])
 skeleton, report = cageform.fit_skeleton(rest, frames, faces, max_distance=0.01)
-print('%d bones, off by %.2f %% of the size at most' % (report.bones, 100 * report.max_distance))
-print('the report is right:', np.isclose(np.linalg.norm(skeleton.places(rest) - frames, axis=2).max(),
+print('%d bones, maximum error %.2f %% of the size' % (report.bones, 100 * report.max_distance))
+print('the report agrees:', np.isclose(np.linalg.norm(skeleton.places(rest) - frames, axis=2).max(),
                                          report.max_distance * np.linalg.norm(np.ptp(rest, axis=0))))
 translations, rotations, scales, axes = skeleton.transforms()
 for bone, (parent, joint) in enumerate(zip(skeleton.parents, skeleton.joints)):
     turn = np.degrees(2 * np.arccos(np.abs(rotations[:, bone, 3]).clip(0, 1))).max()
-    print('bone %d: its parent is %d, its joint at x = %.1f; it turns by up to %.0f degrees' % (bone, parent, joint[0], turn))
+    print('bone %d: parent %d, joint at x = %.1f, rotation up to %.0f degrees' % (bone, parent, joint[0], turn))

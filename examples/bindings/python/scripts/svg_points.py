@@ -1,7 +1,7 @@
 """Moves the points of an SVG with a cage: python3 svg_points.py FIGURE.svg CAGE.svg POSE.svg OUT.svg
 
-Points of polygons and polylines are moved, and all coordinates of paths of absolute M, L, C and Z, so that curves stay
-curves. deform_svg reads every SVG, and divides lines and curves where they bend.
+Moves points of polygons and polylines, and all coordinates of paths with absolute M, L, C and Z, so that curves stay
+curves. deform_svg supports all of SVG, and subdivides lines and curves where they bend.
 """
 
 import re
@@ -16,7 +16,7 @@ NUMBER = r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?'
 
 
 def text_of(element):
-    """The name and the text of the attribute that holds an element's points, if it has one."""
+    """Returns the name and the text of the attribute with an element's points; the text is None if it has none."""
     name = 'd' if element.tag.endswith('}path') else 'points'
     return name, element.get(name)
 
@@ -24,16 +24,16 @@ def text_of(element):
 def points_of(element):
     name, text = text_of(element)
     if name == 'd' and re.search(r'[a-df-zHVSQTA]', text):
-        raise SystemExit('only absolute M, L, C and Z are read here: use deform_svg')
+        raise SystemExit('only absolute M, L, C and Z are supported here: use deform_svg')
     return np.array([float(number) for number in re.findall(NUMBER, text)]).reshape(-1, 2)
 
 
 def cage_of(path):
-    """The first polygon or path of a file."""
+    """Returns the first polygon or path of a file."""
     for element in ET.parse(path).iter():
         if text_of(element)[1]:
             return points_of(element)
-    raise SystemExit('%s holds no polygon and no path' % path)
+    raise SystemExit('%s contains no polygon and no path' % path)
 
 
 def main(figure, cage, pose, out):

@@ -1,8 +1,8 @@
-"""Cageform in Blender: a mesh is bound to a cage, and follows it while the cage is edited, keyed, posed or pulled by pins."""
+"""Cageform in Blender: a bound mesh follows its cage while the cage is edited, keyed, posed or moved by pins."""
 
 bl_info = {
     'name': 'Cageform',
-    'description': 'Moves a mesh by a cage around it, and the cage by pins on the mesh',
+    'description': 'Deforms a mesh with a cage around it; pins on the mesh move the cage',
     'author': 'the cageform project',
     'version': (0, 2, 0),
     'blender': (3, 4, 0),

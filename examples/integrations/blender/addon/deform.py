@@ -1,4 +1,4 @@
-"""A bound mesh: its weights, kept as bytes in the .blend and opened once, and the shape key that follows the cage."""
+"""A bound mesh: its weights, stored as bytes in the .blend file, and the shape key that follows the cage."""
 
 import ctypes
 import uuid
@@ -8,9 +8,9 @@ import numpy as np
 
 from . import library
 
-NAME = 'Cageform'  # of shape keys and constraints
+NAME = 'Cageform'  # name of shape keys and constraints
 
-_figures = {}  # a stamp: the Figure that was opened
+_figures = {}  # from the stamp of a binding to its opened Figure
 
 
 def forget():
@@ -18,14 +18,14 @@ def forget():
 
 
 def bindings():
-    """All bindings of the file, quickly also where thousands of objects have none."""
-    by_name = bpy.app.version < (5, 0)  # later versions keep properties of add-ons apart from custom properties
+    """Returns all bindings of the file; fast for thousands of objects without bindings."""
+    by_name = bpy.app.version < (5, 0)  # later versions separate properties of add-ons from custom properties
     return [binding for item in bpy.data.objects if ('cageform' in item if by_name else item.type == 'MESH')
             for binding in item.cageform.bindings]
 
 
 def is_in_scene(item):
-    """Whether an object is there. One that was deleted is kept as long as a property points to it."""
+    """Whether an object is in the scene. A property that refers to a deleted object keeps the object in the file."""
     return item is not None and item.name in bpy.context.scene.objects
 
 
@@ -36,8 +36,8 @@ def settings_of(binding):
 
 
 def keep(binding, packed, bound, placed):
-    """Keeps weights, and how they were made, in a hidden text that duplicates of the object share. Blender copies custom
-    properties of objects in every frame; those of a text it leaves alone."""
+    """Stores weights and their settings in a hidden text that duplicates of the object share. Blender copies custom
+    properties of objects in every frame, but not those of texts."""
     drop(binding)
     binding.data = data = bpy.data.texts.new('.' + NAME)
     data.use_fake_user = False
@@ -60,7 +60,7 @@ def settings_as_bound(binding):
 
 
 def figure_of(binding):
-    """The figure of a binding, opened the first time; None if it is not bound."""
+    """Returns the figure of a binding; None if it is not bound. The first call opens the figure."""
     if binding.data is None:
         return None
     stamp = binding.data['stamp']
@@ -93,7 +93,7 @@ def write_key(key, points):
     if hasattr(key, 'points'):  # since Blender 4.1
         key.points.foreach_set('co', numbers)
         return
-    # Before, foreach_set calls a function for every vertex: 7 ms for 50,000. The numbers lie one after the other.
+    # In earlier versions foreach_set calls a function per vertex: 7 ms for 50,000. The numbers are contiguous.
     count, first = len(key.data), key.data[0].as_pointer() if len(key.data) else 0
     if count > 1 and 3 * count == len(numbers) and key.data[count - 1].as_pointer() == first + 12 * (count - 1):
         ctypes.memmove(first, numbers.ctypes.data, numbers.nbytes)
@@ -108,7 +108,7 @@ def rest_positions(item):
 
 
 def shown_positions(item, depsgraph):
-    """The vertices of an object as it is shown, by shape keys and modifiers, also in edit mode."""
+    """The vertices of an object as shown, with shape keys and modifiers, also in edit mode."""
     evaluated = item.evaluated_get(depsgraph)
     points = positions(evaluated.to_mesh())
     evaluated.to_mesh_clear()
@@ -116,29 +116,29 @@ def shown_positions(item, depsgraph):
 
 
 def moved(points, matrix):
-    """Points by a matrix (4, 4), in the points' scalar."""
+    """Returns points transformed by a matrix (4, 4), in the scalar of the points."""
     matrix = np.array(matrix, dtype=points.dtype)
-    return np.einsum('ij,kj->ik', points, matrix[:3, :3]) + matrix[:3, 3]  # faster than a product, which starts threads
+    return np.einsum('ij,kj->ik', points, matrix[:3, :3]) + matrix[:3, 3]  # faster than a matrix product, which starts threads
 
 
 # ---- spaces ------------------------------------------------------------------------------------------------------------
-# Weights are made in the space of the cage as it is scaled and turned when it is bound, so that all meshes of a cage have the
-# same: where their parts meet they move alike.
+# Weights are computed in the space of the cage, scaled and rotated as at the bind. All meshes of a cage therefore share one
+# space, and seams between them stay closed.
 
 def place(binding):
-    """The matrices (4, 4) to the space of a new binding, from that of the cage and that of the mesh."""
+    """Returns the matrices (4, 4) from the spaces of the cage and of the mesh to the space of a new binding."""
     cage, figure = binding.cage.matrix_world, binding.id_data.matrix_world
     turned = cage.to_3x3().to_4x4()
     return np.array(turned), np.array(turned @ cage.inverted() @ figure)
 
 
 def matrix_of(binding, name):
-    """A matrix as it was when the mesh was bound: 'from_cage', 'from_mesh', or its inverse 'to_mesh'."""
+    """Returns a matrix of the time of the bind: 'from_cage', 'from_mesh', or 'to_mesh', the inverse of 'from_mesh'."""
     return np.reshape(binding.data[name], (4, 4))
 
 
 def bound_from_cage(binding, depsgraph):
-    """The matrix from the space of the cage to that of a binding, as the objects are now."""
+    """Returns the current matrix from the space of the cage to that of a binding."""
     cage, figure = binding.cage.evaluated_get(depsgraph), binding.id_data.evaluated_get(depsgraph)
     return matrix_of(binding, 'from_mesh') @ np.array(figure.matrix_world.inverted_safe() @ cage.matrix_world)
 
@@ -146,7 +146,7 @@ def bound_from_cage(binding, depsgraph):
 # ---- cages -------------------------------------------------------------------------------------------------------------
 
 def cage_of(points, mesh, is_mirrored=False):
-    """A cage of the library, with the faces of a mesh; outside stays outside if the points are mirrored."""
+    """Returns a cage of the library with the faces of a mesh. Reverses the faces if the points are mirrored."""
     faces = [list(polygon.vertices)[::-1 if is_mirrored else 1] for polygon in mesh.polygons]
     return library.Cage.mesh(points, faces, off_plane=1e-6 * float(np.ptp(points, axis=0).max()) if len(points) else 0)
 
@@ -156,7 +156,7 @@ def coordinates_of(cage, kind, accuracy):
 
 
 def coordinates_as_bound(binding):
-    """The coordinates of a binding, made again of the cage at rest as it was bound."""
+    """Creates the coordinates of a binding again, from the cage at rest as it was bound."""
     settings, mirrored = settings_as_bound(binding), np.linalg.det(matrix_of(binding, 'from_cage')) < 0
     rest = figure_of(binding).rest()[:len(binding.cage.data.vertices)]
     return coordinates_of(cage_of(rest, binding.cage.data, mirrored), settings['kind'], settings['accuracy'])
@@ -165,7 +165,7 @@ def coordinates_as_bound(binding):
 # ---- the shape key -----------------------------------------------------------------------------------------------------
 
 def add_key(item, name):
-    """Adds a shape key that shows, and returns it."""
+    """Adds a visible shape key and returns it."""
     if item.data.shape_keys is None:
         item.shape_key_add(name='Basis', from_mix=False)
     key = item.shape_key_add(name=name, from_mix=False)
@@ -179,7 +179,7 @@ def find_key(item, name):
 
 
 def key_of(binding):
-    """The shape key that a binding writes; None if there is none."""
+    """Returns the shape key that a binding writes; None if there is none."""
     return find_key(binding.id_data, binding.key)
 
 
@@ -188,8 +188,8 @@ def constraint_of(binding):
 
 
 def depend(binding):
-    """Tells Blender that the mesh needs the cage, by a constraint that is off: else it leaves out a cage that is hidden in the
-    viewport or in renders. The name of a vertex group, of any, says that it is the vertices that are needed."""
+    """Adds a disabled constraint, which tells Blender that the mesh depends on the cage. Without it Blender does not evaluate
+    cages that are hidden in the viewport or in renders. Any vertex group name makes the vertices the dependency."""
     constraint, parent = constraint_of(binding), binding.cage
     while parent is not None and parent != binding.id_data:
         parent = parent.parent
@@ -199,7 +199,7 @@ def depend(binding):
 
 
 def attach(binding):
-    """Adds what follows the cage, the shape key and the constraint, unless they are there."""
+    """Adds the shape key and the constraint, if they are missing."""
     if key_of(binding) is None:
         binding.key = add_key(binding.id_data, NAME).name
     if constraint_of(binding) is None:
@@ -221,7 +221,7 @@ def detach(binding):
 # ---- following ---------------------------------------------------------------------------------------------------------
 
 def problem(binding, figure):
-    """Why a mesh cannot follow its cage, as a sentence; '' if it can."""
+    """Returns why a mesh cannot follow its cage, as a sentence; '' if it can."""
     mesh, cage = binding.id_data.data, binding.cage
     if not is_in_scene(cage):
         return 'The cage is gone: undo, or choose another cage and bind again.'
@@ -238,32 +238,32 @@ def problem(binding, figure):
 
 
 def sentence(error):
-    """An error of the library as a sentence."""
+    """Returns an error of the library as a sentence."""
     text = str(error)
     return text[:1].upper() + text[1:] + '.'
 
 
 def say(binding, fault):
-    """Shows a fault in the panel; '' takes it away."""
+    """Shows a fault in the panel; '' removes it."""
     if binding.fault != fault:
         binding.fault = fault
 
 
 def cage_positions(binding, depsgraph):
-    """Returns the vertices of the cage as it is shown, in its own space, and a sentence if modifiers change their number."""
+    """Returns the vertices of the cage as shown, in its own space, and a sentence if modifiers change their number."""
     points, bound = shown_positions(binding.cage, depsgraph), figure_of(binding).vertices
     if len(points) == bound:
         return points, ''
-    return None, 'The cage has %d vertices by its modifiers and %d without: turn these modifiers off.' % (len(points), bound)
+    return None, 'The cage has %d vertices with its modifiers and %d without: turn these modifiers off.' % (len(points), bound)
 
 
 def was_edited(binding):
-    """Whether vertices of the mesh were moved since it was bound."""
+    """Whether vertices of the mesh were moved after the bind."""
     figure = figure_of(binding)
     now, bound = moved(rest_positions(binding.id_data), matrix_of(binding, 'from_mesh')), figure.clone(figure.rest())
     return bool(np.abs(now - bound).max() > 1e-5 * np.ptp(bound, axis=0).max())
 
 
 def clone(figure, vertices):
-    """The points of a figure for a pose of the cage's vertices, in the space of the binding."""
+    """Returns the points of a figure for a pose of the cage's vertices, in the space of the binding."""
     return figure.clone(figure.pose_handles(vertices) if figure.handles != figure.vertices else vertices)

@@ -1,4 +1,4 @@
-"""The operators that write the motion: into shape keys, glTF, and packed figures for games."""
+"""The operators that write the motion to shape keys, glTF files, and packed figures for games."""
 
 import os
 
@@ -8,11 +8,11 @@ import numpy as np
 from . import deform, library
 from .operators import active_binding, is_bound, to_object_mode
 
-BAKED = 'Cageform frame '  # names of the shape keys of a bake begin so
+BAKED = 'Cageform frame '  # prefix of the names of baked shape keys
 
 
 def keys_of(figure):
-    """The shape keys of a mesh that follow cages."""
+    """Returns the shape keys of a mesh that follow cages."""
     keys = [deform.key_of(binding) for binding in figure.cageform.bindings]
     return [key for key in keys if key is not None]
 
@@ -23,7 +23,7 @@ def frames_of(scene, step):
 
 
 def record(figure, scene, frames):
-    """The vertices of a mesh by its cages alone, frame by frame: a list of (#vertices, 3)."""
+    """Returns the vertices of a mesh, deformed only by its cages, in each frame: a list of (#vertices, 3)."""
     current, rest, recorded = scene.frame_current, deform.rest_positions(figure), []
     for frame in frames:
         scene.frame_set(frame)
@@ -33,7 +33,7 @@ def record(figure, scene, frames):
 
 
 def bake(figure, frames, recorded):
-    """Adds a shape key for each frame, whose value is 1 at this frame and 0 at the frames beside it."""
+    """Adds a shape key per frame, with value 1 at this frame and 0 at the neighbouring frames."""
     for index, (frame, points) in enumerate(zip(frames, recorded)):
         key = figure.shape_key_add(name='%s%d' % (BAKED, frame), from_mix=False)
         deform.write_key(key, points)
@@ -46,14 +46,14 @@ def bake(figure, frames, recorded):
 
 
 def curve_of(key):
-    """The keyframes of a shape key's value; None if there are none."""
+    """Returns the keyframes of a shape key's value; None if there are none."""
     path, animated = key.path_from_id('value'), key.id_data.animation_data
     curves = animated.action.fcurves if animated is not None and animated.action is not None else ()
     return next((curve for curve in curves if curve.data_path == path), None)
 
 
 def remove_bake(figure):
-    """Removes the shape keys of an earlier bake, with their keyframes, and shows those that follow cages."""
+    """Removes the shape keys of an earlier bake with their keyframes, and unmutes those that follow cages."""
     for key in [key for key in figure.data.shape_keys.key_blocks if key.name.startswith(BAKED)]:
         curve = curve_of(key)
         if curve is not None:
@@ -67,7 +67,7 @@ class Motion:
     """An operator that records the frames of the scene."""
 
     step: bpy.props.IntProperty(name='Frame Step', default=4, min=1,
-                                description='Frames from a shape key to the next; between them the mesh goes straight')
+                                description='Number of frames between shape keys; in between, vertices move linearly')
 
     @classmethod
     def poll(cls, context):
@@ -75,7 +75,7 @@ class Motion:
 
 
 class Bake(Motion, bpy.types.Operator):
-    """Adds shape keys with the motion, so that the file plays without this add-on"""
+    """Writes the motion to shape keys, so that the file plays without this add-on"""
     bl_idname = 'cageform.bake'
     bl_label = 'Bake to Shape Keys'
     bl_options = {'REGISTER', 'UNDO'}
@@ -89,20 +89,20 @@ class Bake(Motion, bpy.types.Operator):
         bake(figure, frames, record(figure, context.scene, frames))
         for key in keys_of(figure):
             key.mute = True
-        self.report({'INFO'}, 'Baked %d shape keys. The one that follows the cage is muted' % len(frames))
+        self.report({'INFO'}, 'Baked %d shape keys. The shape key that follows the cage is muted' % len(frames))
         return {'FINISHED'}
 
 
 def export_gltf(path):
-    """Exports what is selected, with one animation."""
-    one = {'export_nla_strips': False, 'export_animation_mode': 'ACTIVE_ACTIONS'}  # until 3.5, and since 3.6
+    """Exports the selection with one animation."""
+    one = {'export_nla_strips': False, 'export_animation_mode': 'ACTIVE_ACTIONS'}  # up to 3.5; from 3.6
     known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
     bpy.ops.export_scene.gltf(filepath=path, export_format='GLB', use_selection=True, export_morph=True,
                               export_animations=True, **{name: value for name, value in one.items() if name in known})
 
 
 class WriteGltf(Motion, bpy.types.Operator):
-    """Writes the mesh as glTF, with its motion as shape keys, by Blender's own exporter"""
+    """Writes the mesh as glTF, with its motion as shape keys, using Blender's exporter"""
     bl_idname = 'cageform.write_gltf'
     bl_label = 'Export glTF'
 
@@ -128,7 +128,7 @@ class WriteGltf(Motion, bpy.types.Operator):
         copy.constraints.clear()
         copy.shape_key_clear()
         copy.shape_key_add(name='Basis', from_mix=False)
-        figure.name, copy.name = name + ' bound', name  # the file has the name of the mesh
+        figure.name, copy.name = name + ' bound', name  # the name of the mesh in the file
         context.collection.objects.link(copy)
         bake(copy, frames, recorded)
         for item in selected:
@@ -150,7 +150,7 @@ class WriteGltf(Motion, bpy.types.Operator):
 
 
 def write_whole(path, numbers):
-    """Writes an array to a file, or leaves what was there."""
+    """Writes an array to a file; after an error the previous file is unchanged."""
     beside = path + '.part'
     try:
         numbers.tofile(beside)
@@ -168,8 +168,8 @@ class WriteFigure(bpy.types.Operator):
     filepath: bpy.props.StringProperty(subtype='FILE_PATH')
     filter_glob: bpy.props.StringProperty(default='*.figure', options={'HIDDEN'})
     loss: bpy.props.FloatProperty(name='Loss', default=1e-3, min=0, precision=4,
-                                  description='The largest distance that packing may move a vertex, as a share of the size')
-    clip: bpy.props.BoolProperty(name='Motion', default=True, description='Writes the frames of the scene as a clip')
+                                  description='Maximum change of a vertex by packing, relative to the size')
+    clip: bpy.props.BoolProperty(name='Motion', default=True, description='Write the frames of the scene as a clip')
 
     @classmethod
     def poll(cls, context):
@@ -209,7 +209,7 @@ class WriteFigure(bpy.types.Operator):
 
 
 def clip_of(binding, context):
-    """The motion of the cage in the frames of the scene, in seconds, in the space of the binding."""
+    """Returns the motion of the cage in the frames of the scene: times in seconds, poses in the space of the binding."""
     scene, times, poses = context.scene, [], []
     current = scene.frame_current
     for frame in frames_of(scene, 1):

@@ -1,4 +1,4 @@
-"""Live: whenever Blender has evaluated a scene, cages follow pins, and meshes their cages."""
+"""Update handlers: after Blender evaluates a scene, cages follow their pins, and meshes follow their cages."""
 
 import bpy
 import numpy as np
@@ -6,9 +6,9 @@ from bpy.app.handlers import persistent
 
 from . import deform, library, pins
 
-_poses = {}      # name of a mesh's object and its shape key: the pose of the cage that it shows
-_edited = set()  # as above: those that are in edit mode
-_differ = set()  # as above: those whose vertices were moved there
+_poses = {}      # from (name of the mesh's object, shape key) to the pose of the cage that the mesh shows
+_edited = set()  # the same pairs: meshes in edit mode
+_differ = set()  # the same pairs: meshes with vertices moved in edit mode
 
 
 def forget():
@@ -18,7 +18,7 @@ def forget():
 
 
 def start(binding, depsgraph):
-    """Follows a cage from now on."""
+    """Lets a mesh follow its cage."""
     its = binding.id_data.name_full, binding.key
     _poses.pop(its, None)
     _differ.discard(its)
@@ -26,13 +26,13 @@ def start(binding, depsgraph):
 
 
 def update(binding, depsgraph, vertices=None, fault=''):
-    """Clones a mesh if its cage has moved. Pins may have moved the cage's vertices already, or have a fault."""
+    """Clones a mesh if its cage has moved. `vertices` are those of the cage if pins moved it, `fault` is an error of the pins."""
     figure, its = deform.figure_of(binding), (binding.id_data.name_full, binding.key)
     if figure is None:
         return
     if binding.id_data.mode == 'EDIT':
         _edited.add(its)
-        _poses.pop(its, None)  # edit mode changes shape keys too
+        _poses.pop(its, None)  # edit mode also changes shape keys
         return
     fault = deform.problem(binding, figure) or fault
     if not fault and its in _edited:
@@ -46,7 +46,7 @@ def update(binding, depsgraph, vertices=None, fault=''):
         return
     pose = deform.moved(vertices.astype(np.float64), deform.bound_from_cage(binding, depsgraph))
     if not np.isfinite(pose).all():
-        fault = 'A vertex of the cage has no finite position.'
+        fault = 'A vertex of the cage has a position that is not finite.'
     elif its in _differ:
         fault = 'Vertices of the mesh were moved in edit mode: bind again.'
     deform.say(binding, fault)
@@ -61,12 +61,12 @@ def update(binding, depsgraph, vertices=None, fault=''):
 
 
 def update_all(depsgraph):
-    pulled = {}  # a cage's name: its vertices, or None, and a fault. The first mesh with pins on it moves it
+    pulled = {}  # from a cage's name to (its vertices or None, a fault). The first mesh with pins moves the cage
     bindings = deform.bindings()
     for binding in bindings:
         if len(binding.pins) and binding.cage is not None and binding.cage.name_full not in pulled:
             pulled[binding.cage.name_full] = pins.pull(binding, depsgraph)
-    written = set()  # linked duplicates share a mesh and its shape key: the first of them writes it
+    written = set()  # linked duplicates share a mesh and its shape key: only the first object writes it
     for binding in bindings:
         its = binding.id_data.data.name_full, binding.key
         if its not in written:

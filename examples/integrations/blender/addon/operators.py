@@ -1,4 +1,4 @@
-"""The operators that make cages, bind meshes and select what is at fault."""
+"""The operators that make cages, bind meshes and select faulty elements."""
 
 import os
 import threading
@@ -28,8 +28,8 @@ def to_object_mode(context):
 
 
 class Work(bpy.types.Operator):
-    """Runs work(progress=…, threads=…) on a thread, with progress in the status bar and Escape to stop; without a window at
-    once. It leaves a processor to the window."""
+    """Runs work(progress=…, threads=…) on a thread. Shows progress in the status bar; Escape stops the work. In background
+    mode it runs without a thread of its own. One processor is left for the window."""
 
     def start(self, context, work):
         self.done, self.error, self.result, self.stops = 0, None, None, False
@@ -43,7 +43,7 @@ class Work(bpy.types.Operator):
         def run():
             try:
                 self.result = work(progress=progress, threads=threads)
-            except Exception as error:  # is shown by finish
+            except Exception as error:  # finish() shows it
                 self.error = error
 
         if bpy.app.background:
@@ -97,15 +97,15 @@ def add_binding(figure):
 
 
 class MakeCage(Work):
-    """Makes a cage around the selected meshes. It does not bind them yet"""
+    """Makes a cage around the selected meshes, without binding them"""
     bl_idname = 'cageform.make_cage'
     bl_label = 'Make Cage'
     bl_options = {'UNDO'}
 
-    vertices: bpy.props.IntProperty(name='Vertices', default=112, min=8, soft_max=500, description='About as many')
+    vertices: bpy.props.IntProperty(name='Vertices', default=112, min=8, soft_max=500, description='Approximate number of vertices')
     margin: bpy.props.FloatProperty(name='Margin', default=0.02, min=0.006, max=0.5, precision=3,
-                                    description='The distance to the mesh, as a share of its size')
-    mirror: bpy.props.EnumProperty(name='Mirror', description='Makes both sides of the cage alike, in global axes',
+                                    description='Distance to the mesh, relative to its size')
+    mirror: bpy.props.EnumProperty(name='Mirror', description='Make the cage symmetric along a global axis',
                                    items=[('none', 'None', ''), ('x', 'X', ''), ('y', 'Y', ''), ('z', 'Z', '')])
 
     @classmethod
@@ -146,7 +146,7 @@ class MakeCage(Work):
 
 
 def shown_triangles(figure, depsgraph):
-    """Vertices in world space and triangles of an object as it is shown."""
+    """Returns the vertices in world space and the triangles of an object as shown."""
     evaluated = figure.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh()
     mesh.calc_loop_triangles()
@@ -158,7 +158,7 @@ def shown_triangles(figure, depsgraph):
 
 
 class AddCage(bpy.types.Operator):
-    """Takes the other selected mesh as a cage of the active one"""
+    """Uses the other selected mesh as a cage of the active mesh"""
     bl_idname = 'cageform.add_cage'
     bl_label = 'Use Selected as Cage'
     bl_options = {'UNDO'}
@@ -176,7 +176,7 @@ class AddCage(bpy.types.Operator):
 
 
 class RemoveCage(bpy.types.Operator):
-    """Removes the binding with its shape key: the mesh is as it was before. The cage stays in the scene"""
+    """Removes the binding and its shape key, which restores the mesh. The cage stays in the scene"""
     bl_idname = 'cageform.remove_cage'
     bl_label = 'Unbind'
     bl_options = {'UNDO'}
@@ -195,7 +195,7 @@ class RemoveCage(bpy.types.Operator):
 
 
 class Bind(Work):
-    """Binds the mesh to its cage, both as they are without shape keys and modifiers. The mesh then follows the cage"""
+    """Binds the mesh to its cage, ignoring shape keys and modifiers of both. The mesh then follows the cage"""
     bl_idname = 'cageform.bind'
     bl_label = 'Bind'
     bl_options = {'UNDO'}
@@ -215,7 +215,7 @@ class Bind(Work):
         elif cage.data == figure.data:
             fault = 'The cage shares the data of the mesh: make it single-user.'
         elif any(other.cage == cage and other.data is not None and other != binding for other in figure.cageform.bindings):
-            fault = 'This cage moves the mesh already.'
+            fault = 'This cage already moves the mesh.'
         elif not len(cage.data.polygons):
             fault = 'The cage has no faces.'
         elif not len(figure.data.vertices):
@@ -254,20 +254,20 @@ class Bind(Work):
 
 
 def words_of(report, binding):
-    """How a mesh was bound, a sentence a line."""
+    """Returns the result of a bind as text, one sentence per line."""
     lines = ['Bound %d vertices.' % report.points, 'It took %.2f s.' % report.seconds]
     if report.outside:
         stays = binding.outside == 'keep_in_place' or binding.outside == 'extend' and binding.kind == 'harmonic'
-        lines.append('%d outside the cage: they %s.' % (report.outside, 'stay' if stays else 'follow'))
+        lines.append('Vertices outside the cage: %d. They %s.' % (report.outside, 'stay' if stays else 'follow'))
     if report.not_finite:
-        lines.append('%d without a finite position: they stay.' % report.not_finite)
+        lines.append('Vertices with a position that is not finite: %d. They stay.' % report.not_finite)
     if report.unreached:
-        lines.append('%d too near the cage for this accuracy: they stay.' % report.unreached)
+        lines.append('Vertices too near the cage for this accuracy: %d. They stay.' % report.unreached)
     if report.warnings:
         first = str(report.fault).replace(' (warning)', '')
-        lines.append('%d warnings on the cage. The first: %s.' % (report.warnings, first))
+        lines.append('Warnings about the cage: %d. The first: %s.' % (report.warnings, first))
     if report.least_weight < -0.01:
-        lines.append('Weights go down to %.2f: parts may move the wrong way.' % report.least_weight)
+        lines.append('The lowest weight is %.2f: parts may move in the opposite direction.' % report.least_weight)
     shared = sum(item.data == binding.id_data.data for item in bpy.data.objects)
     if shared > 1:
         lines.append('%d objects share this mesh: all of them move.' % shared)
@@ -275,7 +275,7 @@ def words_of(report, binding):
 
 
 class SelectOutside(bpy.types.Operator):
-    """Selects the vertices that were outside the cage, in edit mode"""
+    """Selects, in edit mode, the vertices that were outside the cage at the bind"""
     bl_idname = 'cageform.select_outside'
     bl_label = 'Select Vertices Outside'
     bl_options = {'UNDO'}
@@ -291,7 +291,7 @@ class SelectOutside(bpy.types.Operator):
 
 
 class SelectFaults(bpy.types.Operator):
-    """Selects what is wrong with the cage, in edit mode"""
+    """Selects the faulty vertices and faces of the cage in edit mode"""
     bl_idname = 'cageform.select_faults'
     bl_label = 'Select Faults of the Cage'
     bl_options = {'UNDO'}
@@ -307,12 +307,12 @@ class SelectFaults(bpy.types.Operator):
         faults = [fault for fault in faults if not fault.is_warning] or faults
         named = [element for fault in faults for element in (fault.a, fault.b) if element is not None]
         if not named:
-            self.report({'INFO'}, 'No vertex or face of the cage is at fault')
+            self.report({'INFO'}, 'The cage has no faulty vertices or faces')
             return {'CANCELLED'}
         faces = [index for kind, index in named if kind == 'face']
         vertices = [index for kind, index in named if kind != 'face']
         select(context, cage, np.array(faces or vertices), 'FACE' if faces else 'VERT')
-        self.report({'WARNING'}, '%d in all. The first: %s' % (len(faults), faults[0]))
+        self.report({'WARNING'}, 'Faults: %d. The first: %s' % (len(faults), faults[0]))
         return {'FINISHED'}
 
 

@@ -10,7 +10,7 @@ from .pin_operators import AddPins, RemovePins
 
 
 def write(layout, context, text):
-    """Writes a text in lines that fit into the sidebar."""
+    """Writes a text in lines that fit the sidebar."""
     scale = context.preferences.system.ui_scale
     room = context.region.width - 75 * scale  # without tabs and margins
     blf.size(0, 11 * scale)

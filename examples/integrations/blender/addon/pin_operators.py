@@ -8,7 +8,7 @@ from .operators import Work, active_binding, is_bound, to_object_mode
 
 
 class AddPins(Work):
-    """Adds an empty at each selected vertex. Move the empties: the mesh follows, as stiffly as the cage allows"""
+    """Adds an empty at each selected vertex. Move the empties: the mesh follows, deformed as rigidly as the cage allows"""
     bl_idname = 'cageform.add_pins'
     bl_label = 'Pin Selected Vertices'
     bl_options = {'UNDO'}
@@ -26,7 +26,7 @@ class AddPins(Work):
         fault = deform.problem(binding, deform.figure_of(binding)) or pins.problem(binding)
         for other in deform.bindings():
             if other != binding and other.cage == binding.cage and len(other.pins):
-                fault = fault or 'Pins of "%s" move this cage already: remove them first.' % other.id_data.name
+                fault = fault or 'Pins of "%s" already move this cage: remove them first.' % other.id_data.name
         if not self.chosen:
             fault = fault or 'No vertex is selected: select some in edit mode.'
         if len(self.chosen) > self.MOST:

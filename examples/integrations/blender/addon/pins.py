@@ -1,13 +1,13 @@
-"""Pins on a mesh: empties that move the cage, as rigidly as it can, by a shape key of its own."""
+"""Pins on a mesh: empties that move the cage through a shape key of the cage."""
 
 import numpy as np
 
 from . import deform, library
 
-NAME = 'Cageform pins'  # of the shape key of the cage
+NAME = 'Cageform pins'  # name of the shape key of the cage
 
-_solvers = {}  # stamp of a binding: (the pinned vertices, Pins)
-_solved = {}   # stamp of a binding: where the pins and the cage were when the pins were solved last
+_solvers = {}  # from the stamp of a binding to (pinned vertices, Pins)
+_solved = {}   # from the stamp of a binding to the positions of pins and cage at the last solve
 
 
 def forget():
@@ -16,7 +16,7 @@ def forget():
 
 
 def pins_of(binding):
-    """The pins of a binding whose empties are there."""
+    """Returns the pins of a binding whose empties are in the scene."""
     return [pin for pin in binding.pins if deform.is_in_scene(pin.empty)]
 
 
@@ -25,7 +25,7 @@ def key_of(cage):
 
 
 def problem(binding):
-    """Why pins cannot move the cage of a binding, as a sentence; '' if they can."""
+    """Returns why pins cannot move the cage of a binding, as a sentence; '' if they can."""
     figure = deform.figure_of(binding)
     if figure.handles != figure.vertices:
         return 'Pins do not work with Green: bind with Harmonic or Mean Value.'
@@ -46,8 +46,8 @@ def solver_of(binding, vertices):
 
 
 def pull(binding, depsgraph):
-    """Moves the cage so that pinned vertices are at their empties, if one of them or the cage has moved. Other shape keys of
-    the cage keep what they do. Returns the cage's vertices in its own space, or None if they stay, and a fault or ''."""
+    """Moves the cage so that pinned vertices are at their empties, if an empty or the cage has moved. Other shape keys of
+    the cage keep their effect. Returns the cage's vertices in its own space, or None if they do not move, and a fault or ''."""
     pins, figure, cage = pins_of(binding), deform.figure_of(binding), binding.cage
     if not pins or figure is None or deform.problem(binding, figure) or cage.mode == 'EDIT':
         return None, ''

@@ -1,13 +1,13 @@
-"""Properties that the add-on keeps in the .blend, with the object that is bound."""
+"""Properties of bound objects, stored in the .blend file."""
 
 import bpy
 
 from . import deform
 
 KINDS = [
-    ('harmonic', 'Harmonic', 'Best for characters: limbs do not pull each other. Vertices outside the cage stay'),
-    ('mean-value', 'Mean Value', 'Binds fastest, and moves vertices outside the cage too'),
-    ('green', 'Green', 'Keeps angles and details, and may leave the cage'),
+    ('harmonic', 'Harmonic', 'Best for characters: a limb does not move other limbs. Vertices outside the cage stay'),
+    ('mean-value', 'Mean Value', 'Binds fastest, and also moves vertices outside the cage'),
+    ('green', 'Green', 'Preserves angles and details; the mesh may leave the cage'),
 ]
 OUTSIDE = [
     ('extend', 'Follow', 'Vertices outside follow the cage; with Harmonic they stay'),
@@ -24,18 +24,18 @@ class Pin(bpy.types.PropertyGroup):
 class Binding(bpy.types.PropertyGroup):
     cage: bpy.props.PointerProperty(name='Cage', type=bpy.types.Object, poll=lambda _, item: item.type == 'MESH',
                                     update=lambda self, _: deform.depend(self),
-                                    description='The mesh that moves this one: closed, with few faces')
+                                    description='The mesh that moves this mesh: closed, with few faces')
     kind: bpy.props.EnumProperty(name='Type', items=KINDS, default='harmonic')
     accuracy: bpy.props.FloatProperty(name='Accuracy', default=1e-2, min=1e-4, soft_min=1e-3, max=0.1, precision=4,
-                                      description='The largest error of a weight: smaller takes longer to bind')
+                                      description='Maximum error of a weight: smaller values make Bind slower')
     outside: bpy.props.EnumProperty(name='Outside', items=OUTSIDE,
-                                    description='What vertices outside the cage do')
+                                    description='Motion of vertices outside the cage')
     falloff: bpy.props.FloatProperty(name='Falloff', min=0, subtype='DISTANCE',
-                                     description='Outside the cage, movement fades to nothing at this distance. '
-                                                 '0: it does not fade')
+                                     description='Distance outside the cage at which displacements reach 0. '
+                                                 '0: no falloff')
     key: bpy.props.StringProperty(description='The shape key of the mesh that this binding writes')
     data: bpy.props.PointerProperty(type=bpy.types.Text, description='Keeps the weights')
-    report: bpy.props.StringProperty(description='How the mesh was bound')
+    report: bpy.props.StringProperty(description='Result of the last bind')
     refused: bpy.props.StringProperty(description='Why the mesh could not be bound')
     fault: bpy.props.StringProperty(description='Why the mesh does not follow')
     pins: bpy.props.CollectionProperty(type=Pin)

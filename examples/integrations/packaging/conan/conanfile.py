@@ -1,4 +1,4 @@
-"""The recipe of the sources that it lies among: conan create examples/integrations/packaging/conan (Conan 2)."""
+"""The recipe for the sources of this repository: conan create examples/integrations/packaging/conan (Conan 2)."""
 
 import os
 import re
@@ -16,7 +16,7 @@ class Cageform(ConanFile):
     topics = ('deformation', 'animation', 'geometry')
     package_type = 'library'
     settings = 'os', 'arch', 'compiler', 'build_type'
-    # compiled: cageform::compiled, a library with the C interface; else headers alone.
+    # compiled: includes cageform::compiled, the library with the C interface; otherwise only headers.
     options = {'compiled': [True, False], 'shared': [True, False], 'fPIC': [True, False]}
     default_options = {'compiled': False, 'shared': False, 'fPIC': True}
 
@@ -74,7 +74,7 @@ class Cageform(ConanFile):
         CMake(self).install()
 
     def package_info(self):
-        # find_package(cageform) finds the files that the project installs.
+        # find_package(cageform) finds the CMake files that the project installs.
         self.cpp_info.set_property('cmake_find_mode', 'none')
         self.cpp_info.builddirs = [os.path.join('share', 'cmake', 'cageform')]
         self.cpp_info.bindirs = []

@@ -1,6 +1,6 @@
 """python3 conan.py RECIPE BUILD PACKAGE [NAME=VALUE …]
 
-Runs a recipe's methods with what they need of Conan 2, where Conan itself is not to be had. Options are given as compiled=True.
+Runs the methods of a recipe with the parts of Conan 2 that they need, without Conan. Options are given as compiled=True.
 """
 
 import importlib.util
@@ -59,7 +59,7 @@ class CMake:
 
     def configure(self):
         options = dict(Toolchain.last.cache_variables, BUILD_SHARED_LIBS=self.recipe.options.get('shared', False))
-        # A build that is there is gone on with, from the sources that it has.
+        # An existing build is continued, with its own sources.
         cache = pathlib.Path(self.build_folder, 'CMakeCache.txt')
         lines = cache.read_text(encoding='utf-8').splitlines() if cache.exists() else []
         homes = [line.partition('=')[2] for line in lines if line.startswith('CMAKE_HOME_DIRECTORY:')]
@@ -83,7 +83,7 @@ def copy(_, pattern, source, target):
     source, target = pathlib.Path(source).resolve(), pathlib.Path(target)
     found = sorted(source.glob(pattern))
     if not found:
-        raise SystemExit('the recipe exports %s, which is not there' % pattern)
+        raise SystemExit('the recipe exports %s, which does not exist' % pattern)
     for path in found:
         (target / path.relative_to(source)).parent.mkdir(parents=True, exist_ok=True)
         (shutil.copytree if path.is_dir() else shutil.copy)(path, target / path.relative_to(source))

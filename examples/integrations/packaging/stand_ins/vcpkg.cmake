@@ -1,5 +1,5 @@
 # cmake -DFEATURES=… -DSHARED=… -DBUILD=… -DINSTALLED=… -P vcpkg.cmake
-# Runs the port with what its functions do in a release build, where vcpkg itself is not to be had.
+# Runs the port with replacements for the vcpkg functions of a release build, without vcpkg.
 cmake_minimum_required(VERSION 3.21)
 set(PORT cageform)
 set(VCPKG_ROOT_DIR "")
@@ -30,7 +30,7 @@ endfunction()
 function(vcpkg_cmake_install)
   run(--build ${BUILD} --target install)
 endfunction()
-function(vcpkg_cmake_config_fixup) # the files move one folder up
+function(vcpkg_cmake_config_fixup) # moves the files one folder up
   cmake_parse_arguments(own "" CONFIG_PATH "" ${ARGN})
   file(GLOB files ${INSTALLED}/${own_CONFIG_PATH}/*)
   file(COPY ${files} DESTINATION ${INSTALLED}/share/${PORT})

@@ -1,4 +1,4 @@
-// The functions of the C interface that make coordinates and bind.
+// The functions of the C interface that create coordinates and bind points.
 #pragma once
 
 #include <cageform/c/detail/figures.hpp>

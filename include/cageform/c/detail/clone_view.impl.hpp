@@ -1,4 +1,4 @@
-// Defines the functions of clone_view.hpp, which includes this file, unless the program links
+// Defines the functions of clone_view.hpp. That header includes this file, unless the program links
 // cageform::compiled.
 #pragma once
 

@@ -52,11 +52,12 @@ inline constexpr const char* own_name(cageform_status status) noexcept {
     }
 }
 
-/// The bytes of an object, without what follows it: at most 63 more than its own.
+/// The size of an object, rounded up to a multiple of 64 bytes; `more` bytes of make_object follow it.
 template <class X>
 constexpr std::size_t object_bytes = (sizeof(X) + 63) / 64 * 64;
 
-/// Makes an object in the caller's memory, or in its own if that is null; `more` bytes follow it.
+/// Makes an object in the caller's memory, or in allocated memory if `memory` is null. `more` bytes follow
+/// the object.
 template <class X, class Fill>
 cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, const Fill& fill,
                             X** made) noexcept {
@@ -78,7 +79,7 @@ cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, c
     *made = object;
     return CAGEFORM_OK;
 }
-/// Finds the scalar and the dimension that a header says; those of a figure if it is too short for any.
+/// The scalar and the dimension in the header of packed data; float in 3D if there is no known header.
 struct BlobType {
     std::uint32_t scalar = CAGEFORM_FLOAT, dimension = 3;
 
@@ -98,7 +99,7 @@ struct BlobType {
     }
 };
 
-/// Returns the memory of a player beside the object.
+/// Returns the bytes of a player beyond those of the object.
 template <class T, std::size_t D>
 std::size_t playing_bytes(const CageClipView<T, D>& clip) noexcept {
     return clip.cursor_rows() * sizeof(Lanes<T>) + clip.vertex_count() * sizeof(Vec<T, D>);

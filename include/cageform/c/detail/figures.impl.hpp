@@ -1,4 +1,4 @@
-// Defines the functions of figures.hpp, which includes this file, unless the program links
+// Defines the functions of figures.hpp. That header includes this file, unless the program links
 // cageform::compiled.
 #pragma once
 

@@ -18,7 +18,7 @@ struct cageform_made_cage : cageform::detail::c::Object {
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Checks the arrays of a drawing; `together` indices make an element.
+/// Checks the arrays of a drawing; each element has `together` indices.
 inline cageform_status check_drawing(const cageform_drawing& drawing, std::size_t together) noexcept {
     if (drawing.indices == nullptr && drawing.index_count > 0) return CAGEFORM_ARGUMENT_NULL;
     if (drawing.areas == nullptr && drawing.area_count > 0) return CAGEFORM_ARGUMENT_NULL;

@@ -25,7 +25,7 @@ inline cageform_report empty_report() noexcept {
     return report;
 }
 
-/// Writes the message of a report: the status, and the culprit with its word and frame.
+/// Writes the message of a report: the status text, and the culprit with `word` (its kind) and frame.
 inline void add_message(cageform_report& report, const char* word) noexcept {
     char* const at = report.message;
     constexpr std::size_t room = sizeof(report.message);

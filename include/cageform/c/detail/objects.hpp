@@ -16,7 +16,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-static_assert(CAGEFORM_NONE == ~std::size_t{0}, "indices of none are passed on");
+static_assert(CAGEFORM_NONE == ~std::size_t{0}, "CAGEFORM_NONE must equal the library's `none`");
 
 /// Returns the code of a status. Compilers warn about a missing case.
 constexpr cageform_status code_of(Status status) noexcept {
@@ -120,7 +120,7 @@ cageform_status check_object(const X* object) noexcept {
     return object->kind == X::its_kind ? CAGEFORM_OK : CAGEFORM_OBJECT_OF_ANOTHER_KIND;
 }
 
-/// Copies a struct that begins with its size; null gives the defaults.
+/// Copies a struct that begins with its size. If `given` is null, `own` has the defaults.
 template <class S>
 cageform_status read_struct(const S* given, S& own) noexcept {
     own = S{};
@@ -141,7 +141,7 @@ cageform_status write_struct(S own, S* out) noexcept {
     return CAGEFORM_OK;
 }
 
-/// Checks points or an output, and sets its stride if it is 0.
+/// Checks points or an output. Sets `stride` to the bytes between points.
 template <class P>
 cageform_status check_points(const P& points, std::size_t dimension, std::size_t& stride) noexcept {
     stride = 0;
@@ -158,8 +158,8 @@ cageform_status check_points(const P& points, std::size_t dimension, std::size_t
                       points.count - 1 <= (points.bytes - size) / stride && points.bytes <= PTRDIFF_MAX;
     return fits ? CAGEFORM_OK : CAGEFORM_POINTS_LEAVE_MEMORY;
 }
-/// Returns points of the scalar T as a view. If the points are faulty, sets `status`, unless an earlier
-/// failure is in it, and returns an empty view.
+/// Returns points of the scalar T as a view. If the points are invalid, returns an empty view and sets
+/// `status`, unless it already contains an error.
 template <class T, std::size_t D, class P>
 auto view_of(const P& points, cageform_status& status) noexcept {
     using Number =

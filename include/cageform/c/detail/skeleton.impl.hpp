@@ -25,7 +25,7 @@ struct FramesInARow {
     Points operator[](std::size_t t) const noexcept { return points.subview(t * vertices, vertices); }
 };
 
-/// Reports the first face with a vertex index that is out of range.
+/// Reports the first face with an invalid vertex index.
 inline void name_face(cageform_report& report, const std::vector<std::array<std::uint32_t, 3>>& faces,
                       std::size_t vertices) noexcept {
     const auto is_bad = [&](const auto& face) {

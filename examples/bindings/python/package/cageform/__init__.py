@@ -9,16 +9,16 @@
     pose[2] = 6, 6
     points = binding.figure.clone(pose)
 
-Points are arrays of numpy of shape (#points, dimension), of 2 or 3 dimensions, float32 or float64. One is read and
-written where it lies if it has the type that is needed, the numbers of a row lie beside each other, and rows ascend in
-memory; else it is copied. Errors are exceptions named after statuses, in cageform.errors, with the culprit. Other
-threads of Python run during a call.
+Points are numpy arrays of shape (#points, dimension), dimension 2 or 3, of float32 or float64. An array is used without
+a copy if it has the required type, the numbers of a row are contiguous, and rows ascend in memory; otherwise it is
+copied. Errors are exceptions named after statuses, in cageform.errors, with the index of the invalid element. Other
+Python threads run during a call.
 """
 
 try:
     import numpy as _numpy
 except ImportError as _error:
-    raise ImportError('cageform needs numpy: install python3-numpy, or numpy by pip (%s)' % _error) from _error
+    raise ImportError('cageform needs numpy: install python3-numpy, or numpy with pip (%s)' % _error) from _error
 
 from . import errors
 from ._bindings import Binding, Coordinates
@@ -34,7 +34,7 @@ __all__ = ['Binding', 'Cage', 'CageformError', 'Clip', 'Coordinates', 'Fault', '
            'Skeleton', 'check', 'compile_clip', 'errors', 'fit_skeleton', 'make_cage', 'open', 'open_samples']
 __version__ = _version()
 
-for _name in __all__:  # messages, help() and pickles know them by the names that users do
+for _name in __all__:  # so that messages, help() and pickles show the public names
     if _name != 'errors':
         globals()[_name].__module__ = __name__
 del _name

@@ -29,17 +29,17 @@ def _options(kind: str, dtype: npt.DTypeLike, accuracy: float, memory_limit: int
 
 
 class Coordinates(Owner):
-    """Coordinates of a cage, by which figures are bound.
+    """Coordinates of a cage. They bind figures to the cage.
 
-    cage          a Cage, which is copied from
-    kind          one of Coordinates.kinds; None: the one of this kind of cage, of polygons and meshes 'mean-value'
+    cage          a Cage; its arrays are copied
+    kind          one of Coordinates.kinds; None: 'mean-value' for polygons and meshes, else the type for this kind of cage
     dtype         of weights, poses and clones: float32 or float64
-    accuracy      harmonic: the largest error of a weight, 1e-5 to 0.1; 0: 1e-3
-    memory_limit  harmonic: in bytes; 0: 8 GiB
+    accuracy      harmonic: maximum error of a weight, 1e-5 to 0.1; 0: 1e-3
+    memory_limit  harmonic: maximum memory of the solver in bytes; 0: 8 GiB
     disk          curved-green: (x, y, radius) of a disk
 
-    report, cage (a list if they are blended), dtype, handles (their number; vectors are among them in 'green'), vertices (handles that are
-    points), dimension, has_weights_outside, has_gradients
+    Attributes: report, cage (blended: a list), dtype, handles (their number, including the vectors of 'green'),
+    vertices (number of handles that are points), dimension, has_weights_outside, has_gradients
     """
 
     kinds: Tuple[str, ...] = tuple(_c.CHOICES['coordinate_type'])
@@ -57,8 +57,8 @@ class Coordinates(Owner):
     def blend(cls, cages: Sequence[Cage], kind: str = 'mean-value', dtype: npt.DTypeLike = np.float64,
               accuracy: float = 0, memory_limit: int = 0) -> Coordinates:
         """Makes coordinates of several cages over one figure, such as a body and a head: polygons, or meshes of
-        triangles. Where cages overlap, they are blended by depth. Handles are those of the first cage, then of the next.
-        The kind is 'mean-value' or 'harmonic'; the rest is as above. The culprit is the cage that is refused."""
+        triangles. Where cages overlap, weights are blended by depth. The handles of the first cage come first, then
+        those of the next. The kind is 'mean-value' or 'harmonic'; the other arguments are as above. The culprit is the invalid cage."""
         described = [cage._describe() for cage in cages]
         listed = (ctypes.POINTER(_c.cageform_cage) * max(len(described), 1))(*[ctypes.pointer(its) for its in described])
         its = cls.__new__(cls)
@@ -80,24 +80,24 @@ class Coordinates(Owner):
         return out
 
     def solve(self, threads: Optional[int] = None, progress: Progress = None) -> Report:
-        """Solves for harmonic functions and keeps them, so that several binds solve only once; not while another
-        thread binds by these coordinates. Others are ready."""
+        """Computes and stores the harmonic functions, so that several binds solve only once. Do not call it while another
+        thread binds with these coordinates. Other types need no solve."""
         return invoke(library.cageform_coordinates_solve, self._object, running=Running(threads, progress))
 
     def bind(self, points: npt.ArrayLike, normals: Optional[npt.ArrayLike] = None,
              tangents: Optional[npt.ArrayLike] = None, outside: str = 'extend', falloff: float = 0,
              leave_linear_precision: bool = False, threads: Optional[int] = None,
              progress: Progress = None) -> Binding:
-        """Binds a figure. Bad points are listed by the binding and kept in place, the others are bound.
+        """Binds a figure. Points without weights do not move; the binding lists them.
 
         points    (#points, dimension)
         normals   (#points, dimension)
-        tangents  (#points, 3), or 4 with the handedness; in space
-        outside   what becomes of points outside: 'extend', 'keep-in-place', 'nearest-boundary'
-        falloff   outside, displacements fade to nothing at this distance; 0: they do not
-        leave_linear_precision  leaves weights as the coordinates gave them
+        tangents  3D: (#points, 3), or (#points, 4) with the handedness
+        outside   treatment of points outside: 'extend', 'keep-in-place', 'nearest-boundary'
+        falloff   distance outside at which displacements reach 0; 0: no falloff
+        leave_linear_precision  does not correct the weights
         threads   None: all processors
-        progress  progress(done) is told the fraction done; it returns False to cancel
+        progress  progress(done) receives the completed fraction, 0 to 1; it returns False to cancel
         """
         bound = arrays.points(points, 'points', self.dimension)
         turned = None if normals is None else arrays.points(normals, 'normals', self.dimension)
@@ -114,9 +114,9 @@ class Coordinates(Owner):
 class Binding(Owner):
     """A figure with all its weights, made by Coordinates.bind.
 
-    figure   the Figure, to be cloned
-    report   how the bind went
-    points, handles (their numbers), dtype
+    figure   the Figure, for clone()
+    report   the Report of the bind
+    points, handles: numbers of points and handles; dtype
     """
 
     figure: Figure
@@ -126,7 +126,7 @@ class Binding(Owner):
     dtype: np.dtype[Any]
 
     def __init__(self) -> None:
-        raise TypeError('a Binding is made by Coordinates.bind')
+        raise TypeError('Coordinates.bind makes Bindings')
 
     @classmethod
     def _of(cls, handle: Handle, coordinates: Coordinates, count: int, report: Report) -> Binding:
@@ -159,35 +159,35 @@ class Binding(Owner):
 
     @property
     def not_finite(self) -> Array:
-        """Points that are not finite numbers; they are kept as they are."""
+        """Points with NaN or infinite numbers; no pose moves them."""
         return self._list(_c.CAGEFORM_LIST_NOT_FINITE)
 
     @property
     def unreached(self) -> Array:
-        """Points whose weights do not exist or overflow; they are kept in place."""
+        """Points without weights, or whose weights overflow; they do not move."""
         return self._list(_c.CAGEFORM_LIST_UNREACHED)
 
     @property
     def not_restored(self) -> Array:
-        """Points that affine poses do not move as they should, because no weights could be found that do."""
+        """Points that affine poses do not move exactly, because their weights could not be corrected."""
         return self._list(_c.CAGEFORM_LIST_NOT_RESTORED)
 
     @property
     def faded(self) -> Array:
-        """Points outside whose displacements fade."""
+        """Points outside, within the falloff."""
         return self._list(_c.CAGEFORM_LIST_FADED)
 
     def weights(self, first: int = 0, count: Optional[int] = None) -> Array:
-        """Returns the weights of points: (count, #handles); None: of all from the first on."""
+        """Returns the weights of `count` points from point `first`: (count, #handles); None: of all points from `first`."""
         count = max(self.points - first, 0) if count is None else count
         if first < 0 or count < 0:
-            raise ValueError('first, count: numbers from 0 on, not %d, %d' % (first, count))
+            raise ValueError('first, count: must not be negative, not %d, %d' % (first, count))
         out = np.empty((count, self.handles), self.dtype)
         check(library.cageform_binding_weights(self._object, first, count, out.ctypes.data, out.nbytes))
         return out
 
     def set_labels(self, labels: Sequence[Optional[str]]) -> None:
-        """Labels the handles: a str or None for each. They are packed with the figure. `figure` is made anew."""
+        """Sets one label per handle, a str or None. Labels are packed with the figure. Replaces `figure` by a new one."""
         texts = (ctypes.c_char_p * max(len(labels), 1))(*[None if its is None else its.encode() for its in labels])
         check(library.cageform_binding_set_labels(self._object, ctypes.cast(texts, ctypes.c_void_p), len(labels)))
         self.figure = self._make_figure()
@@ -196,19 +196,19 @@ class Binding(Owner):
              poses: Optional[npt.ArrayLike] = None, format: str = 'smallest', clips: Optional[Mapping[str, Clip]] = None,
              levels: Sequence[Source] = (), origin: Sequence[float] = (), threads: Optional[int] = None,
              progress: Progress = None) -> Tuple[Array, Report]:
-        """Packs the figure for open, and for games.
+        """Packs the figure to bytes for open() and for games.
 
-        tolerance  the largest distance of a point from where all weights put it; 0: no limit
-        threshold  weights below may be dropped; with all three 0, nothing is
-        largest    how many weights a point keeps; 0: all
-        poses      (#poses, #handles, dimension): where the tolerance holds; None: within `reach` of affine poses
-        reach      in parts of the cage's size; 0: a tenth
+        tolerance  maximum change of a point by packing; 0: no limit
+        threshold  smaller weights may be dropped; if tolerance, threshold and largest are 0, none is
+        largest    maximum number of weights per point; 0: all
+        poses      (#poses, #handles, dimension): the tolerance holds in these poses; None: within `reach` of affine poses
+        reach      maximum distance of a handle from an affine pose, in cage units; 0: a tenth of the cage's size
         format     of weights: 'smallest', 'scalar', 'half', 'int16', 'int8'
-        clips      Clips by their names
-        levels     packed figures of less detail, of the same handles: their files or bytes
-        origin     the place from which points, handles and clips count, for Figure.origin; () is 0
+        clips      dict from names to Clips
+        levels     packed figures of less detail with the same handles: files or bytes
+        origin     origin of the coordinates of points, handles and clips, stored for Figure.origin; (): 0
 
-        Returns the bytes (#bytes,) as uint8, read-only, at a multiple of 64, and a Report. Their tofile() writes a file.
+        Returns the bytes and a Report. The bytes are a read-only uint8 array (#bytes,) aligned to 64; its tofile() writes a file.
         """
         options = arrays.struct(_c.cageform_pack_options, tolerance=tolerance, threshold=threshold, largest=largest,
                                 reach=reach, format=arrays.choice(_c.CHOICES['weight_format'], format, 'format'))
@@ -219,7 +219,7 @@ class Binding(Owner):
         named: Dict[bytes, Array] = {}
         for name, clip in (clips or {}).items():
             if clip.bytes is None:
-                raise ValueError('clips: %r is of a figure; those of compile_clip can be packed' % name)
+                raise ValueError('clips: %r belongs to a figure; only clips of compile_clip can be packed' % name)
             named[name.encode()] = clip.bytes
         reduced = [arrays.aligned(level) for level in levels]
         parts = [_c.cageform_part(name, data.ctypes.data, data.nbytes) for name, data in named.items()]

@@ -1,4 +1,4 @@
-"""Cages: given, checked, made."""
+"""Cages: creation, checks, make_cage."""
 
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Cage:
-    """A cage, as arrays, which are not copied. Make one by polygon, mesh, curves, lattice or sites, or by
+    """A cage. It refers to the given arrays without a copy. Create one with polygon, mesh, curves, lattice, sites or
     make_cage."""
 
     kind: int
     vertices: Optional[Array] = None  #: (#vertices, dimension)
-    counts: Optional[Array] = None    #: polygon: vertices of each loop; mesh: corners of each face; curves: degrees
-    indices: Optional[Array] = None   #: mesh: the vertices at the corners of all faces, one after the other
-    loops: Optional[Array] = None     #: curves: edges of each loop
+    counts: Optional[Array] = None    #: polygon: vertices per loop; mesh: corners per face; curves: degrees
+    indices: Optional[Array] = None   #: mesh: the vertices at the corners of all faces
+    loops: Optional[Array] = None     #: curves: edges per loop
     members: Dict[str, Any] = field(default_factory=dict)
 
     @staticmethod
     def polygon(vertices: npt.ArrayLike, loops: Optional[npt.ArrayLike] = None) -> Cage:
-        """Makes a cage of loops in the plane.
+        """Makes a 2D cage of loops.
 
-        vertices  (#vertices, 2): loop after loop, in either direction; the even-odd rule says what is inside
-        loops     (#loops,): how many vertices each loop has; None: there is one loop
+        vertices  (#vertices, 2): loop after loop, in either orientation; the inside is given by the even-odd rule
+        loops     (#loops,): number of vertices per loop; None: one loop
         """
         return Cage(_c.CAGEFORM_POLYGON, arrays.points(vertices, 'vertices', 2), _optional(loops, 'loops'))
 
     @staticmethod
     def mesh(vertices: npt.ArrayLike, faces: Union[Array, Sequence[Sequence[int]]], divisions: int = 1,
              off_plane: float = 0) -> Cage:
-        """Makes a cage of faces in space.
+        """Makes a 3D cage of faces.
 
         vertices   (#vertices, 3)
         faces      (#faces, corners) or a list of lists, counter-clockwise seen from outside
-        divisions  quads are divided so many times each way, for mean value and harmonic coordinates
-        off_plane  a face with a corner farther off its plane than this is a fan around its mean
+        divisions  divisions per side of quads, for mean value and harmonic coordinates
+        off_plane  maximum distance of a corner from its face's plane; beyond it, a face is a fan around its mean
         """
         listed = [np.asarray(face) for face in faces]
         counts = [face.size for face in listed]
@@ -59,14 +59,14 @@ class Cage:
 
     @staticmethod
     def curves(edges: Sequence[npt.ArrayLike], loops: Optional[npt.ArrayLike] = None) -> Cage:
-        """Makes a cage of loops of Bezier curves in the plane, for Green coordinates.
+        """Makes a 2D cage of loops of Bezier curves, for Green coordinates.
 
-        edges  arrays (2 to 4, 2) of control points, each edge beginning where the one before ends
-        loops  (#loops,): how many edges each loop has; None: there is one loop
+        edges  arrays (2 to 4, 2) of control points; each edge begins at the end of the previous one
+        loops  (#loops,): number of edges per loop; None: one loop
         """
         listed = [arrays.points(edge, 'edges', 2, np.dtype(np.float64)) for edge in edges]
         if any(len(edge) < 2 for edge in listed):
-            raise ValueError('edges: arrays of 2 to 4 control points')
+            raise ValueError('edges: each must have 2 to 4 control points')
         vertices = np.concatenate(listed) if listed else np.empty((0, 2))
         return Cage(_c.CAGEFORM_CURVES, vertices, arrays.indices([len(edge) - 1 for edge in listed], 'edges'),
                     loops=_optional(loops, 'loops'))
@@ -74,17 +74,17 @@ class Cage:
     @staticmethod
     def lattice(points: npt.ArrayLike, origin: npt.ArrayLike, axes: npt.ArrayLike, degree: npt.ArrayLike = 3,
                 falloff: float = 0) -> Cage:
-        """Makes a box of splines, in the plane or in space.
+        """Makes a box of splines, in 2D or 3D.
 
-        points   how many control points along each axis: a number, or (dimension,)
+        points   control points along each axis: a number, or (dimension,)
         origin   (dimension,): a corner of the box
-        axes     (dimension, dimension): the edges of the box from there, one a row
+        axes     (dimension, dimension): the edges of the box from `origin`, one per row
         degree   of the splines along each axis: a number, or (dimension,)
-        falloff  outside, displacements fade to nothing at this distance; 0: they do not
+        falloff  distance outside at which displacements reach 0; 0: no falloff
         """
         edges = arrays.numbers(axes, 'axes').astype(np.float64)
         if edges.shape not in ((2, 2), (3, 3)):
-            raise ValueError('axes: an array of shape (2, 2) or (3, 3), not %s' % (edges.shape,))
+            raise ValueError('axes: must be an array of shape (2, 2) or (3, 3), not %s' % (edges.shape,))
         dimension = len(edges)
         members = {'points': arrays.indices(np.broadcast_to(np.asarray(points), dimension), 'points'),
                    'degree': arrays.indices(np.broadcast_to(np.asarray(degree), dimension), 'degree'),
@@ -94,19 +94,19 @@ class Cage:
 
     @staticmethod
     def sites(vertices: npt.ArrayLike) -> Cage:
-        """Makes a cage of points alone, for Sibson coordinates: (#sites, 2 or 3)."""
+        """Makes a cage of points without faces, (#sites, 2 or 3), for Sibson coordinates."""
         return Cage(_c.CAGEFORM_SITES, arrays.points(vertices, 'vertices'))
 
     def with_cells(self, vertices: npt.ArrayLike, bones: Sequence[Tuple[int, int, float]] = (),
                    walls: Optional[npt.ArrayLike] = None) -> Cage:
-        """Returns this polygon, or mesh of triangles, with cells inside, for harmonic coordinates.
+        """Returns a copy of this polygon or triangle mesh with cells inside, for harmonic coordinates.
 
-        vertices  (#more, dimension): handles inside, which are numbered after those of the cage
-        bones     (a, b, radius): all within the radius of an edge, in space, or of a vertex (a = b) follows it
-        walls     in the plane edges (#walls, 2), in space triangles (#walls, 3), of numbers of vertices
+        vertices  (#more, dimension): handles inside; their indices follow those of the cage
+        bones     (a, b, radius): everything within the radius of the vertex (a = b) or, in 3D, of the edge moves with it
+        walls     vertex indices: 2D edges (#walls, 2), 3D triangles (#walls, 3)
         """
         if self.vertices is None:
-            raise ValueError('cells are inside a polygon or a mesh')
+            raise ValueError('only polygons and meshes can have cells inside')
         more = arrays.points(vertices, 'vertices', self.vertices.shape[1])
         members = dict(self.members, cell_vertices=len(more), bones=[tuple(bone) for bone in bones],
                        walls=arrays.indices(() if walls is None else walls, 'walls'))
@@ -114,7 +114,7 @@ class Cage:
 
     @property
     def faces(self) -> Union[Array, List[Array], None]:
-        """The faces of a mesh: (#faces, corners), or a list of arrays if they differ in corners; None of others."""
+        """The faces of a mesh: (#faces, corners), or a list of arrays if numbers of corners differ; None for other cages."""
         if self.indices is None:
             return None
         counts = np.full(len(self.indices) // 3, 3) if self.counts is None else self.counts
@@ -123,9 +123,9 @@ class Cage:
         return np.split(self.indices, np.cumsum(counts)[:-1])
 
     def _describe(self) -> Any:
-        """Describes the cage to the library. Arrays are looked at again, because they may have been changed."""
+        """Returns the struct for the library. Converts the arrays anew, because they may have changed."""
         its = arrays.struct(_c.cageform_cage, kind=self.kind)
-        its.keeps = []  # pointers in structs keep no array
+        its.keeps = []  # pointers in structs do not keep arrays alive
         if self.vertices is not None:
             its.keeps.append(arrays.points(self.vertices, 'vertices'))
             its.vertices = arrays.view(its.keeps[-1])
@@ -158,7 +158,7 @@ def _optional(given: Optional[npt.ArrayLike], name: str) -> Optional[Array]:
 
 
 def check(cage: Cage) -> List[Fault]:
-    """Returns the faults and warnings of a cage; an empty list if it can serve and nothing is odd."""
+    """Returns the faults and warnings of a cage; an empty list if it has none."""
     its, count, room = cage._describe(), ctypes.c_size_t(0), 100
     while True:
         faults = (_c.cageform_fault * room)()
@@ -181,19 +181,19 @@ def make_cage(points: npt.ArrayLike, indices: npt.ArrayLike, vertices: int = 0, 
               progress: Progress = None) -> Tuple[Cage, Report]:
     """Makes a cage around a figure.
 
-    points        in space vertices (#points, 3), in the plane ends of segments (#points, 2)
-    indices       in space triangles (#triangles, 3), in the plane segments (#segments, 2)
-    vertices      about how many the cage gets; 0: 24 in the plane, 112 in space
-    margin        a share of the figure's diagonal; 0: 0.025 in the plane, 0.02 in space
+    points        3D: vertices (#points, 3); 2D: ends of segments (#points, 2)
+    indices       3D: triangles (#triangles, 3); 2D: segments (#segments, 2)
+    vertices      requested number of vertices of the cage; 0: 24 in 2D, 112 in 3D
+    margin        relative to the figure's diagonal; 0: 0.025 in 2D, 0.02 in 3D
     shape         'figure', 'hull' or 'box'
-    mirror        'x', 'y', 'z': the cage is symmetric along this axis
-    radii         (#segments,): in the plane half the width of each segment
-    areas         in the plane how many segments, from the first on, each outline of a painted area has
-    holes         in the plane keeps large empty regions of areas
-    fill_tunnels  in space
-    many_cages    parts stay apart instead of being joined
-    regular       weight of regular shapes against a tight fit; 0: 1
-    progress      progress(done) is told the fraction done; it returns False to cancel
+    mirror        'x', 'y', 'z': the cage is symmetric along this axis, about the centre of the figure
+    radii         2D: (#segments,), half the width of each segment
+    areas         2D: number of segments of each outline of a filled area; these segments come first
+    holes         2D: preserves large empty regions of areas
+    fill_tunnels  3D: fills tunnels of the figure
+    many_cages    one cage per part, instead of joined parts
+    regular       trade-off: higher values give more regular, looser cages; 0: 1
+    progress      progress(done) receives the completed fraction, 0 to 1; it returns False to cancel
 
     Returns the cage and a Report.
     """

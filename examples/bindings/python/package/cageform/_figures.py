@@ -1,4 +1,4 @@
-"""Functions of every frame: figures are cloned, clips are played."""
+"""Functions of every frame: clones of figures, playback of clips."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 
 class Figure(Owner):
-    """Points that a pose of handles moves: of a Binding, or made by open. Several threads may clone it at once.
+    """Points that a pose of the handles moves, from Binding.figure or open(). Several threads may clone it at once.
 
-    points, handles, vertices (handles that are points), clips, levels: their numbers
+    points, handles, vertices (handles that are points), clips, levels: numbers of each
     dimension, dtype, has_normals, has_tangents
-    origin: (dimension,) in float64, the place from which points, handles and clips count. Add it to clones.
+    origin: (dimension,) in float64, the origin of the coordinates of points, handles and clips. Add it to clones.
     """
 
     points: int
@@ -40,7 +40,7 @@ class Figure(Owner):
     has_tangents: bool
 
     def __init__(self) -> None:
-        raise TypeError('a Figure is of a Binding, or made by open')
+        raise TypeError('Binding.figure and open() make Figures')
 
     @classmethod
     def _of(cls, handle: Handle) -> Figure:
@@ -55,13 +55,13 @@ class Figure(Owner):
         return its
 
     def rest(self) -> Array:
-        """Returns the handles at rest, a pose to start from: (#handles, dimension)."""
+        """Returns the handles at rest, the initial pose: (#handles, dimension)."""
         out = np.empty((self.handles, self.dimension), self.dtype)
         check(library.cageform_figure_rest(self._object, arrays.written_view(out)))
         return out
 
     def labels(self) -> List[str]:
-        """Returns the labels of the handles; '' for those without."""
+        """Returns the labels of the handles; '' for none."""
         listed = []
         for handle in range(self.handles):
             text, length = ctypes.c_void_p(), ctypes.c_size_t()
@@ -70,17 +70,17 @@ class Figure(Owner):
         return listed
 
     def level(self, level: int) -> Figure:
-        """Opens a level of less detail, which takes the same poses; level 0 is the figure again."""
+        """Opens a level of less detail, for the same poses; level 0 is the figure itself."""
         opened = make_plain(library.cageform_open_level, self._object, _index(level, 'level'), None, keeps=(self._object,))
         return Figure._of(opened)
 
     def clone(self, pose: npt.ArrayLike, out: Optional[Array] = None, normals: bool = False, tangents: bool = False,
               threads: int = 1) -> Any:
-        """Moves the figure. At rest the points come back to the bit.
+        """Deforms the figure by a pose. The pose at rest gives the bound points, bitwise.
 
         pose     (#handles, dimension)
-        out      (#points, dimension): is written and returned, instead of a new array
-        normals, tangents  asks for them too: tangents (#points, 4), the last the handedness, come with normals
+        out      (#points, dimension): an array to write and return, instead of a new one
+        normals, tangents  True: returns them too. Tangents (#points, 4), the last number the handedness, include normals
 
         Returns points (#points, dimension), or a tuple of points and normals, or of points, normals and tangents.
         """
@@ -97,8 +97,8 @@ class Figure(Owner):
         return moved if turned is None else (moved, turned) if along is None else (moved, turned, along)
 
     def gradients(self, of_points: npt.ArrayLike, out: Optional[Array] = None, threads: int = 1) -> Array:
-        """Computes the gradients of the handles (#handles, dimension) from those of the points (#points, dimension) that
-        clone returns: its transpose. `out` is written and returned, instead of a new array."""
+        """Computes gradients with respect to the handles (#handles, dimension) from gradients with respect to the cloned
+        points (#points, dimension): the transpose of clone. Writes and returns `out`, if given."""
         given = arrays.points(of_points, 'of_points', self.dimension, self.dtype)
         if out is not None and np.may_share_memory(given, out):
             given = given.copy()
@@ -108,15 +108,15 @@ class Figure(Owner):
         return arrays.give_back(handles, out)
 
     def pose_handles(self, vertices: npt.ArrayLike) -> Array:
-        """Computes a pose of all handles (#handles, dimension) from one of the cage's vertices (#vertices, dimension).
-        Green coordinates need it, others take either."""
+        """Computes a pose of all handles (#handles, dimension) from a pose of the cage's vertices (#vertices, dimension).
+        Green coordinates need it; for other types both are the same."""
         given = arrays.points(vertices, 'vertices', self.dimension, self.dtype)
         out = np.empty((self.handles, self.dimension), self.dtype)
         check(library.cageform_pose_handles(self._object, arrays.view(given), arrays.written_view(out)))
         return out
 
     def clip(self, clip: Union[int, str]) -> Clip:
-        """Plays a clip, by its number or name. Raises KeyError if none has the name."""
+        """Returns a clip, by index or name. Raises KeyError if no clip has the name."""
         if isinstance(clip, str):
             found, name = ctypes.c_size_t(), clip.encode()
             check(library.cageform_figure_find_clip(self._object, name, len(name), ctypes.byref(found)))
@@ -130,7 +130,7 @@ class Figure(Owner):
 
 def _index(number: int, name: str) -> int:
     if number < 0:
-        raise ValueError('%s: a number from 0 on, not %d' % (name, number))
+        raise ValueError('%s: must not be negative, not %d' % (name, number))
     return number
 
 
@@ -141,9 +141,9 @@ def _running(threads: int) -> Any:
 def open(source: Source, skip_checksum: bool = False) -> Figure:
     """Opens a packed figure.
 
-    source         the path of a file, which is mapped and must not change while the figure is used; or bytes. They
-                   are copied if they can be written to, or do not begin at a multiple of 64
-    skip_checksum  trusts the bytes; reads tables alone
+    source         the path of a file, or bytes. A file is memory-mapped and must not change while the figure is used. Bytes
+                   are copied if they are writable or not aligned to 64
+    skip_checksum  does not verify the checksum; reads only tables
     """
     data = arrays.aligned(source)
     options = arrays.struct(_c.cageform_open_options, skip_checksum=skip_checksum)
@@ -157,11 +157,11 @@ def open(source: Source, skip_checksum: bool = False) -> Figure:
 
 
 class Clip(Owner):
-    """The motion of a cage, made by compile_clip, or a figure's. One thread at a time samples it.
+    """The motion of a cage, from compile_clip or Figure.clip. Only one thread at a time may sample it.
 
     begin, end  times
-    vertices    of the cage
-    name        of a figure's clip
+    vertices    number of vertices of the cage
+    name        the name of a figure's clip
     bytes       the packed clip, if compile_clip made it
     """
 
@@ -172,7 +172,7 @@ class Clip(Owner):
     bytes: Optional[Array]
 
     def __init__(self) -> None:
-        raise TypeError('a Clip is made by compile_clip, or is a Figure\'s')
+        raise TypeError('compile_clip and Figure.clip make Clips')
 
     @classmethod
     def _of(cls, handle: Handle, data: Optional[Array]) -> Clip:
@@ -190,7 +190,7 @@ class Clip(Owner):
     _lock: threading.Lock
 
     def sample(self, time: float, out: Optional[Array] = None) -> Array:
-        """Returns the cage's vertices at a time: (#vertices, dimension). `out` is written instead of a new array."""
+        """Returns the cage's vertices at a time: (#vertices, dimension). Writes and returns `out`, if given."""
         pose = arrays.output(out, self._shape, self._dtype)
         with self._lock:
             check(library.cageform_player_sample(self._object, time, arrays.written_view(pose)))
@@ -208,20 +208,20 @@ def compile_clip(times: npt.ArrayLike, poses: npt.ArrayLike, tolerance: float = 
 
     times           (#times,), ascending
     poses           (#times, #vertices, dimension) of the cage's vertices
-    tolerance       the largest error of a coordinate; 0: a thousandth of the poses' size or less
-    pack_tolerance  the largest distance that curves in 16 bits may cost; 0: curves stay exact
-    keys            how poses are joined: 'smooth', 'linear', 'hold'
-    before, after   what is played before the first time and after the last: 'stay', 'straight_on', 'cycle',
+    tolerance       maximum error of a coordinate; 0: at most a thousandth of the poses' size
+    pack_tolerance  maximum distance caused by 16-bit curves; 0: curves stay exact
+    keys            interpolation between poses: 'smooth', 'linear', 'hold'
+    before, after   extrapolation before the first time and after the last: 'stay', 'straight_on', 'cycle',
                     'cycle_with_offset', 'ping_pong'
-    dtype           of the clip; that of the figure that plays it
-    progress        progress(done) is told the fraction done; it returns False to cancel
+    dtype           of the clip; must be that of the figure
+    progress        progress(done) receives the completed fraction, 0 to 1; it returns False to cancel
 
     Returns a Clip and a Report.
     """
     given = arrays.doubles(times, 'times', None, 'pose')
     posed = arrays.numbers(poses, 'poses')
     if posed.ndim == 3 and len(posed) != len(given):
-        raise ValueError('poses: an array of shape (%d, #vertices, dimension), not %s' % (len(given), posed.shape))
+        raise ValueError('poses: must be an array of shape (%d, #vertices, dimension), not %s' % (len(given), posed.shape))
     listed = arrays.poses(posed, 'poses', '#times, #vertices')
     options = arrays.struct(_c.cageform_clip_options, tolerance=tolerance, pack_tolerance=pack_tolerance,
                             keys=arrays.choice(_c.CHOICES['keys'], keys, 'keys'), before=arrays.choice(_ENDS, before, 'before'),

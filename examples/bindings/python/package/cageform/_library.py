@@ -1,4 +1,4 @@
-"""The shared library: found, loaded, its functions declared."""
+"""Finds and loads the shared library, and declares its functions."""
 
 import ctypes
 import os
@@ -13,7 +13,7 @@ def _load() -> ctypes.CDLL:
     paths = [os.path.join(folder, name) for name in NAMES]
     path = os.environ.get('CAGEFORM_LIBRARY') or next((path for path in paths if os.path.exists(path)), None)
     if path is None:
-        raise ImportError('cageform: %s holds none of %s' % (folder, ', '.join(NAMES)))
+        raise ImportError('cageform: %s contains none of %s' % (folder, ', '.join(NAMES)))
     try:
         loaded = ctypes.CDLL(path)
         abi = loaded.cageform_abi_version()
@@ -37,6 +37,6 @@ def version() -> str:
 
 
 def status_text(code: int) -> str:
-    """Returns the sentence of a status."""
+    """Returns the message of a status."""
     text: bytes = library.cageform_status_text(code)
     return text.decode()

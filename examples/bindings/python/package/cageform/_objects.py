@@ -1,4 +1,4 @@
-"""Objects of the library, and calls that make them or take long."""
+"""Objects of the library, and calls that create objects or run long."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ Progress = Optional[Callable[[float], object]]
 
 
 class Handle:
-    """A pointer to an object, which is freed when nothing refers to it, and before what it was made of."""
+    """A pointer to an object. The object is freed when nothing refers to it, and before the objects that it uses."""
 
     def __init__(self, address: int, *keeps: Any) -> None:
         self._as_parameter_ = ctypes.c_void_p(address)  # what ctypes passes
-        # A finalizer keeps its arguments until it has run, also where the collector finds a cycle.
+        # A finalizer keeps its arguments alive until it has run, also in reference cycles.
         weakref.finalize(self, _free, address, keeps).atexit = False
 
 
@@ -39,7 +39,7 @@ class Owner:
     _object: Handle
 
     def __reduce_ex__(self, _: Any) -> NoReturn:
-        raise TypeError('%s lies in the memory of the library: it is not copied and not pickled. Bytes of '
+        raise TypeError('%s is memory of the library and cannot be copied or pickled. Bytes of '
                         'pack() are' % type(self).__name__)
 
 
@@ -67,7 +67,7 @@ class Running:
         self.struct.progress = _c.FUNCTIONS_OF['progress'](step)
 
     def __enter__(self) -> Running:
-        # Python would raise where a callback begins, and ctypes would drop it: so the signal is kept.
+        # In a callback, Python would raise KeyboardInterrupt and ctypes would drop it: this stores the signal.
         self._handler = signal.getsignal(signal.SIGINT)
         self._handles = callable(self._handler) and threading.current_thread() is threading.main_thread()
         if self._handles:
@@ -84,20 +84,20 @@ class Running:
 
 
 def invoke(function: Any, *arguments: Any, running: Optional[Running] = None) -> Report:
-    """Calls a function with threads and progress, if it has them, and a report, which are its last arguments.
+    """Calls a function. Its last arguments are the running struct (if `running` is given) and a report.
     Returns the report, or raises the exception of its status."""
     return _invoke(function, arguments, running, ())
 
 
 def make(function: Any, *arguments: Any, running: Optional[Running] = None, keeps: Tuple[Any, ...] = ()) \
         -> Tuple[Handle, Report]:
-    """Calls a function whose last arguments are threads and progress, if it has them, where it puts an object, and
-    a report."""
+    """Calls a function that creates an object. Its last arguments are the running struct (if `running` is given), the
+    address for the object, and a report."""
     made = ctypes.c_void_p()
     try:
         report = _invoke(function, arguments, running, (ctypes.byref(made),))
     except BaseException:
-        library.cageform_free(made)  # made, and progress raised at the end
+        library.cageform_free(made)  # the object exists if `progress` raised in its last call
         raise
     return Handle(made.value or 0, *keeps), report
 
@@ -116,14 +116,14 @@ def _invoke(function: Any, arguments: Tuple[Any, ...], running: Optional[Running
 
 
 def make_plain(function: Any, *arguments: Any, keeps: Tuple[Any, ...] = ()) -> Handle:
-    """Calls a function whose last argument is where it puts an object."""
+    """Calls a function that creates an object. Its last argument is the address for the object."""
     made = ctypes.c_void_p()
     check(function(*arguments, ctypes.byref(made)))
     return Handle(made.value or 0, *keeps)
 
 
 class _Memory:
-    """Bytes of the library, as numpy takes them."""
+    """Bytes of the library, with the array interface of numpy."""
 
     def __init__(self, handle: Handle, address: int, size: int) -> None:
         self.keeps = handle
@@ -131,7 +131,7 @@ class _Memory:
 
 
 def bytes_of(handle: Handle) -> Array:
-    """Returns an object's bytes as an array, which keeps the object."""
+    """Returns an object's bytes as an array, which keeps the object alive."""
     data, size = ctypes.c_void_p(), ctypes.c_size_t()
     check(library.cageform_bytes_view(handle, ctypes.byref(data), ctypes.byref(size)))
     return np.asarray(_Memory(handle, data.value or 0, size.value))

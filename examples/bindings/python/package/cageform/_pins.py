@@ -1,4 +1,4 @@
-"""Cages posed by pins on their figures."""
+"""Poses of cages by pins on figures."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 class Samples(Owner):
-    """Samples of the inside of a cage, by which pins move it: made once, of coordinates that have gradients.
+    """Samples of the interior of a cage, for Pins. Create them once. The coordinates must have gradients.
 
-    samples    about how many; 0: by the number of handles
-    rotations  how many turn on their own; 0: by the number of handles
-    smoothing  spreads bends over this share of the cage's size
+    samples    requested number of samples; 0: chosen from the number of handles
+    rotations  number of clusters with a rotation of their own; 0: chosen from the number of handles
+    smoothing  distance over which bends are spread, relative to the cage's size
 
-    handles, dimension, dtype; report: None if they were opened
+    handles, dimension, dtype; report: None for opened samples
     """
 
     handles: int
@@ -48,12 +48,12 @@ class Samples(Owner):
         self.handles, self.dimension, self.dtype = info.handles, info.dimension, arrays.dtype_of(info.scalar)
 
     def pack(self) -> Array:
-        """Returns the bytes (#bytes,) as uint8, which open_samples reads."""
+        """Returns the bytes (#bytes,) as uint8, for open_samples."""
         return bytes_of(make(library.cageform_samples_pack, self._object)[0])
 
 
 def open_samples(source: Source, skip_checksum: bool = False) -> Samples:
-    """Opens packed samples: the path of a file, or bytes. They are copied."""
+    """Opens packed samples from the path of a file, or from bytes. Copies them."""
     data = arrays.aligned(source)
     samples = Samples.__new__(Samples)
     samples._adopt(make_plain(library.cageform_samples_open, data.ctypes.data, len(data), int(skip_checksum)), None)
@@ -61,18 +61,18 @@ def open_samples(source: Source, skip_checksum: bool = False) -> Samples:
 
 
 class Pins(Owner):
-    """Moves a cage by pins on a figure, as rigidly as possible inside.
+    """Moves a cage so that pinned points reach targets and its interior deforms as rigidly as possible.
 
         pins = cageform.Pins(cageform.Samples(coordinates))
-        pins.set(binding.figure, [12, 40])            # numbers of points
-        pose, report = pins.solve(targets, pose)      # again until report.settled
+        pins.set(binding.figure, [12, 40])            # indices of points
+        pose, report = pins.solve(targets, pose)      # repeat until report.settled
 
-    samples     Samples, or those of open_samples; they are copied
-    pin_weight  what a pin counts beside the stretch of the whole figure; 0: 1e4
-    hard        pins miss a thousand times less
-    iterations  of a frame; 0: 4
+    samples     Samples; they are copied
+    pin_weight  stiffness of a pin of weight 1 relative to the stretch of the figure; 0: 1e4
+    hard        pins are a thousand times nearer to their targets
+    iterations  per solve; 0: 4
 
-    One thread at a time uses it.
+    Only one thread at a time may use it.
     """
 
     def __init__(self, samples: Samples, pin_weight: float = 0, hard: bool = False, iterations: int = 0) -> None:
@@ -82,8 +82,8 @@ class Pins(Owner):
         self._lock = threading.Lock()
 
     def set(self, figure: Figure, points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None) -> None:
-        """Pins points of a figure, instead of those before: their numbers (#pins,), and weights (#pins,), 1 if there
-        are none. The pose stays."""
+        """Replaces all pins by pins at points of a figure: indices (#pins,) and weights (#pins,); None: weights 1. The pose
+        does not change."""
         given = arrays.indices(points, 'points')
         counted = None if weights is None else arrays.doubles(weights, 'weights', len(given), 'pin')
         with self._lock:
@@ -91,13 +91,13 @@ class Pins(Owner):
                    arrays.pointer(counted, ctypes.c_double))
 
     def hold(self, handles: npt.ArrayLike) -> None:
-        """Holds handles (#held,) where the pose has them, instead of those before."""
+        """Replaces the set of fixed handles (#held,), which keep their positions in the pose."""
         given = arrays.indices(handles, 'handles')
         with self._lock:
             invoke(library.cageform_pins_hold, self._object, arrays.pointer(given), len(given))
 
     def solve(self, targets: npt.ArrayLike, pose: npt.ArrayLike) -> Tuple[Array, Report]:
-        """Computes a frame: moves a copy of the pose (#handles, dimension) towards the targets (#pins, dimension).
+        """Moves a copy of the pose (#handles, dimension) towards the targets (#pins, dimension).
         Returns the pose, and a Report with miss, step, settled, folded, least_stretch, largest_stretch."""
         wanted = arrays.points(targets, 'targets', self.dimension, self.dtype)
         moved = np.array(arrays.points(pose, 'pose', self.dimension, self.dtype), order='C')

@@ -16,10 +16,10 @@ _ELEMENTS: Dict[int, str] = {_c.CAGEFORM_VERTEX: 'vertex', _c.CAGEFORM_EDGE: 'ed
 class Fault:
     """A fault of a cage, or a warning."""
 
-    text: str                      #: a sentence
+    text: str                      #: a message
     is_warning: bool
-    a: Optional[Tuple[str, int]]   #: an element, as ('vertex', 7); an edge is named by its first vertex
-    b: Optional[Tuple[str, int]]   #: another
+    a: Optional[Tuple[str, int]]   #: an element, as ('vertex', 7); the index of an edge is that of its first vertex
+    b: Optional[Tuple[str, int]]   #: a second element
 
     def __str__(self) -> str:
         named = ', '.join('%s %d' % element for element in (self.a, self.b) if element)
@@ -34,17 +34,17 @@ class Fault:
 
 @dataclass(repr=False)
 class Report:
-    """How a call went. A call fills what it knows, and print() shows that; the rest is 0, None or empty."""
+    """The result of a call. print() shows the attributes that the call sets; all others are 0, None or empty."""
 
     status: str = 'ok'
-    message: str = ''              #: what was refused, in a sentence; empty if all went well
-    culprit: Optional[int] = None  #: the index that the status names: of a point, handle, pin, face, clip …
-    faults: int = 0                #: of the cage; check() lists them
+    message: str = ''              #: the error as text; empty without an error
+    culprit: Optional[int] = None  #: index of the element with the error: a point, handle, pin, face, clip, …
+    faults: int = 0                #: number of errors of the cage; check() lists them
     warnings: int = 0
-    fault: Optional[Fault] = None  #: of the cage: the first, or the first warning
+    fault: Optional[Fault] = None  #: the first error of the cage, or the first warning
     seconds: float = 0
 
-    # bind; a Binding has the lists
+    # bind; the Binding has the lists
     points: int = 0
     on_boundary: int = 0
     outside: int = 0
@@ -52,29 +52,29 @@ class Report:
     not_finite: int = 0
     unreached: int = 0
     not_restored: int = 0
-    partition_error: float = 0     #: the largest |sum of weights - 1|
-    reproduction_error: float = 0  #: the largest distance of a point from where its weights put it
+    partition_error: float = 0     #: maximum |sum of weights - 1|
+    reproduction_error: float = 0  #: maximum distance of a point from the weighted sum of handles
     least_weight: float = 0
-    amplification: float = 0       #: the largest sum of |weights| of a point
+    amplification: float = 0       #: maximum sum of |weights| of a point
 
     # harmonic coordinates
-    unknowns: int = 0              #: of one function
+    unknowns: int = 0              #: unknowns of one function
     memory: int = 0                #: in bytes
-    grid_error: float = 0          #: an estimate of the largest error of a weight
-    sufficient_accuracy: float = 0  #: with OutOfMemory: an accuracy that works; 0: none is known
+    grid_error: float = 0          #: estimated maximum error of a weight
+    sufficient_accuracy: float = 0  #: with OutOfMemory: an accuracy that fits; 0: unknown
 
     # pack
     bytes: int = 0
-    dense_bytes: int = 0           #: of a file with all weights
-    distance: float = 0            #: the largest distance of a point from where all weights put it
+    dense_bytes: int = 0           #: bytes of a file with all weights
+    distance: float = 0            #: maximum change of a point by packing
     mean_distance: float = 0
 
-    # make_cage; volumes are areas in the plane
+    # make_cage; volumes are areas in 2D
     vertices: int = 0
     components: int = 0
     tunnels: int = 0
     margin: float = 0
-    clearance: float = 0           #: the least distance of the figure from the cage
+    clearance: float = 0           #: minimum distance between figure and cage
     volume: float = 0
     tightest_volume: float = 0
     least_angle: float = 0
@@ -84,25 +84,25 @@ class Report:
     rotations: int = 0
 
     # Pins.solve, in the units of the cage
-    miss: float = 0                #: the largest distance of a pin from its target; the culprit is this pin
+    miss: float = 0                #: maximum distance of a pin from its target; the culprit is this pin
     step: float = 0
     rigid_energy: float = 0
     least_stretch: float = 0
     largest_stretch: float = 0
     iterations: int = 0
-    folded: int = 0                #: samples
-    settled: bool = False          #: another frame would not move the pose
+    folded: int = 0                #: number of inverted clusters
+    settled: bool = False          #: the last solve moved no handle by more than 3e-5 of the cage's size
 
     # compile_clip
-    curve_error: float = 0         #: the largest distance of a coordinate from its keys' curve
+    curve_error: float = 0         #: maximum distance of a coordinate from the curve through its keys
 
-    # fit_skeleton; distances are shares of the figure's diagonal at rest. The culprit is the vertex of the largest
+    # fit_skeleton; distances are relative to the figure's diagonal at rest. The culprit is the vertex with the largest distance
     bones: int = 0
-    frame: Optional[int] = None    #: that of the culprit; None, if a vertex is refused: at rest
-    beyond: int = 0                #: vertices farther away than max_distance
+    frame: Optional[int] = None    #: the frame of the culprit; None for an invalid vertex: at rest
+    beyond: int = 0                #: number of vertices over max_distance
     rms: float = 0
     max_distance: float = 0
-    turn: float = 0                #: degrees by which 99 % of the faces are turned wrongly at most
+    turn: float = 0                #: rotation error of the faces: 99th percentile, in degrees
     mean_influences: float = 0
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Skeletons that are fitted to sequences of meshes."""
+"""Skeletons fitted to sequences of meshes."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ if TYPE_CHECKING:
 
 
 class Transforms(NamedTuple):
-    """The transforms of the bones' nodes, as engines play them: x -> rotation(scale * axes(x)) + translation goes from a
-    node's own axes, whose origin is its joint, to those of its parent."""
+    """The local transforms of the bones' nodes: x -> rotation(scale * axes(x)) + translation maps a node's frame,
+    whose origin is its joint, to its parent's frame."""
 
     translations: Array  #: (#frames, #bones, 3)
-    rotations: Array     #: (#frames, #bones, 4), quaternions x, y, z, w, of one sign from frame to frame
-    scales: Array        #: (#frames, #bones, 3), 1 of rigid bones
-    axes: Array          #: (#frames, #bones, 4), quaternions; the identity unless bones are stretched
+    rotations: Array     #: (#frames, #bones, 4), quaternions x, y, z, w, with consistent signs between frames
+    scales: Array        #: (#frames, #bones, 3), 1 for rigid bones
+    axes: Array          #: (#frames, #bones, 4), quaternions; identity unless bones are stretched
 
 
 class Skeleton(Owner):
-    """A skeleton with its skin and its motion, made by fit_skeleton. Its arrays are copies.
+    """A skeleton with its skin and its motion, from fit_skeleton. Its arrays are copies.
 
-    bones, frames, influences  their numbers
-    parents       (#bones,) int64; parents come before their children, -1 is that of the root, bone 0
-    joints        (#bones, 3): where each bone meets its parent, at rest
+    bones, frames, influences  numbers of each
+    parents       (#bones,) int64; parents precede children; -1 for the root, bone 0
+    joints        (#bones, 3): the joint of each bone with its parent, at rest
     vertex_bones  (#vertices, #influences): the bones of a vertex; 0 where a weight is 0
-    weights       (#vertices, #influences) float32: those of a vertex fall, and their sum is 1
-    maps          (#frames, #bones, 3, 4): the matrices by which bones move vertices from their places at rest
+    weights       (#vertices, #influences) float32: descending per vertex, with sum 1
+    maps          (#frames, #bones, 3, 4): the matrices that move vertices at rest with the bones
     """
 
     bones: int
@@ -49,7 +49,7 @@ class Skeleton(Owner):
     maps: Array
 
     def __init__(self) -> None:
-        raise TypeError('a Skeleton is made by fit_skeleton')
+        raise TypeError('fit_skeleton makes Skeletons')
 
     @classmethod
     def _of(cls, handle: Handle) -> Skeleton:
@@ -70,10 +70,10 @@ class Skeleton(Owner):
         return its
 
     def places(self, rest: npt.ArrayLike) -> Array:
-        """Returns where vertices (#vertices, 3) that are at `rest` at rest are in the frames: (#frames, #vertices, 3)."""
+        """Returns the positions (#frames, #vertices, 3) in all frames of vertices with the positions `rest` (#vertices, 3)."""
         given = arrays.points(rest, 'rest', 3)
         if len(given) != len(self.weights):
-            raise ValueError('rest: an array of shape (%d, 3), not %s' % (len(self.weights), given.shape))
+            raise ValueError('rest: must be an array of shape (%d, 3), not %s' % (len(self.weights), given.shape))
         moved = np.zeros((self.frames, len(given), 3))
         for bones, weights in zip(self.vertex_bones.T, self.weights.T):
             maps = self.maps[:, bones]
@@ -81,7 +81,7 @@ class Skeleton(Owner):
         return moved
 
     def transforms(self) -> Transforms:
-        """Returns the transforms of the bones' nodes, relative to their parents, as engines play them."""
+        """Returns the local transforms of the bones' nodes, for engines."""
         count = self.frames * self.bones
         out = [np.empty((count, width)) for width in (3, 4, 3, 4)]
         views = [arrays.written_view(array) for array in out]
@@ -92,28 +92,28 @@ class Skeleton(Owner):
 def fit_skeleton(rest: npt.ArrayLike, frames: npt.ArrayLike, faces: Optional[npt.ArrayLike] = None, bones: int = 0,
                  max_distance: float = 0, kind: str = 'rigid', influences: int = 4, threads: Optional[int] = None,
                  progress: Progress = None) -> Tuple[Skeleton, Report]:
-    """Fits a skeleton to any sequence of meshes: bones that turn, joints, a hierarchy, and a few weights a vertex.
+    """Fits a skeleton to a sequence of meshes: rotating bones, joints, a hierarchy, and a few weights per vertex.
 
-    rest          vertices at rest (#vertices, 3), where no bone has moved
-    frames        where they are in each frame (#frames, #vertices, 3); the rest need not be one
-    faces         triangles (#faces, 3): weights are smooth along their edges; None: there are none
-    bones         their number; 0: as few as keep max_distance
-    max_distance  a share of the figure's diagonal at rest, within which every vertex is to stay in every frame; 0: none.
-                  With `bones`, report.beyond counts the vertices that are farther away
-    kind          'rigid' (bones turn and move), 'similar' (one scale besides), 'stretched' (any affine map)
-    influences    weights a vertex, 1 to 8
+    rest          vertices at rest (#vertices, 3), where all bones have the identity map
+    frames        vertices in each frame (#frames, #vertices, 3); the rest pose need not be one of them
+    faces         triangles (#faces, 3): weights are smooth along edges; None: no faces
+    bones         number of bones; 0: the fewest that meet max_distance
+    max_distance  maximum distance of a vertex in any frame, relative to the figure's diagonal at rest; 0: none.
+                  With `bones` it is not a limit: report.beyond counts the vertices over it
+    kind          'rigid' (rotation, translation), 'similar' (and uniform scale), 'stretched' (any affine map)
+    influences    weights per vertex, 1 to 8
     threads       None: all processors; the result does not depend on them
-    progress      progress(done) is told the fraction done; it returns False to cancel
+    progress      progress(done) receives the completed fraction, 0 to 1; it returns False to cancel
 
     Returns the Skeleton and a Report with bones, rms, max_distance, frame, culprit (a vertex), turn, beyond.
     """
     given, moved = arrays.points(rest, 'rest', 3), arrays.numbers(frames, 'frames')
     if moved.ndim != 3 or moved.shape[1:] != given.shape:
-        raise ValueError('frames: an array of shape (#frames, %d, 3), not %s' % (len(given), moved.shape))
+        raise ValueError('frames: must be an array of shape (#frames, %d, 3), not %s' % (len(given), moved.shape))
     in_a_row = arrays.poses(moved, 'frames', '#frames, #vertices')
     corners = arrays.indices(() if faces is None else faces, 'faces')
     if faces is not None and corners.size and np.shape(faces)[1:] != (3,):
-        raise ValueError('faces: an array of shape (#faces, 3), not %s' % (np.shape(faces),))
+        raise ValueError('faces: must be an array of shape (#faces, 3), not %s' % (np.shape(faces),))
     options = arrays.struct(_c.cageform_skeleton_options, bones=bones, influences=influences, max_distance=max_distance,
                             kind=arrays.choice(_c.CHOICES['bone_kind'], kind, 'kind'))
     if influences == 0:

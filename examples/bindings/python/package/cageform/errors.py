@@ -1,6 +1,6 @@
-"""The exceptions, one for each status: CageSelfCrossing is raised for the status cage_self_crossing.
+"""The exceptions, one per status, such as CageSelfCrossing for the status cage_self_crossing.
 
-All are a CageformError; OutOfMemory is a MemoryError too. List them with dir(cageform.errors).
+All derive from CageformError, and OutOfMemory also from MemoryError. dir(cageform.errors) lists them.
 """
 
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Type, Union
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 class CageformError(Exception):
-    """The library refused something.
+    """An error of the library.
 
-    code     the number of the status, which never changes
-    name     its name, as 'cage_self_crossing'
-    culprit  the index that the status names, of a point, handle, pin, face, clip and so on; of a file the
-             four letters of the part; None if there is none
-    report   the Report of the call; None if it makes none
+    code     the code of the status, which never changes
+    name     the name of the status, such as 'cage_self_crossing'
+    culprit  the index of the invalid element: a point, handle, pin, face, clip, …; for a file, the
+             four letters of the invalid part; None if there is none
+    report   the Report of the call; None for calls without a report
     """
 
     code: int = -1

@@ -1,4 +1,4 @@
-"""Builds a C++ program of the package, and a C one if it has cageform::compiled."""
+"""Builds a C++ program with the package, and a C program if the package has cageform::compiled."""
 
 import os
 
