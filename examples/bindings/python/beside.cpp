@@ -72,7 +72,8 @@ int main(int count, char** arguments) {
     if (scalar == "float32") return run<float>(arguments[1], std::stoi(arguments[3]));
     if (scalar == "float64") return run<double>(arguments[1], std::stoi(arguments[3]));
     std::puts("usage: beside FOLDER float32|float64 REPEATS\n"
-              "FOLDER contains arrays as bytes: vertices (double) and faces (triangles) of a cage, points, pose.\n"
-              "Writes clone, weights and figure (a packed file) to FOLDER. Prints the seconds of each bind and clone.");
+              "FOLDER contains arrays as bytes: vertices (double) and faces (triangles) of a cage, points,\n"
+              "pose. Writes clone, weights and figure (a packed file) to FOLDER. Prints the seconds of each\n"
+              "bind and clone.");
     return 2;
 }

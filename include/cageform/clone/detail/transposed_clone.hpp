@@ -37,8 +37,8 @@ struct GivenGradients {
 };
 
 /// A transposed clone by N bindings with the same points and handles, whose sums are added. `Gradients` has
-/// the number N (`bindings`). Each thread reads gradients by its own `gradients.reader()`: load(n, block, rows)
-/// is called for `blocks_at_once` blocks of one binding, then for the same blocks of the next.
+/// the number N (`bindings`). Each thread reads gradients by its own `gradients.reader()`: load(n, block,
+/// rows) is called for `blocks_at_once` blocks of one binding, then for the same blocks of the next.
 template <class View, class Gradients>
 class TransposedClone {
 public:
