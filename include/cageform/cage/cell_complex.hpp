@@ -27,8 +27,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// complex is a valid cage. Adding a point takes O(#handles).
 ///
 /// In 3D, near the free rim of faces, the functions grow like the square root of the distance from the rim.
-/// The same holds near the end of a chain if the free space around this end is less than a grid cell. At such
-/// places the error of a grid is some tenths within one cell.
+/// The same holds near the end of a chain if the free space around this end is less than a grid cell. Within
+/// one grid cell of such a rim or end, the weights have errors of some tenths.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex {
@@ -107,8 +107,8 @@ public:
         return handles;
     }
 
-    /// Returns out_of_memory if an addition did not fit in memory. Do not use the complex in that case;
-    /// `check` reports this status. (Copying throws, as copying a std::vector does.)
+    /// Returns ok, or out_of_memory if an addition did not fit in memory. Do not use the complex then;
+    /// `check` reports this status. Copying may throw.
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); } ///< number of handles
     std::span<const Vec<T, D>> vertices() const noexcept { return vertices_; }
@@ -169,9 +169,9 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// Returns the boundary data at the nearest point of the boundary and the cells, and stores that point in
-/// `position`. The data is linear on facets; within the radius of a bone it is the data of the bone's
-/// nearest point. `p` must be finite and the complex valid. O(facets and bones).
+/// Returns the boundary data at the point of the boundary or of a cell that is nearest to `p`, and stores
+/// that point in `position`. The data is linear on facets; within the radius of a bone it is the data of the
+/// bone's nearest point. `p` must be finite and the complex valid. O(facets + bones).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& position) noexcept {
@@ -221,8 +221,8 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 /// Checks whether a complex is a valid cage. The boundary must be valid. Cells must not be degenerate and
 /// must lie inside. They may meet the boundary and each other only in common vertices, edges and faces. Bones
 /// must have a positive radius, and their distance from the boundary and from facets must be larger than this
-/// radius. They may share vertices only with other bones. A bone must not contain the far end of a bone that
-/// it shares a vertex with. O(cells · (cells + facets of the boundary)).
+/// radius. They may share vertices only with other bones. If two bones share a vertex, neither may contain
+/// the other end of the other bone. O(cells · (cells + facets of the boundary)).
 template <class T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage);
 

@@ -49,9 +49,9 @@ struct PolyhedralOptions {
 };
 
 /// A 3D cage with faces of any number of corners. A face is one loop, counter-clockwise seen from outside; a
-/// planar face may be non-convex. The surface equals that of `triangles()`. But a planar face has coordinates
-/// in its plane as boundary data, so the weights do not depend on its triangulation (Joshi et al. 2007, sec.
-/// 4: every face solves the equation in its own dimension). Non-planar faces are refused or bound as fans
+/// planar face may be non-convex. The surface equals that of `triangles()`. The boundary data on a planar
+/// face are 2D coordinates in its plane, so the weights do not depend on its triangulation (Joshi et al.
+/// 2007, sec. 4: the equation is solved on each face in 2D). Non-planar faces are refused or bound as fans
 /// (PolyhedralOptions).
 ///
 /// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh is a valid
@@ -202,8 +202,8 @@ PointState locate(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p, T tolerance
     return locate(mesh.triangles(), p, tolerance);
 }
 
-/// Returns the boundary data of the nearest triangle. Coordinates replace it by the data of the triangle's
-/// face (coordinates/detail/face_coordinates.hpp). Usually O(log #corners).
+/// Returns the boundary data of the nearest triangle. Coordinate types replace it by the data of the face
+/// that contains the triangle (coordinates/detail/face_coordinates.hpp). Usually O(log #corners).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& position) noexcept {
@@ -219,10 +219,11 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
 
-/// Returns the first fault of one face, if any. The result does not depend on the other faces. Any face can
-/// have too_few_vertices or face_without_vertex. A fan can also have the faults of a fan. Another face of
-/// more than three corners can also have face_without_area, face_not_planar or face_crosses_itself. Vertices
-/// must be finite. O(m log m) for m corners, O(m²) at worst.
+/// Returns the first fault of one face, if any. The result does not depend on the other faces. Vertices must
+/// be finite. O(m log m) for m corners, O(m²) at worst. Possible faults:
+///   any face                too_few_vertices, face_without_vertex
+///   a fan                   also face_crosses_itself, face_without_area, face_fan_folds
+///   more than 3 corners     if not a fan: also face_without_area, face_not_planar, face_crosses_itself
 template <class T>
 std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t face);
 

@@ -117,7 +117,7 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     const auto q = vec_cast<double>(p);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     double least = infinity;
-    // The initial index is above all faces, because far away all distances may be infinite, like `least`.
+    // With no_vertex, the first face is accepted even if its squared distance overflows to infinity.
     std::uint32_t nearest = no_vertex;
     BoundaryValue<3> value;
     mesh.boxes().for_each_near(q, infinity, [&](std::uint32_t f) {

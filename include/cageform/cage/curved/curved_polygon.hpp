@@ -25,7 +25,7 @@ public:
     CurvedPolygon() = default;
     explicit CurvedPolygon(std::vector<Loop> loops) noexcept
         : loops_(std::move(loops)) {}
-    /// Makes the edges of a polygon lines.
+    /// Converts a polygon: its edges become curves of degree 1.
     explicit CurvedPolygon(const Polygon<T>& polygon)
         : status_(detail::guard_memory([&] {
             if (polygon.status() != Status::ok || !polygon.loops_match()) return polygon_status(polygon);
@@ -56,7 +56,7 @@ private:
 /// point. No edge may cross or touch another edge or itself, except for neighbours at their common end. Ends
 /// meet if their distance is at most the coincidence_tolerance of all control points; curves touch within
 /// that distance. Crossings closer to a common end than 2^-20 of an edge's extent (2^-8 for float) are not
-/// detected. Curves that 2^17 pieces do not separate count as touching.
+/// detected. If the test cannot separate two curves with 2^17 pieces, they count as touching.
 ///
 /// A cusp inside an edge is a warning: weights at points near the cusp lose digits, and weights at points
 /// outside the cage may be very large. Usually O(#E log #E), O(#E²) at worst.

@@ -53,13 +53,13 @@ PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexc
 
 template <std::size_t D>
 struct DeepBone {
-    double depth = 0; ///< depth of the point below the surface
+    double depth = 0; ///< distance of the point below the bone's surface
     PlacedBone<D> bone{};
 };
 
-/// Returns the mean of the values of up to three bones, weighted by the point's depths. Returns nullopt if
-/// the bones have more handles than a value can hold. This happens only for bones without a common joint,
-/// which `check` refuses.
+/// Returns the mean of the values of up to three bones, weighted by the point's depths in these bones.
+/// Returns nullopt if the bones have more handles than a value can hold. This happens only for overlapping
+/// bones without a common joint, which `check` refuses.
 template <std::size_t D>
 std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& deepest,
                                               const Vec<double, D>& p) noexcept {

@@ -60,7 +60,7 @@ public:
         });
     }
 
-    /// Whether f(item) is true for an item whose box the segment from p to q may meet.
+    /// Whether f(item) is true for any item whose box may meet the segment from p to q.
     template <class F>
     bool any_on_segment(const Vec<double, D>& p, const Vec<double, D>& q, const F& f) const {
         constexpr double least = 1e-290; // keeps the inverse finite
@@ -124,7 +124,7 @@ private:
         return number;
     }
 
-    /// Whether f(item) is true for an item in the nodes whose boxes satisfy `meets`.
+    /// Whether f(item) is true for any item in nodes whose boxes satisfy `meets`.
     template <class Meets, class F>
     bool any(const Meets& meets, const F& f) const {
         std::array<std::uint32_t, 64> stack; // the tree of at most 2^32 items has 32 levels

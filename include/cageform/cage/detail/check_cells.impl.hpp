@@ -47,8 +47,8 @@ public:
                        [&](const auto& facet) { facets_.push_back({facet, cage.vertices()}); });
     }
 
-    /// Checks that vertices of cells are apart from all other vertices and lie inside, unless they belong to
-    /// the boundary. Unused vertices get a warning.
+    /// Checks the vertices of cells that are not vertices of the boundary: they must be apart from all other
+    /// vertices and lie inside. Unused vertices get a warning.
     void check_vertices() {
         std::vector<bool> used(cage_.size());
         for (const auto& facet : cells()) {

@@ -123,8 +123,8 @@ private:
         return passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]);
     }
     void add_crossing(std::size_t f, std::size_t g) { add_at_face(CageFaultKind::faces_cross, g, f, g); }
-    /// Returns the apex of every face. The apex is the vertex of the face that has the most faces. If that
-    /// vertex has at most few_faces faces, the result is no_apex.
+    /// Returns the apex of every face: its vertex with the most faces, or no_apex if no vertex of the face
+    /// has more than few_faces faces.
     std::vector<std::uint32_t> apexes() const {
         std::vector<std::uint32_t> faces_at(mesh_.size());
         for (const auto& facet : facets_) {

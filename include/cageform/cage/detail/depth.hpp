@@ -74,8 +74,8 @@ public:
                 if (size > 0)
                     area += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
-            // An edge-on face beside the point contributes only rounding. Directly above a face `area` is
-            // about π.
+            // If the point is in the plane of a face but not on the face, its term is only a rounding error.
+            // Close to the face, `area` is about π.
             if (std::fabs(height) < 1e-7 * largest && std::fabs(area) < 1) continue;
             sum += area / height;
         }

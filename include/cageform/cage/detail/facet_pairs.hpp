@@ -166,9 +166,9 @@ private:
         return box;
     }
 
-    /// If one group has more than half of the items, clips this group to the bounds of the other items. Its
-    /// items can form pairs only with those. Halving alone does not separate slivers at an apex from other
-    /// faces.
+    /// If one group has more than half of the items, clips this group to the bounds of the other items,
+    /// because items of one group form no pairs. Halving alone does not separate slivers at an apex from
+    /// other faces.
     Items cropped(Items items) const {
         std::size_t begin = 0, end = end_of_group(items, 0);
         while (2 * (end - begin) <= items.size() && end < items.size()) {
@@ -231,7 +231,7 @@ private:
             ++end;
         return end;
     }
-    /// Whether an earlier cell contained both facets with nearby bounds.
+    /// Whether an earlier cell contained both facets, clipped to bounds near each other, and so tested them.
     bool found_before(std::size_t m, std::size_t n) const noexcept {
         const auto &a = cells_of_[m], &b = cells_of_[n];
         for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {

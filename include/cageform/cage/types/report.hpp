@@ -34,7 +34,7 @@ enum class CageFaultKind : std::uint8_t {
     vertex_not_convex,     ///< vertex `a` is not a convex corner, or begins a second loop
     sites_in_a_plane,      ///< all sites lie in one plane; in 2D, on one line
     bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in 2D, on one line
-    lattice_degree,        ///< a lattice has degree `b` along axis `a`, which is zero or too high
+    lattice_degree,        ///< the degree `b` of a lattice along axis `a` is zero or too high
     lattice_knots,         ///< along axis `a` of a lattice, knot `b` or the number `b` of knots is invalid
     frame_not_finite,      ///< column `a` of a box is NaN or infinite; `a` = D: the origin is
     frame_flat,            ///< axis `a` of a box depends on the others

@@ -44,14 +44,14 @@ public:
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
-        // The count is limited, because the nodes of the disc separate only a few functions. Finite
-        // differences are accurate for r⁴ and higher powers.
+        // The last s_k is the first with an exponent kπ/ω of at least R/6, clamped to 1.5 … 4. A small disc
+        // has too few nodes to fit more coefficients. Finite differences are accurate from exponent 4 on.
         count_ = (std::min)(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
     }
 
     std::size_t count() const noexcept { return count_; } ///< the number of s_k; function 0 is w
-    /// Returns the m whose s_m appears in w: the one with exponent closest to 1. With fewer functions the
-    /// result would depend on the choice of the first edge.
+    /// Returns the m for which w is computed from s_m (`functions`): the exponent of s_m is the closest to 1.
+    /// With fewer than m functions, the fit would depend on which edge is first.
     std::size_t least_count() const noexcept { return angle_ < 1.5 * std::numbers::pi ? 1 : 2; }
     void limit(std::size_t count) noexcept { count_ = (std::min)(count_, count); }
     /// Whether finite differences are accurate at this corner without singular functions.

@@ -44,8 +44,9 @@ public:
     };
 
     /// Returns the factor of an untreated corner or edge: the fraction of its first singular function, r^λ
-    /// sin λθ with λ = π/ω = `exponent`, that finite differences miss. It is zero for λ = 1, where the
-    /// function is linear. The missed fraction of w, whose slope is 1 per cell, is added separately.
+    /// sin λθ with λ = π/ω = `exponent`, that finite differences miss. The estimate 6 (1 − λ) is 0 for
+    /// λ = 1, where the function is linear; it is clamped to 0.06 … 0.6. The missed fraction of w, whose
+    /// slope is 1 per cell, is added separately.
     static double missed_share(double exponent) noexcept { return std::clamp(6 * (1 - exponent), 0.06, 0.6); }
     static constexpr double missed_of_w = 0.2, treated_order = 2.25;
 

@@ -71,8 +71,8 @@ public:
         }
     }
 
-    /// Returns the coefficients of functions first … first + 15 as far as the data determines them. These are
-    /// the coefficients of w; the others are zero. Adds their defects to `source`.
+    /// Returns the coefficients of functions first … first + 15 before a fit: those of w, which the data
+    /// determines; the others are zero. Adds the defects of w to `source`.
     Coefficients start(std::size_t first, std::span<Row> source) const {
         Coefficients all(coefficients_, Row{});
         for (const Treated& t : corners_) {
@@ -179,7 +179,7 @@ public:
 
 private:
     static constexpr double least_radius = 1, most_radius = 24;
-    static constexpr double ample_radius = 10; ///< from here on errors are at most a few times 1e-4
+    static constexpr double ample_radius = 10; ///< cells; from this radius on errors are at most a few 1e-4
 
     using Functions = std::array<double, Corner::most + 1>;
     struct Disc {
@@ -212,7 +212,7 @@ private:
         NodeRows functions{};               ///< the functions at the nodes of the disc
         NodeRows defects{};                 ///< their defects; `nodes` become indices in Block::source
         Buffer<Around> around{};            ///< the nodes of the fit
-        std::vector<double> fit{};          ///< the fraction of each node of the fit in each coefficient
+        std::vector<double> fit{};          ///< the factor of each of these nodes in each coefficient
         Functions largest_defect{};
 
         /// Returns the functions at a node of the disc, or null elsewhere.
@@ -241,7 +241,7 @@ private:
         }
     }
 
-    /// Treats a corner if there are two nodes of the fit per function. Returns whether it is treated.
+    /// Treats a corner with enough nodes: the fit needs two per function. Returns whether it is treated.
     bool add(Treated t, const EmbeddedProblem<2>& problem) {
         const double radius = t.corner.radius();
         t.columns = t.corner.count() + 1;
@@ -322,8 +322,8 @@ private:
         }
     }
 
-    /// Least-squares fit: the fraction of each node in every coefficient is (SᵀS)⁻¹ Sᵀ, where S has the
-    /// functions at the nodes.
+    /// Least-squares fit: the factors of the nodes in the coefficients are (SᵀS)⁻¹ Sᵀ. S has a row of
+    /// function values per node.
     static void fit_to_nodes(Treated& t, std::span<const double* const> functions) {
         const std::size_t count = t.corner.count();
         Buffer<Vec<double, Corner::most>> s(functions.size());

@@ -146,8 +146,7 @@ inline std::array<double, 3> weights_in_plane(const PlacedFacet<3>& face, const 
 }
 
 /// Whether the segment between two points crosses a facet. Returns nullopt if rounding might decide the
-/// result. This is so near the facet's boundary, or if an end of the segment is near the facet's line or
-/// plane.
+/// result: if the segment passes near the facet's boundary, or has an end near the facet's line or plane.
 template <std::size_t D>
 std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& from,
                             const Vec<double, D>& to) noexcept {

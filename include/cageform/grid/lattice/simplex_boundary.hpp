@@ -76,7 +76,8 @@ public:
 
     const Lattice<double, D>& lattice() const noexcept { return lattice_; }
 
-    /// Returns the crossings with the lattice lines. O(n log n) for n facets and lines that they meet.
+    /// Returns the crossings with the lattice lines. O(n log n), where n is the sum of #facets and
+    /// #crossings.
     Crossings<D> crossings() const {
         Crossings<D> all;
         for (std::size_t axis = 0; axis < D; ++axis) {

@@ -55,9 +55,9 @@ public:
         const Vector now =
             select<float>(Vector(0.0f) < residual, largest / max<float>(residual, tiny), Vector(0.0f));
         const Vector gain = max<float>(last, now);
-        // Residuals become smoother from cycle to cycle, and a smooth residual has a larger error. A gain
-        // that has grown may grow again, but rarely more than twofold. The growth after the first cycle is
-        // unknown.
+        // Residuals become smoother from cycle to cycle, and the error of a smooth residual is larger, so the
+        // gain grows. The safety factor assumes the same growth, at most 2, for the next cycle. After the
+        // first cycle the growth is unknown, and 2 is assumed.
         const Vector growth = min<float>(gain / max<float>(last, tiny), Vector(2.0f));
         const Vector expected = select<float>(Vector(0.0f) < last, growth, Vector(2.0f));
         (Vector(margin) * expected).store(safety_);
@@ -69,7 +69,8 @@ public:
     SolveError estimate(const Residual& residual, double reach) noexcept {
         const Vector largest = max<float>(residual.interior, residual.beside_data);
         largest.store(residual_);
-        // A gain below 1 would rely on relaxation. Before the first cycle, 4 is a conservative guess.
+        // The correction lacks the error that relaxation removes, so a gain below 1 is too small: 1 is used
+        // instead. Before the first cycle the gain is unknown; 4 is a high guess.
         const Vector known = Vector::load(gain_);
         const Vector gain =
             select<float>(Vector(0.0f) < known, max<float>(Vector(1.0f), known), Vector(4.0f));

@@ -17,8 +17,9 @@ struct CycleGoal {
 /// Solves a block whose source is set.
 ///
 ///   goal     applies to the first goal.functions functions of the block; others are ignored
-///   between  between() is called before every cycle and after the last cycle. It may change the source. It
-///            returns by how much this changes the solution; this change must be within the tolerance too
+///   between  between() is called before every cycle and after the last one. It may change the source, and
+///            returns the resulting change of the solution. Cycles end when this change, too, is within the
+///            tolerance
 ///   fails    not_converged, cancelled
 template <std::size_t D>
 Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,

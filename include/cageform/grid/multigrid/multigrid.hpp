@@ -407,7 +407,8 @@ private:
     /// case.
     static constexpr std::size_t finest_sweeps = D == 2 ? 5 : 7;
     static constexpr std::size_t few_nodes = 2048, few_runs = 64; ///< fewer are not worth another thread
-    /// Cycles 2, 4, … refine. Further cycles in float between two refinements gain nothing.
+    /// Cycles 2, 4, … begin with a refinement. In a third cycle without one, the rounding of float would
+    /// limit the reduction of the error.
     static constexpr std::size_t refine_every = 2;
 
     std::uint32_t unknowns_;

@@ -17,8 +17,8 @@ namespace grid {
 struct RefinementOptions {
     double across = 6; ///< cells across the thickness of the domain
     /// 3D: acceptable error of the functions, or 0. Between two facets, far from their edges, functions are
-    /// nearly linear. If `small_error` is not 0, `across` applies only near edges where the kinks of
-    /// functions would cause larger errors.
+    /// nearly linear. If `small_error` is not 0, `across` applies only near edges at which the kinks of
+    /// functions would cause larger errors than that.
     double small_error = 0;
     double per_facet = 1; ///< cells along the smallest altitude of a facet; in 2D along an edge
     /// 3D: largest cell at a facet, in square roots of its area.

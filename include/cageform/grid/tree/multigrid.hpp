@@ -55,7 +55,7 @@ public:
 
     private:
         friend TreeMultigrid;
-        static constexpr std::uint8_t once = 2; ///< a flag that remains set: the node has had some flag
+        static constexpr std::uint8_t once = 2; ///< a flag of nodes that have or had a flag
         struct Level : detail::Fields {
             Buffer<std::uint8_t> flags;      ///< per node
             Buffer<std::uint32_t> touched{}; ///< nodes that have or had a flag; values of others are zero
@@ -259,8 +259,8 @@ private:
         for (std::size_t k = 0; k < width; ++k) any |= std::fabs(row[k]) > limit;
         return any;
     }
-    /// Returns the cutoff of a level, a quarter on each coarser level because its error is four times as
-    /// large.
+    /// Returns the cutoff of a level. Each coarser level has a quarter of it, because its error is four times
+    /// as large.
     static float cutoff_of(const Block& block, std::size_t l) noexcept {
         return float(std::ldexp(block.cutoff_, -2 * int(l)));
     }
