@@ -14,8 +14,8 @@
 //                                   vertices, four trials leave n, 7n/8, 6n/8 and 5n/8 vertices
 //   5  plane/relax_loop.hpp         moves, inserts and removes vertices to lower the energy of cage_loop.hpp;
 //                                   the trial of least energy is kept
-//   6  plane/cage_maker.hpp         runs the steps and measures the exact clearance; repeats them with a
-//                                   larger distance if it is too small
+//   6  plane/cage_maker.hpp         runs the steps and measures the exact clearance; if the clearance is too
+//                                   small, repeats the steps with a larger distance
 #pragma once
 
 #include <cageform/cage/polygon.hpp>

@@ -11,8 +11,8 @@
 //      space/limb_rings.hpp        with options.rings: cuts the mesh along a plane across each limb
 //   4  space/reduce_shell.hpp      collapses edges without touching the figure or the mesh itself
 //   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy (volume, poor shapes)
-//   6  space/cage_maker.hpp        runs the steps and measures the exact clearance; repeats them with a
-//                                  larger distance if it is too small
+//   6  space/cage_maker.hpp        runs the steps and measures the exact clearance; if the clearance is too
+//                                  small, repeats the steps with a larger distance
 // pair_faces then merges triangles to quads (space/pair_faces.hpp, space/matching.hpp).
 #pragma once
 
@@ -25,24 +25,24 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Makes a 3D cage of few vertices around all faces of a figure.
 ///
 ///   vertices, faces  any triangles; vertices without a face are ignored
-///   returns          a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It
-///                    passes `check`. No cage face touches the figure, and report.clearance, which is exact,
-///                    is at least 0.9 margins. A corner of each connected component is inside (tested for at
-///                    most 4,096 components)
+///   returns          a closed mesh of options.vertices vertices (exceptions: MakeCageOptions::vertices),
+///                    counter-clockwise seen from outside. It passes `check`. No cage face touches the
+///                    figure, and report.clearance, which is exact, is at least 0.9 margins. A corner of each
+///                    connected component is inside (tested for at most 4,096 components)
 ///   parts            connected by bridges 2.9 margins wide along a minimum spanning tree; without one_cage,
 ///                    the shells share options.vertices. Gaps below 3.6 margins are closed
 ///   tunnels          kept, unless options.fill_tunnels; counted in report.tunnels
 ///   mirror           vertices are symmetric; their number may differ from the request by one
-///   vertices         options.vertices lists when the number differs. With options.looseness, the search for
-///                    the fewest vertices takes two to three times as long, and longer above 1,000 vertices
+///   fewest           with options.looseness, the search for the fewest vertices takes two to three times as
+///                    long, and longer above 1,000 vertices
 ///   rings            with options.rings, report.parts has the parts of the cage. Each joint is a closed,
 ///                    planar (up to rounding) path of at least four edges. Limbs are found as by find_parts,
 ///                    on meshes of four times, twice and once the requested vertices. Takes 1.3 to 2 times as
 ///                    long
 ///   cost             about a second, and 40 bytes for each of at most 250^3 lattice nodes. Because of this
 ///                    limit, small margins span fewer than two nodes. Margins below 0.6 % of the longest side
-///                    fail. Threads share the work per figure face. Two threads save 25 % of the time for a
-///                    million faces, and little below 10,000 faces
+///                    fail. Only the work per figure face is divided among threads: two threads save 25 % of
+///                    the time for a million faces, and little below 10,000 faces
 ///   errors           figure_empty; index_out_of_range (face); figure_not_finite (vertex);
 ///                    figure_has_no_size; margin_not_positive; margin_too_small; too_few_cage_vertices;
 ///                    mirror_not_supported; cancelled; out_of_memory; cage_not_found, with the clearance of

@@ -14,8 +14,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Solves for the unknown cells of any number of fields.
 ///
 ///   cells    the grid, numbered with the first axis fastest
-///   kinds    #cells. With Rim::given every unknown cell must have all its 2·D neighbours in the grid;
-///            links to cells outside are mirrored in any case
+///   kinds    #cells. With Rim::given every unknown cell must have all its 2·D neighbours in the grid. With
+///            either Rim, no flux passes to a neighbour that is Cell::outside
 ///   values   fields of #cells each, one after the other; reads given values and writes unknown ones, only
 ///            if the status is ok. Results lie between the smallest and the largest given value of their
 ///            component

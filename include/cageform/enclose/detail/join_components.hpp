@@ -76,9 +76,9 @@ struct Bridge {
     std::size_t from, to;
 };
 
-/// Bridges of a minimum spanning tree over the components, by Kruskal's algorithm. The region of a component
-/// has the nodes to which it is the nearest component. The edges are the shortest bridges found between
-/// components with adjacent regions.
+/// Bridges of a minimum spanning tree over the components, by Kruskal's algorithm. Each node belongs to the
+/// region of its nearest component. The edges are the shortest bridges found between components with adjacent
+/// regions.
 template <std::size_t D>
 std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeComponents& components) {
     const auto nearest = nearest_sources(

@@ -140,8 +140,8 @@ public:
             return segments_near(a, b, edge[0], edge[1], gap);
         });
     }
-    /// True if a triangle contains a mark. A vertex must not cross a mark: the loop would enclose another
-    /// loop or lose its own part of the figure.
+    /// True if a triangle contains a mark. A vertex that crosses a mark would make the loop enclose another
+    /// loop, or exclude its own part of the figure.
     bool any_mark_in(const Point& a, const Point& b, const Point& c) const noexcept {
         return std::any_of(marks_.begin(), marks_.end(), [&](const Point& p) {
             for (std::size_t k = 0; k < 2; ++k) { // a degenerate triangle covers only a segment of its line

@@ -45,7 +45,7 @@ public:
     }
 
     /// Removes the vertex whose removal costs least, inserts one elsewhere and relaxes; up to three times.
-    /// These steps leave local minima of single-vertex moves.
+    /// This escapes from local minima of moves of single vertices.
     void reinsert(CageLoop& loop) const {
         for (int round = 0; round < 3; ++round) {
             double least = energy_.of(loop) - 1e-4;

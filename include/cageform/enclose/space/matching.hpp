@@ -147,7 +147,7 @@ private:
     void schedule_odd(Node outer) {
         if (outer >= size_) schedule(nodes_[outer].dual / 2, EventKind::blossom_at_zero, outer);
     }
-    /// Schedules when the tree reaches a vertex that is no longer odd.
+    /// Schedules the event at which the tree reaches a vertex that is no longer odd.
     void schedule_free(std::uint32_t v) {
         for (auto k = first_[v]; k < first_[v + 1]; ++k) {
             if (nodes_[outermost(to(links_[k]))].label == Label::even)
@@ -159,7 +159,7 @@ private:
         for_each_vertex(outer, [&](std::uint32_t v) { schedule_even(v); });
     }
 
-    /// Matches a vertex, or leaves another one unmatched in its place.
+    /// Matches `start`, or leaves another vertex unmatched in its place.
     void search(std::uint32_t start) {
         now_ = 0;
         queue_ = {};

@@ -48,7 +48,8 @@ private:
 enum class CutSide : std::uint8_t { limb, rest, undecided };
 
 /// Assigns the undecided faces to limb or rest by a minimum cut (Dinic's maximum flow). Of several minimum
-/// cuts, the limb with the fewest faces is chosen; it is the intersection of all limbs.
+/// cuts, chooses the one whose limb has the fewest faces; this limb is the intersection of the limbs of all
+/// minimum cuts.
 class CheapestCut {
 public:
     CheapestCut(std::span<const EdgeCosts::Edge> edges, std::vector<CutSide> sides)

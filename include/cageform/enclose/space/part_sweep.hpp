@@ -51,7 +51,7 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
     auto order = first_indices<std::uint32_t>(f.size());
     std::stable_sort(order.begin(), order.end(), [&](auto v, auto w) { return f[v] > f[w]; });
     std::vector<bool> above(f.size());
-    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // top per root; rank: place in order
+    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // maximum of each set; position in `order`
     for (std::uint32_t n = 0; n < f.size(); ++n) rank[order[n]] = n;
     std::vector<std::pair<double, std::uint32_t>> found;
     for (const auto v : order) {

@@ -54,7 +54,7 @@ public:
         fit_.reweight(factors, 10 * max_importance);
         return move_bones();
     }
-    /// Adds bones at the largest errors (`more` than requested), then removes those whose removal costs
+    /// Adds bones at the largest errors, up to `bones` + `more`, then removes those whose removal costs
     /// least.
     bool exchange(std::size_t bones, std::size_t more) {
         std::vector<double> errors = fit_.errors();
@@ -95,8 +95,8 @@ public:
 private:
     static constexpr std::size_t sweeps = 6, first_rounds = 3, plain_rounds = 10, min_cluster = 6,
                                  patch_size = 24;
-    /// Upper bound of the importance by error. It lowers the maximum error by 25 % and raises the mean error
-    /// by 1 %.
+    /// Upper bound of the importance of a vertex. Weighting vertices by their errors lowers the maximum error
+    /// by 25 % and raises the mean error by 1 %.
     static constexpr double max_importance = 10;
 
     void weights(bool removals, double smoothing) {

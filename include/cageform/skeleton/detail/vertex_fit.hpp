@@ -15,8 +15,8 @@ inline Products products_of(const Vec<double, 3>& v) noexcept {
             v[1] * v[2], v[1],        v[2] * v[2], v[2], 1};
 }
 
-/// Sums over all frames of products of two maps. The dot product with products_of(v) is the sum of dot
-/// products of the two images of v.
+/// Sums over all frames of products of two maps. The dot product of `of` for bones j and k with
+/// products_of(v) is Σ_t (M_j^t v) · (M_k^t v).
 struct MapPairs {
     std::size_t bones = 0;
     std::vector<Products> of;
