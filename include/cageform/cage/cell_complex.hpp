@@ -52,7 +52,8 @@ public:
         });
     }
 
-    /// Adds an isolated vertex that moves all points within `radius`. Returns its handle.
+    /// Adds an isolated vertex that moves all points within `radius`, in units of the cage. Returns its
+    /// handle.
     template <Point P>
     std::size_t add_point(const P& point, T radius) {
         std::uint32_t i = no_vertex;

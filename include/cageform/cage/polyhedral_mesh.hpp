@@ -21,7 +21,7 @@ concept LoopRange = requires(const F& faces, std::size_t i) {
 ///
 /// A *fan* consists of the triangles between a face's edges and the mean m of its n corners. The function of
 /// a corner is 1 at the corner, 1/n at m, and linear on each triangle. So the weight of m is distributed to
-/// the corners: w_c = ω_c + Σ ω_m/n over the faces at c, where ω are the weights on the triangle mesh. This
+/// the corners: w_c = ω_c + Σ ω_m/n over the faces at c. Here ω are the weights on the triangle mesh. This
 /// preserves sums, linear precision, signs and the maximum principle, and does not depend on a choice of
 /// diagonal or first corner. The distance of a fan from the bilinear patch of the corners is at most |c₀ − c₁
 /// + c₂ − c₃|/16. For two triangles it is at most |c₀ − c₁ + c₂ − c₃|/4.
@@ -41,10 +41,10 @@ struct PolyhedralOptions {
     NonPlanar non_planar = NonPlanar::refuse;
     Faces faces = Faces::planar;
     /// k, 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan. The
-    /// functions on the face are then nearly bilinear: their error is k² times smaller, and mean value
-    /// weights converge to their integral over the patch at the same rate. Such a face has 4 k² triangles, so
-    /// a bind takes 2 k² times as long. With k > 1 all faces of more than three corners are fans. Gaps next
-    /// to divided faces may be refused as open edges.
+    /// functions on the face are then nearly bilinear; their error is k² times smaller. Mean value weights
+    /// converge to their integral over the patch at the same rate. Such a face has 4 k² triangles, so a bind
+    /// takes 2 k² times as long. With k > 1 all faces of more than three corners are fans. Gaps next to
+    /// divided faces may be refused as open edges.
     std::uint32_t divisions = 1;
 };
 

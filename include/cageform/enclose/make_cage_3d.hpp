@@ -41,7 +41,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                    long
 ///   cost             about a second, and 40 bytes for each of at most 250^3 lattice nodes. Because of this
 ///                    limit, small margins span fewer than two nodes. Margins below 0.6 % of the longest side
-///                    fail. Only the work per figure face is divided among threads: two threads save 25 % of
+///                    fail. Only the work per figure face is divided among threads. Two threads save 25 % of
 ///                    the time for a million faces, and little below 10,000 faces
 ///   errors           figure_empty; index_out_of_range (face); figure_not_finite (vertex);
 ///                    figure_has_no_size; margin_not_positive; margin_too_small; too_few_cage_vertices;

@@ -12,10 +12,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   faces    lists of vertices below `vertices`, of any length
 ///   numbers  #faces, never 0; order: 1, 2, -2, 3, -3, …
 ///   returns  the parts. The root of the tree is the first part in this order. Let m be the largest number of
-///            edges that a part shares with another part. The part is added when it shares at least 2m/3
-///            edges with a part in the tree. If there is no such part, those that share most edges with a
-///            part in the tree are added. The parent is the part in the tree with the most shared edges. If
-///            n and -n share equally many, it is the parent of n
+///            edges that a part shares with another part (edges shared by n and -n do not count). The part is
+///            added when it shares at least 2m/3 edges with a part in the tree. If there is no such part,
+///            those that share most edges with a part in the tree are added. The parent is the part in the
+///            tree with the most shared edges. If n and -n share equally many, it is the parent of n
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;
@@ -38,8 +38,8 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
     detail::sort_unique(corners);
     std::vector<std::size_t> of(vertices, none);
     for (const auto& [v, p] : corners) of[v] = of[v] == none ? p : tree.common_ancestor(of[v], p);
-    // A vertex at a face of part p is on the joints of p and of its ancestors, up to the vertex's own part,
-    // which is excluded.
+    // A vertex of a face of part p is on the joint of p and of each ancestor of p below the vertex's own
+    // part.
     for (const auto& [v, p] : corners) {
         for (std::size_t q = p; q != of[v] && tree.parent(q) != none; q = tree.parent(q)) {
             auto& joint = found.parts[q].joint;

@@ -58,8 +58,8 @@ private:
 /// that distance. Crossings closer to a common end than 2^-20 of an edge's extent (2^-8 for float) are not
 /// detected. If the test cannot separate two curves with 2^17 pieces, they count as touching.
 ///
-/// A cusp inside an edge is a warning: weights at points near the cusp lose digits, and weights at points
-/// outside the cage may be very large. Usually O(#E log #E), O(#E²) at worst.
+/// A cusp inside an edge is a warning. Weights at points near the cusp lose digits; weights at points outside
+/// the cage may be very large. Usually O(#E log #E), O(#E²) at worst.
 template <Scalar T>
 CageReport check(const CurvedPolygon<T>& polygon) {
     return detail::report_on(polygon.status(), [&](CageReport& report) {

@@ -8,8 +8,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Projects a, b and p along the third axis, and returns the side of the line ab on which p lies: 1 left, −1
-/// right. If p is on the line, it counts as shifted by an infinitesimal distance along the first axis, and by
-/// a far smaller one along the second. Returns 0 if a and b coincide in the projection.
+/// right. A point on the line counts as shifted infinitesimally along the first axis, and far less along the
+/// second. Returns 0 if a and b coincide in the projection.
 inline int side_seen_from_above(const Vec<double, 3>& a, const Vec<double, 3>& b,
                                 const Vec<double, 3>& p) noexcept {
     const int side = orientation({a[0], a[1]}, {b[0], b[1]}, {p[0], p[1]});

@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Returns the bounds of a facet clipped to a box, or nullopt if the facet lies outside (Sutherland,
-/// Hodgman 1974: clips against one side of the box after the other).
+/// Returns the bounds of a facet clipped to a box, or nullopt if the facet lies outside. Clips against one
+/// side of the box after the other (Sutherland, Hodgman 1974).
 template <std::size_t D>
 std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
                                                 const Bounds<double, D>& box) noexcept {

@@ -8,8 +8,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// A Delaunay triangulation, with a *ghost* simplex beyond every facet of the convex hull.
 ///
-/// Inserts site by site (Bowyer 1981, Watson 1981) with exact predicates: sites are rounded to a lattice of
-/// step 2^-60 extents (site_lattice.hpp), and determinants of uncertain sign in double are evaluated in
+/// Inserts site by site (Bowyer 1981, Watson 1981) with exact predicates. Sites are rounded to a lattice of
+/// step 2^-60 extents (site_lattice.hpp). Determinants of uncertain sign in double are evaluated in
 /// integers. Points on a sphere count as outside, so no simplex is flat. The numbering of vertices and
 /// simplices depends only on the positions of the sites.
 ///

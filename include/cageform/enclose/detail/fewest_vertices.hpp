@@ -80,7 +80,7 @@ public:
         }
         for (const std::size_t times : {2U, 4U}) {
             const std::size_t wanted = times * counts_[at], last = counts_.back();
-            if (times == 4 && wanted > 500) break; // would take seconds
+            if (times == 4 && wanted > 500) break; // this trial would take seconds
             const std::size_t more = index_of((std::min)(wanted + counts_[at] / 20, last));
             if (tried_.count(more) == 0) return more;
         }

@@ -198,8 +198,8 @@ private:
     }
 
     /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if the loop crosses the
-    /// axis. Such a loop crosses the axis at exactly two vertices, because nodes lie on the axis, and a
-    /// symmetric region without holes covers one interval of the axis.
+    /// axis. Such a loop crosses the axis at exactly two vertices: nodes lie on the axis, and a symmetric
+    /// region without holes covers one interval of the axis.
     static CageLoop right_half(const Loop& loop) {
         const std::size_t n = loop.size();
         for (std::size_t i = 0; i < n; ++i) {

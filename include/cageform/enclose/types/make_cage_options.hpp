@@ -78,7 +78,7 @@ struct MakeCageOptions {
     /// at most a quarter of the vertices. With `looseness`, the number of vertices is first chosen without
     /// loops. It is then raised up to five times, by 5 % each, while the cage with loops is too loose.
     bool rings = false;
-    /// Trade-off: higher values give more regular angles and lengths, and looser cages.
+    /// Trade-off, ≥ 0: higher values give more regular angles and lengths, and looser cages.
     double regular = 1;
     /// If > 0: uses the fewest vertices whose area (3D: volume) exceeds the tightest by at most this ratio,
     /// e.g. 0.25. `vertices` is then the upper bound; 0: 200 in 2D, 1,000 in 3D. The next smaller number
@@ -88,14 +88,14 @@ struct MakeCageOptions {
     double looseness = 0;
 };
 
-/// Result of make_cage. In 3D, `area` and `tightest_area` are volumes.
+/// Result of make_cage, in units of the figure. In 3D, `area` and `tightest_area` are volumes.
 struct MakeCageReport {
     Status status = Status::ok;
     std::size_t culprit = 0;  ///< index of the segment, area, vertex or face that `status` refers to
     std::size_t vertices = 0; ///< may differ from the request, see MakeCageOptions::vertices
     double margin = 0;        ///< requested margin as a distance
     double clearance = 0;     ///< exact minimum distance between cage and figure
-    double area = 0;
+    double area = 0;          ///< of the cage
     /// Area of the figure grown by the margin (3D: 1.12 margins) with narrow gaps closed. This is the limit
     /// of `area` for many vertices.
     double tightest_area = 0;

@@ -24,7 +24,7 @@ struct SurfaceReport {
     /// edge_not_manifold and the warning vertex_unused.
     CageReport mesh;
     std::size_t rim_edges = 0; ///< edges with only one face
-    std::size_t flips = 0;
+    std::size_t flips = 0;     ///< edge flips of MeshWeights::intrinsic_delaunay
     /// Number of negative weights. If positive, values may leave the range of the given values. Negative
     /// weights occur on boundary edges opposite to an obtuse angle, and with MeshWeights::own on other
     /// edges too.

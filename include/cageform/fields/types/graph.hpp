@@ -13,7 +13,7 @@ struct GraphLink {
     double conductance;
 };
 
-/// A graph. The conductances of repeated links are summed.
+/// A graph; `a` and `b` of a link are below `nodes`. The conductances of repeated links are summed.
 struct Graph {
     std::size_t nodes;
     std::span<const GraphLink> links;

@@ -53,8 +53,8 @@ inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
     return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
 }
 
-/// Returns the data at a point of a facet seen along an axis: the data of the front side, which the normal
-/// points to, or of the back side. In 2D a facet seen edge-on gives the mean of both.
+/// Returns the data at a point of a facet seen along an axis. It is the data of the front side, to which the
+/// normal points, or of the back side. In 2D a facet seen edge-on gives the mean of both.
 template <std::size_t D>
 BoundaryValue<D> value_from_side(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
                                  std::size_t axis, bool up) noexcept {
@@ -90,8 +90,8 @@ inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>
     return std::array<double, 2>{1 - s, s};
 }
 
-/// Returns the intersection of the line along `axis` through the position (x, y) with a face's plane, as
-/// barycentric coordinates; nullopt if the face is seen edge-on.
+/// Returns the barycentric coordinates of the point where the line along `axis` through the position (x, y)
+/// meets a face's plane; nullopt if the face is seen edge-on.
 inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& face, std::size_t axis, double x,
                                                        double y) noexcept {
     const auto [u, v] = other_axes[axis];

@@ -1,5 +1,5 @@
-// A polygon or a closed mesh with its interior cells as the boundary of a problem on a lattice: crossings
-// with lattice lines, and interpolation between the nodes up to the boundary.
+// A polygon or a closed mesh, with its interior cells, as the boundary of a problem on a lattice. Finds the
+// crossings with lattice lines, and interpolates between nodes up to the boundary.
 #pragma once
 
 #include <cageform/core/types/buffer.hpp>

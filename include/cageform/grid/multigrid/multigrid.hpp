@@ -15,10 +15,10 @@
 //   2. `finish` prolongs the correction to level 0 and relaxes five (2D) or seven (3D) sweeps.
 //      Then it restricts the new residual, and estimates the error from this residual.
 //
-// `start` is an F-cycle of W-cycles: on the way down each level from 1 on relaxes once and restricts its
-// residual; on the way up each adds the correction and runs the second half of a W-cycle. groups.hpp repeats
-// cycles until the error estimate is within the tolerance. It runs at least two cycles, because the solution
-// is refined in the second one (see below). The error bound is only reported.
+// `start` is an F-cycle of W-cycles. On the way down, each level from 1 on relaxes once and restricts its
+// residual. On the way up, each level adds the correction and runs the second half of a W-cycle. groups.hpp
+// repeats cycles until the error estimate is within the tolerance. It runs at least two cycles, because the
+// solution is refined in the second one (see below). The error bound is only reported.
 //
 // Irregular nodes, such as those at cut links, have their own stencil or interpolation. A run consists of
 // consecutive regular nodes of a row; a slab consists of all nodes of one index along the last axis. Data are

@@ -5,8 +5,8 @@
 // levels have 3^D-point stencils and are relaxed by Gauss–Seidel along the rows. In each range of rows,
 // irregular nodes are relaxed before regular ones.
 //
-// A `Pass` selects the steps. `run` at the end of this file executes them in a single traversal of memory:
-// each step follows the one before it at the distance that the stencil requires.
+// A `Pass` selects the steps. `run` at the end of this file executes them in a single traversal of memory.
+// Each step follows the one before it at the distance that the stencil requires.
 #pragma once
 
 #include <cageform/grid/multigrid/error_estimate.hpp>

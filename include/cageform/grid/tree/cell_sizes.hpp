@@ -34,8 +34,8 @@ struct RefinementOptions {
     /// 3D: largest cell at a vertex of more than three facets, as a fraction of the cage's size.
     double at_vertex = 1.0 / 16;
     double per_radius = 12; ///< see BoneSizes
-    /// Largest cell, as a fraction of the cage's size: in 3D the distance between two far vertices, in 2D
-    /// the longest side of the box around the cage.
+    /// Largest cell, as a fraction of the cage's size. This size is the distance between two far vertices in
+    /// 3D, and the longest side of the box around the cage in 2D.
     double largest = 1.0 / 16;
 };
 

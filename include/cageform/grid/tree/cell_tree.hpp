@@ -10,8 +10,8 @@
 //   family    the children of one cell
 //   rim       the boundary of a cell
 //   handle    a control point of the cage; the solver computes one harmonic function per handle
-//   wall      a facet of an interior cell of the cage: it has boundary values on both sides, but does not
-//             separate inside from outside; the rim of a wall is its boundary
+//   wall      a facet of an interior cell of the cage. It has boundary values, but the domain is on both its
+//             sides. The rim of a wall is its boundary
 //   bone      a point or an edge with a radius inside the cage, whose interior is not in the domain
 //   node      an unknown: a corner of a leaf inside the domain, unless the leaf is cut and the corner is
 //             within 1e-6 units of the boundary (nodes.hpp)

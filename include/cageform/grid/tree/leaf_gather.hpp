@@ -8,8 +8,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Interpolates at a point of a cell. Without facets it is multilinear between the corners. In a cell with
-/// facets it interpolates linearly along one axis after the other; a segment ends on the boundary if the
+/// Interpolates at a point of a cell: without facets, multilinearly between the corners. In a cell with
+/// facets it interpolates linearly along one axis after the other. A segment ends on the boundary if the
 /// boundary is nearer than the rim of the cell. The result is the mean over the cyclic orders of the axes
 /// along which the point lies strictly inside the cell. It never exceeds the interpolated values, and is
 /// exact for linear functions. On the rim of a cell it depends only on values on the rim, so neighbouring

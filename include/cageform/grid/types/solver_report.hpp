@@ -90,7 +90,8 @@ struct SolverReport {
         double largest_mean_change = 0; ///< the largest change in the last sweep, over all functions
     };
     Relaxation relaxation;
-    /// The number of cells or links that contain edges, faces or strokes without a common vertex.
+    /// Where the grid is too coarse to separate parts of the boundary: the number of links that more than one
+    /// stroke cuts (fields/strokes.hpp), or of cells with facets without a common vertex (your own solver).
     std::size_t crowded_cells = 0;
 
     // ---- refused problems: the culprit, and what would work -------------------------------------

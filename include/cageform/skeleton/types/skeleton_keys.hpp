@@ -31,8 +31,8 @@ struct SkeletonKeys {
         Channel<Quaternion<T>> rotation;
         Channel<Vec<T, 3>> scale; ///< (1, 1, 1) for rigid bones
         /// Rotation to the axes of the scale; the identity unless bones are stretched. In glTF, this rotation
-        /// needs a second node, a child of the bone's node. The second node is then the
-        /// joint of the skin and the parent of the child bones.
+        /// needs a second node, a child of the bone's node. The second node is then the joint of the skin and
+        /// the parent of the child bones.
         Channel<Quaternion<T>> axes;
     };
     std::vector<Bone> bones;
