@@ -43,8 +43,8 @@ private:
 };
 
 /// Replaces the faces of a mesh by fans of triangles around the means of their corners. With k divisions, a
-/// face of four corners becomes k × k cells of its bilinear patch, each a fan. Its edges are divided into k
-/// pieces in the neighbouring faces too.
+/// face of four corners becomes k × k cells of its bilinear patch, each a fan. The edges of this face are
+/// divided into k pieces, also in the neighbouring faces.
 template <Scalar T>
 class FanBuilder {
 public:

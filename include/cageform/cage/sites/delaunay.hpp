@@ -103,8 +103,9 @@ public:
         return walk(p, search, [](std::uint32_t) { return false; });
     }
 
-    /// Finds the cavity of `p`. It is empty if p is a site. If p is outside the hull, it is incomplete and
-    /// contains a ghost. Returns a simplex of the cavity or, if p is a site, a simplex with corner p.
+    /// Finds the cavity of `p`. The cavity is empty if p is a site. If p is outside the hull, the cavity is
+    /// incomplete and contains a ghost. Returns a simplex of the cavity or, if p is a site, a simplex with
+    /// corner p.
     std::uint32_t find_cavity(const detail::LatticePoint<D>& p, Search& search) const {
         const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
         const std::uint32_t from = walk(p, search, holds);

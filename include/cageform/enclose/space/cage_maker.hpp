@@ -169,8 +169,9 @@ private:
         return {shell.whole_size(), volume / report.tightest_area - 1, deepest_hollow<3>(contour, facets)};
     }
 
-    /// Searches for the fewest vertices without rings, then makes a cage with rings and as many vertices, or
-    /// more while it is too loose. Attempts with rings replace those with the same number of vertices.
+    /// Searches for the fewest vertices without rings. Then makes a cage with rings and as many vertices, and
+    /// adds vertices while this cage is too loose. Attempts with rings replace those with the same number of
+    /// vertices.
     Status make_fewest_with_rings(const ReductionInput& step, const Running& running, MakeCageReport& report,
                                   Shell& shell) const {
         const Shell contour = shell;

@@ -240,7 +240,7 @@ private:
         });
     }
 
-    /// True if a cut separates the limb's tip and about its area from the rest.
+    /// True if a cut separates the limb's tip, and a part of about the limb's area, from the rest.
     bool cuts_off(const Cut& cut, const Limb& limb, std::uint32_t tip) const {
         enum : char { unknown, limb_side, rest_side };
         std::vector<char> side(shell_.points.size(), unknown), is_counted(shell_.faces.size(), 0);

@@ -30,8 +30,8 @@ struct WeightedEdge {
 /// weight. It is >= 0 outside blossoms. It is 0 for edges that are matched, in the tree or in a blossom.
 /// While the tree grows, y decreases at even nodes and increases at odd ones, at the same rate. A queue holds
 /// the times of events. At an event, one of three numbers reaches 0: the slack of an edge, z of an odd
-/// blossom, or y of an even vertex. Such a vertex may then stay unmatched. At the end y = 0 at all unmatched
-/// vertices, which proves optimality.
+/// blossom, or y of an even vertex. An even vertex with y = 0 may stay unmatched. At the end y = 0 at all
+/// unmatched vertices, which proves optimality.
 class Matching {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};

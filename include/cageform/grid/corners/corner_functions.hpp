@@ -112,7 +112,7 @@ public:
         }
         return all;
     }
-    /// Returns the largest difference between two sets of coefficients. It bounds the change of a value.
+    /// Returns the largest difference between two sets of coefficients, a bound of the change of a value.
     double difference(const Coefficients& a, const Coefficients& b) const noexcept {
         double largest = 0;
         for (const Treated& t : corners_) {

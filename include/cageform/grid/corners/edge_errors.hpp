@@ -132,7 +132,7 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
 } // namespace detail
 namespace grid {
 
-/// Returns the estimates of all edges of a TriangleMesh or a CellComplex with inside between their faces.
+/// Returns the estimates of all edges of a TriangleMesh or a CellComplex that have nodes between their faces.
 /// Handles are those of the cage. At most O(#edges · 16 points · 64 nodes).
 template <class Cage>
 CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,

@@ -19,8 +19,9 @@ struct CutStencil {
         double share;
     };
     static constexpr std::size_t corners = std::size_t{1} << D; ///< number of corners of a cell
-    /// Limits of the stencil. It needs boundary points for D orders of the axes, and the nearest point of the
-    /// boundary. In 2D they are also enough for a harmonic mean (grid/tree/harmonic_mean.hpp).
+    /// Capacity of the stencil. Linear interpolation needs boundary points for D orders of the axes, and the
+    /// nearest point of the boundary. In 2D the capacity also suffices for a harmonic mean
+    /// (grid/tree/harmonic_mean.hpp).
     static constexpr std::size_t most_nodes = D == 2 ? 32 : corners,
                                  most_boundary_points = 1 + (D == 2 ? 32 : D * corners);
 

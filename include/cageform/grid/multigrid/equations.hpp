@@ -2,7 +2,7 @@
 // the others, called irregular, have their own.
 //
 // The finest equations follow Shortley and Weller (J. Appl. Phys. 9 (1938), p. 334): a link that is cut at
-// the fraction θ of its length has the weight 1/θ instead of 1. Their factor 2/(θ₋ + θ₊) of each axis is
+// the fraction θ of its length has the weight 1/θ instead of 1. The factor 2/(θ₋ + θ₊) of each axis is
 // omitted, which makes A symmetric and keeps linear functions exact (Gibou, Fedkiw, Cheng and Kang, J.
 // Comput. Phys. 176 (2002), sec. 2).
 #pragma once

@@ -214,7 +214,7 @@ public:
         for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
         return meeting_of(met, from, along);
     }
-    /// Returns the same, but considers all facets, exact.
+    /// As the overload above, but considers all facets, with exact vertices.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
         for_each_on_ray(from, along, 1, [&](std::uint32_t n) {

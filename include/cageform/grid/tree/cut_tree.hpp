@@ -73,7 +73,7 @@ public:
     }
     /// Finds which leaves without facets are inside. Later splits update the states.
     void find_states() {
-        // In this order the states of leaves at lower coordinates are known.
+        // Visits leaves at lower coordinates first, so that their states are known.
         tree_.for_each_leaf([&](const Cell& leaf) {
             if (states_[leaf.number] == CellState::unknown) states_[leaf.number] = state_at_middle(leaf);
         });
@@ -126,8 +126,8 @@ private:
         for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(p[k], boundary_->fraction()));
         return line;
     }
-    /// Returns the position where an axis line crosses a facet that separates inside from outside, if it
-    /// does.
+    /// Returns the position where an axis line crosses a facet that separates inside from outside, or
+    /// nullopt.
     std::optional<double> crossing(std::uint32_t facet, std::size_t axis,
                                    const std::array<std::int64_t, D>& line) const noexcept {
         if (!boundary_->separates(facet)) return std::nullopt;

@@ -116,8 +116,8 @@ public:
     ///   cutoff  solves at nodes where any function is larger; 0: everywhere
     ///
     /// Nodes that are not solved for keep the values interpolated from the next coarser level. Each coarser
-    /// level has a quarter of the cutoff, so it is solved farther out. Values below a thousandth of the
-    /// cutoff for all functions become zero. A value that is not solved for has the relative error of the
+    /// level has a quarter of the cutoff, so it is solved in a larger region. Values below a thousandth of
+    /// the cutoff for all functions become zero. A value that is not solved for has the relative error of the
     /// coarser level; the largest error measured was a quarter of the cutoff.
     void start(Block& block, std::size_t first, double cutoff = 0, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
@@ -170,8 +170,8 @@ public:
                 for (std::size_t k = 0; k < width; ++k) sum[k] += double(weight) * block.refined_[column][k];
             }
         };
-        // Boundary data is sorted by handle. Its nodes are few; they are collected first and summed in
-        // double.
+        // Boundary data is sorted by handle. Few nodes have data; they are collected first, and their data is
+        // summed in double.
         Buffer<Values> rows;
         Buffer<std::uint32_t> data_nodes;
         for (const TreeData& entry : block.data_) data_nodes.push_back(entry.node);

@@ -185,7 +185,7 @@ public:
         // A measured ratio: all leaves / leaves required by the area of a face (in 2D by the length of an
         // edge).
         constexpr double of_surface = D == 2 ? 2.5 : 6.5;
-        // In 2D the largest size is chosen for the scale 1.
+        // In 2D only scale 1 is tried; the default of RefinementOptions::largest is then a cell size.
         constexpr int steps = D == 2 ? 1 : 16;
         RefinementPlan best{1, std::numeric_limits<double>::infinity()};
         for (int step = 0; step < steps; ++step) {
@@ -222,7 +222,7 @@ private:
 /// Refines a tree of one cell, down to cells of one unit, and then balances it.
 ///
 ///   most_leaves  limit; if it is exceeded, the tree is incomplete and the result false
-///   finest       out
+///   finest       out: the smallest cells, and why they are small
 ///   cost         one ray across the domain per facet in each cell
 template <std::size_t D>
 bool refine(CutTree<D>& tree, const RefinementOptions& options, std::size_t most_leaves,

@@ -118,8 +118,8 @@ struct SolverReport {
         return double(sorted[std::size_t(quantile * double(sorted.size() - 1))]);
     }
 
-    /// Returns the corner with the largest estimate, or one with error 0 if there is none. Its
-    /// resolution is one at which no corner has a notable error.
+    /// Returns the corner with the largest estimate, or one with error 0 if there is none. The resolution of
+    /// the result suffices for all corners; 0: no error is notable, or no grid is fine enough.
     CornerError worst_corner() const noexcept {
         CornerError worst;
         std::size_t resolution = 0;
@@ -163,8 +163,8 @@ struct SolverReport {
     }
 
 private:
-    /// Merges the estimates of other functions. For the same grid it keeps the larger estimate at each point.
-    /// It appends the estimates of another grid.
+    /// Merges the estimates of other functions. For the same grid, keeps the larger estimate at each point;
+    /// for another grid, appends the estimates.
     void add_grid_errors(const std::vector<float>& more) {
         if (tree.grid_errors.size() != more.size()) {
             tree.grid_errors.insert(tree.grid_errors.end(), more.begin(), more.end());
@@ -173,8 +173,8 @@ private:
         for (std::size_t n = 0; n < more.size(); ++n)
             tree.grid_errors[n] = (std::max)(tree.grid_errors[n], more[n]);
     }
-    /// Merges the corners of other functions. For the same cage it keeps the larger error at each corner. It
-    /// appends the corners of another cage.
+    /// Merges the corners of other functions. For the same cage, keeps the larger error at each corner; for
+    /// another cage, appends the corners.
     void add_corners(const std::vector<CornerError>& more) {
         const auto same = [](const CornerError& a, const CornerError& b) { return a.handles == b.handles; };
         if (!std::equal(multigrid.corners.begin(), multigrid.corners.end(), more.begin(), more.end(), same)) {

@@ -35,7 +35,7 @@ struct SkeletonReport {
     std::size_t bones = 0;
     double rms = 0;          ///< RMS of all distances, relative to the figure's diagonal in the rest pose
     double max_distance = 0; ///< relative to the same diagonal
-    /// The place of max_distance; with frame_not_finite, the place of the invalid point.
+    /// Where max_distance is reached; with frame_not_finite, the invalid point.
     std::size_t frame = 0, vertex = 0;
     double turn = 0;            ///< rotation error of the faces: 99th percentile, in degrees
     double mean_influences = 0; ///< mean number of weights above 0 per vertex
