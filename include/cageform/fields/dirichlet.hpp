@@ -36,7 +36,7 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
     const std::span<T> fields(values);
     const std::size_t size = cells.size();
     CAGEFORM_ASSERT(kinds.size() == size && (size == 0 ? fields.empty() : fields.size() % size == 0),
-                    "one mark per cell, and whole fields");
+                    "one mark per cell, values of whole fields");
     return detail::guarded_evaluation([&](SolverReport& report) {
         const auto fail = [&](Status status, std::size_t culprit) {
             report.culprit = culprit;

@@ -76,7 +76,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
     const std::span<T> fields(values);
     const std::size_t size = graph.nodes;
     CAGEFORM_ASSERT(given.size() == size && (size == 0 ? fields.empty() : fields.size() % size == 0),
-                    "one mark per node, and whole fields");
+                    "one mark per node, values of whole fields");
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, options.allow_negative, report);
         if (status != Status::ok) return status;
@@ -131,7 +131,7 @@ template <MutableScalarRange V>
 Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> given, V&& steps) {
     using T = detail::element_t<V>;
     const std::span<T> out(steps);
-    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each per node");
+    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one mark and result per node");
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, false, report);
         if (status != Status::ok) return status;
@@ -167,7 +167,7 @@ Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, st
                      V&& probabilities) {
     using T = detail::element_t<V>;
     const std::span<T> out(probabilities);
-    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each per node");
+    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one mark and result per node");
     return detail::guarded_evaluation([&](SolverReport& report) {
         if (from >= graph.nodes) return Status::index_out_of_range;
         Status status = detail::check_graph(graph, false, report);

@@ -153,7 +153,7 @@ public:
     /// Returns the values at the nodes, numbered with the first axis fastest. A node on a stroke with two
     /// sides has the value of either side. Empty before the first solve.
     std::span<const T> field(std::size_t channel) const noexcept {
-        CAGEFORM_ASSERT(channel < channels_, "one of the channels");
+        CAGEFORM_ASSERT(channel < channels_, "channel below the number of channels");
         if (!solution_) return {};
         const std::size_t size = solution_->nodes_at.size();
         return std::span(solution_->fields).subspan(channel * size, size);

@@ -200,7 +200,7 @@ private:
             for (const SweptJoint& joint : swept_joints(surface, distance)) {
                 Region area;
                 area.has = filled(cut(joint, surface, distance, whole), shell);
-                if (is_pair) // neither of the pair gets the common faces
+                if (is_pair) // faces common to the region and its image belong to neither
                     area.has = filled(without(area.has, image_of(area.has)), shell);
                 if (is_own && image_of(area.has) != area.has) continue;
                 area.image = is_own ? found.size() : none;

@@ -188,8 +188,8 @@ private:
     const MapPairs& pairs_;
     const VertexWeights& before_;
     WeightStep step_;
-    std::vector<double> own_,
-        across_; ///< per bone: the squared distance by this bone alone; the product of its map and the places
+    std::vector<double> own_,  ///< per bone: squared distance if the bone has all weight
+        across_;               ///< per bone: Σ_t of the dot product of the mapped and the given position
     std::vector<double> mean_; ///< mean of the neighbours' weights
     std::vector<std::uint8_t> taken_;
     std::vector<std::uint32_t> order_;
