@@ -9,10 +9,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Bones and weights. No step increases the sum of squared distances, except a step of weights with
-/// smoothing. A step of weights sums over the frames once, so the cost of a vertex does not depend on the
-/// number of frames. A step of bones sums over the vertices once, so the cost of a frame does not depend on
-/// the number of vertices.
+/// Bones and weights. `fit_weights` minimises the sum of squared distances over the weights of each vertex.
+/// `fit_bones` minimises this sum, weighted by importance, over one map at a time. A step of weights sums
+/// over the frames once, so the cost of a vertex does not depend on the number of frames. A step of bones
+/// sums over the vertices once, so the cost of a frame does not depend on the number of vertices.
 class BoneFit {
 public:
     BoneFit(const Motion& motion, BoneKind kind, std::size_t influences)

@@ -307,7 +307,7 @@ private:
         normalise(mean, range);
         return may_be_constant(range, share, mean);
     }
-    /// True if a range of values may be constant.
+    /// True if the constant values `one` of a range are within tolerance in all frames.
     bool may_be_constant(const Range& range, double share, const NodeTransform& one) const {
         for (std::size_t t = 0; t < exact_.size(); ++t) {
             if (!is_within(t, replaced(played_[t], one, range), share)) return false;

@@ -52,8 +52,8 @@ public:
 private:
     // Steps; they return false if cancelled.
 
-    /// Removes bones from the fit found. If the fit is then beyond the distance, removes again. If that fails
-    /// too, returns to the best fit and removes fewer bones.
+    /// Removes bones from the fit found. If the fit then exceeds the distance, tries the same number of bones
+    /// once more. If that fails too, returns to the best fit and removes fewer bones.
     template <class Holds>
     bool shrink(std::size_t low, const Holds& holds) {
         std::size_t high = best_->bones();
