@@ -153,10 +153,11 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Checks whether a mesh is a valid cage. Indices must be in range and vertices finite; no two vertices may
-/// coincide (within coincidence_tolerance), and faces must have an area. Every edge must have two faces, of
-/// consistent orientation, including faces that close a small gap. The faces around a vertex must form one
-/// fan, and no two faces may intersect. Usually O(#F log #F), O(#F²) at worst.
+/// Checks whether a mesh is a valid cage. There must be at least four vertices, all finite, and indices in
+/// range. No two vertices may coincide (within coincidence_tolerance), and faces must have an area. Every
+/// edge must have two faces, of consistent orientation, including faces that close a small gap. The faces
+/// around a vertex must form one fan, no two faces may intersect, and shells must have a volume. Usually O(#F
+/// log #F), O(#F²) at worst.
 template <class T>
 CageReport check(const TriangleMesh<T>& mesh);
 

@@ -61,7 +61,7 @@ public:
 
     /// canvas      the drawing area; an incomplete last row of cells is completed
     /// resolution  cells along its longest side, least_resolution … most_resolution
-    /// channels    number of fields solved together; sixteen cost as much as one
+    /// channels    number of fields solved together, at least 1; sixteen cost as much as one
     Diffusion(const Bounds<T, D>& canvas, std::size_t resolution, std::size_t channels)
         : canvas_(canvas)
         , resolution_(resolution)

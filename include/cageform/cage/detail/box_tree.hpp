@@ -34,7 +34,7 @@ public:
     const Bounds<double, D>& bounds() const noexcept { return nodes_[0].box; }
 
     /// Calls visit(item) for all items whose boxes come within `slack` of the segment from `from` to from +
-    /// length · direction. visit returns the new length.
+    /// length · direction, and for some others. visit returns the new length.
     template <class Visit>
     void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
                          double slack, const Visit& visit) const {
@@ -85,9 +85,9 @@ public:
         return any(may_meet, f);
     }
 
-    /// Calls visit(item) for all items whose boxes are at most as far from q as the nearest item so far. Near
-    /// items come first. `distance2` is the initial squared distance; visit returns the squared distance of
-    /// the nearest item so far.
+    /// Calls visit(item) for all items whose boxes are at most as far from q as the nearest item so far, and
+    /// for some others. Near boxes are visited first. `distance2` is the initial squared distance; visit
+    /// returns the squared distance of the nearest item so far.
     template <class Visit>
     void for_each_near(const Vec<double, D>& q, double distance2, const Visit& visit) const {
         if (!nodes_.empty()) find_near(0, q, distance2, visit);

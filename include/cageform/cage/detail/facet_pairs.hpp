@@ -41,9 +41,9 @@ std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
 
 /// Finds the pairs of intersecting facets.
 ///
-/// Halves a box around all facets, along the axis with the fewest remaining pairs. Stops when a cell has few
-/// pairs, or when halving no longer reduces the number of pairs. Facets are clipped to their cells, which
-/// separates slivers with overlapping bounds. Usually O(n log n), O(n²) at worst.
+/// Recursively divides a box around all facets, at the position that leaves the fewest pairs (`best_split`).
+/// Stops when a cell has few pairs, or when no division reduces their number. Facets are clipped to their
+/// cells, which separates slivers with overlapping bounds. Usually O(n log n), O(n²) at worst.
 template <std::size_t D>
 class FacetPairs {
 public:

@@ -9,7 +9,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices,    ///< loop or face `a` has only `b` vertices (< 3); a point set has `b` (< D + 1)
+    too_few_vertices,    ///< loop or face `a` has `b` vertices (< 3); a mesh or point set has `b` (< D + 1)
     not_a_simplex,       ///< a simplex has `b` vertices, but `a` were given
     loops_do_not_match,  ///< the loop sizes add up to `a`, but there are `b` vertices
     vertex_not_finite,   ///< vertex `a` is NaN or infinite; in a cage of curves, point `b` of edge `a`

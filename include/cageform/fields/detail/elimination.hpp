@@ -104,7 +104,7 @@ private:
         }
     }
 
-    /// Renumbers in postorder: children directly before their parents.
+    /// Renumbers in postorder: every subtree is contiguous and ends with its root.
     void order_by_tree() {
         const auto size = std::uint32_t(nodes_.size());
         std::vector<std::uint32_t> child(size, none), sibling(size, none), moved(size), path, ordered;

@@ -165,9 +165,9 @@ public:
         return std::nullopt;
     }
 
-    /// Returns a stencil: multilinear, or in cells cut by the boundary the mean over D orders of the axes.
-    /// The value is a mean, so it never exceeds the values of the stencil. Beyond the last nodes, if there is
-    /// no boundary, the values are mirrored.
+    /// Returns a stencil: multilinear, or in cells cut by the boundary the mean of D interpolations, one per
+    /// cyclic order of the axes. The value never exceeds the values of the stencil. Beyond the last nodes, if
+    /// there is no boundary, the values are mirrored.
     CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};
