@@ -33,8 +33,8 @@ public:
     /// Returns the bounds of all items; there must be at least one.
     const Bounds<double, D>& bounds() const noexcept { return nodes_[0].box; }
 
-    /// Calls visit(item) for all items whose boxes come within `slack` of the segment from `from` to from +
-    /// length · direction, and for some others. visit returns the new length.
+    /// Calls visit(item) for all items whose boxes come within `slack` of a segment, and for some others. The
+    /// segment ends at from + length · direction; visit returns the new length.
     template <class Visit>
     void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
                          double slack, const Visit& visit) const {

@@ -166,9 +166,8 @@ private:
         return box;
     }
 
-    /// If one group has more than half of the items, clips this group to the bounds of the other items,
-    /// because items of one group form no pairs. Halving alone does not separate slivers at an apex from
-    /// other faces.
+    /// If one group has more than half of the items, clips this group to the bounds of the other items. Items
+    /// of one group form no pairs. Halving alone does not separate slivers at an apex from other faces.
     Items cropped(Items items) const {
         std::size_t begin = 0, end = end_of_group(items, 0);
         while (2 * (end - begin) <= items.size() && end < items.size()) {

@@ -137,8 +137,8 @@ struct CageReport {
     Status status = Status::ok;
     std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` other faults
     std::size_t fault_count = 0;   ///< number of all faults that are not warnings
-    /// Distance for each face_fanned, in the order of these warnings and in units of the cage: for four
-    /// corners from the fan to their bilinear patch, for more from the plane to the farthest corner.
+    /// Distance for each face_fanned, in the order of these warnings and in units of the cage. For four
+    /// corners: from the fan to their bilinear patch. For more: from the plane to the farthest corner.
     std::vector<double> fan_distances = {};
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {

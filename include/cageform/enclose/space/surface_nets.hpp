@@ -44,8 +44,8 @@ void for_each_mixed(const DistanceLattice<3>& lattice, const std::vector<std::ui
 }
 
 /// Changes outside nodes to inside until the border is a manifold (Latecki, 3D well-composed pictures, 1997).
-/// One case is excluded in squares of four nodes and in cubes of eight: two opposite corners are on one side,
-/// all others on the other. Nodes on the rim of the lattice stay outside.
+/// Squares of four nodes and cubes of eight must not have two opposite corners on one side and all others on
+/// the other. Nodes on the rim of the lattice stay outside.
 inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<std::uint8_t>& outside) {
     const auto& stride = lattice.stride();
     const auto& count = lattice.count();

@@ -30,8 +30,8 @@ struct SurfaceSkinOptions {
     double heat = 1;
     BoneVisibility visibility = BoneVisibility::inside; ///< for bone heat
     /// `harmonic_skin`: per vertex, the bone whose weight is 1 there, or no_bone. If empty, the group of a
-    /// bone has the vertices that are nearest to this bone alone, at a point in its middle third (at any
-    /// point if both ends coincide).
+    /// bone has the vertices that are nearest to this bone alone. The nearest point must lie in the middle
+    /// third of the bone, unless both ends coincide.
     std::span<const std::uint32_t> groups{};
 };
 

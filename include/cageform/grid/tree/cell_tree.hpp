@@ -21,8 +21,7 @@
 // Local harmonic models give the values between nodes (coordinates/harmonic/leaf_models.hpp). In cages with
 // bones, and in 3D cages with walls or with faces of more than three corners,
 // coordinates/harmonic/tree_cage.hpp interpolates instead. Within 0.01 (2D) or 0.3 (3D) leaf sizes from the
-// boundary, this interpolation is linear, between the nearest point of the unrounded boundary and a point
-// farther inside.
+// boundary, the interpolation is linear: from the nearest point of the unrounded boundary to a point inside.
 //
 // All headers, in the order of their use:
 //

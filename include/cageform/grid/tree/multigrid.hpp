@@ -9,10 +9,10 @@
 // It computes a correction there by the same method, adds the interpolated correction, and relaxes once more.
 // The rows, the prolongation and its transpose are made by grid/tree/hierarchy.hpp.
 //
-// Most boundary functions are nearly zero in most of the domain. With a cutoff the cycles therefore visit
-// only the active nodes: those where a function exceeds the cutoff, those with boundary data, and a ring of
-// neighbours. The outermost of them, which may have inactive neighbours, are the rim. The set grows when a
-// function exceeds the cutoff on the rim.
+// Most boundary functions are nearly zero in most of the domain. With a cutoff, cycles visit only the active
+// nodes: those where a function exceeds the cutoff, those with boundary data, and a ring of neighbours. The
+// outermost active nodes, which may have inactive neighbours, are the rim. The set grows when a function
+// exceeds the cutoff on the rim.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>

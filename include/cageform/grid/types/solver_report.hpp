@@ -90,8 +90,8 @@ struct SolverReport {
         double largest_mean_change = 0; ///< the largest change in the last sweep, over all functions
     };
     Relaxation relaxation;
-    /// Where the grid is too coarse to separate parts of the boundary: the number of links that more than one
-    /// stroke cuts (fields/strokes.hpp), or of cells with facets without a common vertex (your own solver).
+    /// Number of places where the grid does not separate parts of the boundary. fields/strokes.hpp: links
+    /// that more than one stroke cuts. Your own solver: cells with facets that have no common vertex.
     std::size_t crowded_cells = 0;
 
     // ---- refused problems: the culprit, and what would work -------------------------------------
