@@ -188,7 +188,7 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
 }
 
 /// Returns the axis along which boxes are shortest on average, relative to the standard deviation of their
-/// centres. Unlike the range of the centres, the deviation changes little by a few outliers.
+/// centres. A few outliers change this deviation little, unlike the range of the centres.
 template <std::size_t D>
 std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
     std::size_t axis = 0;

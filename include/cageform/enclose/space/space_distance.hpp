@@ -93,9 +93,9 @@ private:
 /// Fills a lattice with the distance from triangles minus `margin`, at most `farthest`. Exact near the faces.
 /// Sweeps over every second node along each axis propagate the nearest triangle (Bridson, Fluid simulation
 /// for computer graphics, 2015, sec. 14.1). Each remaining node tests the triangles found for the adjacent
-/// nodes of the sweeps. If these are all farther than two margins, it takes the mean of their distances. Far
-/// from the figure, the triangle found may not be the nearest, so the distance may be too large; the cage
-/// encloses the figure nevertheless.
+/// nodes of the sweeps. If these nodes are all farther than two margins plus two spacings, it takes the mean
+/// of their distances instead. Far from the figure, the triangle found may not be the nearest, so the
+/// distance may be too large; the cage encloses the figure nevertheless.
 class SpaceDistance {
 public:
     using Point = Vec<double, 3>;

@@ -44,8 +44,9 @@ public:
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
-        // The last s_k is the first with an exponent kπ/ω of at least R/6, clamped to 1.5 … 4. A small disc
-        // has too few nodes to fit more coefficients. Finite differences are accurate from exponent 4 on.
+        // The last s_k is the first whose exponent kπ/ω reaches R/6, or 1.5 if that is larger, or 4 if that
+        // is smaller. A small disc has too few nodes to fit more coefficients. Finite differences are
+        // accurate from exponent 4 on.
         count_ = (std::min)(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
     }
 
