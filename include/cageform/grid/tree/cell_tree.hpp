@@ -1,8 +1,8 @@
 // A binary tree, quadtree or octree: a cube that is recursively halved along all axes.
 //
 // This folder solves the Laplace equation on such a tree. The discretisation is in this header, in
-// links.hpp (the equation of a node), and in star.hpp (2D) or leaf_gather.hpp (3D, and interpolation). The
-// solver is in hierarchy.hpp (the levels) and grid/tree/multigrid.hpp (the cycles).
+// node_equation.hpp (the equation of a node), and in star.hpp (2D) or leaf_gather.hpp (3D, and
+// interpolation). The solver is in hierarchy.hpp (the levels) and grid/tree/multigrid.hpp (the cycles).
 //
 // Terms:
 //
@@ -37,7 +37,8 @@
 //   leaves_about     the leaves around a node
 //   harmonic_mean    weights that are exact for harmonic polynomials, in 2D
 //   star             the neighbours of a point, in 2D
-//   links            the equations of the nodes
+//   node_equation    the equation of one node
+//   links            the equations of all nodes
 //   level_rows       sparse matrices
 //   hierarchy        the coarser levels
 //

@@ -1,5 +1,5 @@
 // Interpolation inside a leaf, up to the boundary that cuts it. It is used for the ghost values at hanging
-// nodes (grid/tree/links.hpp), the prolongation between levels (grid/tree/hierarchy.hpp), and samples
+// nodes (grid/tree/node_equation.hpp), the prolongation between levels (grid/tree/hierarchy.hpp), and samples
 // without blended models (coordinates/harmonic/leaf_models.hpp).
 #pragma once
 

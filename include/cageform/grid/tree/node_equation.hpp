@@ -14,13 +14,13 @@
 // in 2D to four.
 //
 // 3. All other nodes: along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9
-// (1938)), which allows two links of different lengths. A link ends on the boundary or at a node. A node on
-// a face of a larger leaf that is not one of its corners is a hanging node. Its link through that leaf may
-// end inside the opposite face, where there is no node. The end then has a ghost value, interpolated in
-// that face by LeafGather (grid/tree/leaf_gather.hpp). A ghost value adds error terms along the other axes.
-// The second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput.
-// Phys. 218 (2006); here the error terms are second moments of the interpolation, which includes
-// interpolation up to the boundary). Linear functions are exact, and the order at these nodes is two.
+// (1938)), which allows two links of different lengths. A link ends on the boundary or at a node. A node is
+// *hanging* if it lies on a face of a larger leaf and is not a corner of that leaf. Its link through that
+// leaf may end inside the opposite face, where there is no node. The end then has a ghost value, interpolated
+// in that face by LeafGather (grid/tree/leaf_gather.hpp). A ghost value adds error terms along the other
+// axes. The second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J.
+// Comput. Phys. 218 (2006)). Here the error terms are second moments of the interpolation, which includes
+// interpolation up to the boundary. Linear functions are exact, and the order at these nodes is two.
 #pragma once
 
 #include <cageform/grid/tree/leaf_gather.hpp>
@@ -31,7 +31,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The equation Σ weight · (u(node) − u(term)) = 0 of one node, multiplied by the volume around the node.
 template <std::size_t D>
 struct NodeEquation {
-    /// A node, or a point on the boundary. A node has one term.
+    /// A node, or a point on the boundary. Each node occurs in at most one term.
     struct Term {
         std::uint32_t node; ///< TreeNodes::none for a point on the boundary
         double weight;
@@ -65,7 +65,7 @@ public:
         , nodes_(nodes)
         , star_(tree, nodes) {}
 
-    /// Returns the equation of a node. It is valid until the next call.
+    /// Returns the equation of a node; the reference is valid until the next call.
     const NodeEquation<D>& operator()(std::uint32_t node) {
         equation_.node = node;
         equation_.index = nodes_.index(node);
@@ -195,8 +195,7 @@ private:
         }
         equation_.terms.push_back({node, weight});
     }
-    /// Formula 2, in 2D. Returns false if there are no non-negative weights, or next to
-    /// a bone.
+    /// Formula 2, in 2D. Returns false if there are no non-negative weights, or next to a bone.
     bool add_star([[maybe_unused]] const LeavesAbout<D>& about) {
         if constexpr (D == 2) {
             if (!star_.collect(equation_.index, about)) return false;
