@@ -179,8 +179,8 @@ private:
         cuts_.erase_from(std::unique(cuts_.begin(), cuts_.end(), same_link));
     }
 
-    /// Cuts the remaining links to nodes that are not unknowns: fixed nodes, and nodes about which the lines
-    /// of different axes disagree because of rounding.
+    /// Cuts the remaining links to nodes that are not unknowns: fixed nodes, and nodes that the lines of
+    /// different axes classify differently because of rounding.
     void cut_links_to_other_nodes() {
         Buffer<Cut> more;
         nodes_.for_each_end([&](const Index& index, std::uint32_t node, std::size_t direction) {
