@@ -1316,7 +1316,7 @@ if [ -n "${CAGEFORM_NIGHTLY:-}" ]; then # tests/nightly.sh
   grep -q '^0.01   1.7.e-07   16.0 ' log && grep -qx 'mesh 0.05   34.0921  1.8092' log && grep -qx 'plane waves 0.58720' log && ok=yes || ok=no
   report $ok "to the fourth order"
 fi
-refuses 'nothing is to be written' "$waves"
+refuses 'nothing to write' "$waves"
 refuses 'orbit not in {slit,two-slits,spin,shadow}' "$waves" --scene orbit -o out.png
 refuses 'missing/out.png: No such file' "$waves" -o missing/out.png
 refuses 'missing/out.00.png: No such file' "$waves" --stills missing/out.
