@@ -115,7 +115,7 @@ refuses_line 'line.csv: no cell has a value' '.,.,.\n'
 refuses_line 'line.csv: every cell has a value' '1,2\n'
 refuses_line 'line.csv: holds no table' ''
 awk 'BEGIN { for (n = 0; n < 1001; n++) print n == 0 ? "1" : "." }' >line.csv
-refuses 'line.csv: holds 1001 cells; 1000 are the most' "$relaxation" line.csv -o out.svg
+refuses 'line.csv: holds 1001 cells; the limit is 1000' "$relaxation" line.csv -o out.svg
 refuses 'missing.csv' "$relaxation" missing.csv -o out.svg
 refuses '--guess' "$relaxation" column.csv --guess good -o out.svg
 refuses 'does not end with' "$relaxation" column.csv -o out.png
@@ -1293,7 +1293,7 @@ report $ok "the one point in the middle is free"
 works "a lattice for a game" "$bind" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 -o cube.figure
 works "a lattice's joints" "$programs/export_gltf" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 --skin 8 -o cube.glb
 works "a face pulled out of a board" "$programs/lattice_board" -o board.png
-grep -q '^35 x 35 x 2 points: the board misses the relief by 0.00' log && ok=yes || ok=no
+grep -q '^35 x 35 x 2 points: distances of the board from the relief: rms 0.00' log && ok=yes || ok=no
 report $ok "which follows the relief"
 refuses 'output is required' "$programs/lattice_board"
 

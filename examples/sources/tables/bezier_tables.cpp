@@ -422,7 +422,7 @@ std::string curve_name(std::size_t c) {
     return "F" + std::to_string(c + 1);
 }
 
-/// The W12 error of a fit; ends the program where there is none.
+/// The W12 error of a fit; ends the program if the fit fails.
 double error_at(const BezierCurve& curve, const std::vector<double>& parameters, const FitOptions& options) {
     const auto fit = fit_pieces(curve, parameters, options);
     if (!fit) throw std::runtime_error(cageform::to_string(fit.status()));

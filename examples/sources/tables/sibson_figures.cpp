@@ -277,7 +277,7 @@ public:
     void caption(std::size_t column, std::size_t row, const std::string& words) {
         picture.text({left(column), top(row) - 12}, words, 1.7, {0.15f, 0.15f, 0.15f});
     }
-    /// Values at the centres of the tile's pixels; not a number: nothing there.
+    /// Draws values at the centres of the tile's pixels; NaN: not drawn.
     void map(std::size_t column, std::size_t row, const std::vector<double>& values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (!std::isnan(values[i]))
