@@ -116,7 +116,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
         const std::size_t cycles = problem.solve();
         if (!result) state.SkipWithError(to_string(result.status()));
         if (cycles != solver.multigrid.cycles || problem.grid->problem().nodes.count() != solver.cells)
-            state.SkipWithError("the bare solve is of another problem");
+            state.SkipWithError("the separate solve has another problem");
         solving += std::clock() - bound;
         binding += bound - begin;
         state.ResumeTiming();
@@ -347,7 +347,7 @@ void bind_harmonic_figure(benchmark::State& state) {
         state.PauseTiming();
         if (!result) state.SkipWithError(to_string(result.status()));
         auto solved = coordinates;
-        if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the solve alone");
+        if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the separate solve failed");
         solving += std::clock() - bound;
         binding += bound - begin;
         state.ResumeTiming();

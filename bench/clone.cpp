@@ -2,10 +2,9 @@
 //
 // The limits are to read and sum the same memory, and to move all bytes with one and several threads. The
 // memory bandwidth is measured with 256 MB. The peer is Eigen's dense product W · C in the better of its two
-// storage orders.
-// Packed bindings use BUMPY112 and mean value coordinates. Counters relative to the figure's size: maximum
-// errors in a bending pose of the projection used here and of renormalised weights, and how much renormalised
-// weights change the rest pose.
+// storage orders. Packed bindings use BUMPY112 and mean value coordinates. Counters are relative to the
+// figure's size: the maximum errors in a bending pose, by pack() and by renormalised weights, and the
+// change of the rest pose by renormalised weights.
 //
 // transposed_…: gradients of handles from those of points, with the same bindings; compare with clone_….
 // figure<…>: points of a figure in BUMPY112, normals, Jacobians, gradients from normals, folds, and the step

@@ -17,10 +17,10 @@
 //
 // At half the step, second differences of a smooth function fall by a factor of four, differences of its
 // gradients by two, and jumps not at all. Lines where they fall by less than 2.5 or 1.6 are counted, unless
-// the differences are below 1e-8, and measured again with steps 4,096 times smaller, which keeps only jumps.
-// Gradients are multiplied by the square root of the mean face area. --count is for lines and sheets.
-// --turned rotates everything by 0.7 radians about (1, 2, 3). Compile with -I of another version's headers to
-// measure that version on the same lines and points.
+// the differences are below 1e-8. These lines are measured again with steps 4,096 times smaller, which keeps
+// only jumps. Gradients are multiplied by the square root of the mean face area. --count is for lines and
+// sheets. --turned rotates everything by 0.7 radians about (1, 2, 3). Compile with -I of another version's
+// headers to measure that version on the same lines and points.
 #include "../tests/support/gradients.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
 #include "named_cages.hpp"

@@ -173,7 +173,7 @@ cageform::PolyhedralMesh<T> vase112() {
     return {vertices, faces};
 }
 
-/// With its faces, or triangulated.
+/// Whether the vase has polygons or triangles as faces.
 enum class VaseOf { polygons, triangles };
 template <VaseOf of, class T>
 auto vase() {

@@ -123,7 +123,7 @@ step "a lattice around the cat, a face pulled out of a board"
 "$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4 -o out/cat_lattice_look.svg --show-cage --fit
 "$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4+0.2 --turn 0-7:12 -o out/cat_lattice_turned.svg --show-cage --fit
 "$programs/contact_sheet" -o out/cat_lattice.svg --columns 3 --png --png-width 1800 "a lattice" out/cat_lattice_numbers.svg \
-  "a first look" out/cat_lattice_look.svg "its upper half turned, which fades outside" out/cat_lattice_turned.svg
+  "a first look" out/cat_lattice_look.svg "its upper half turned; the motion fades outside" out/cat_lattice_turned.svg
 "$programs/lattice_board" -o out/lattice_board.png >>$report
 
 step "a leaf in a cage of curves"
@@ -182,7 +182,7 @@ deform point_rest point man_cage man_cage barycentric
 deform point_posed point man_cage man_pose barycentric
 deform point_square point_square aleph_cage aleph_cage harmonic
 "$programs/contact_sheet" -o out/points.svg --columns 3 --png "a point in a triangle" out/point_rest.svg \
-  "the cage moved: its mean still" out/point_posed.svg "in a square" out/point_square.svg
+  "the cage moved: the same weights" out/point_posed.svg "in a square" out/point_square.svg
 deform aleph_rest aleph aleph_cage aleph_cage mean-value
 deform aleph_mean_value aleph aleph_cage aleph_pose mean-value
 deform aleph_harmonic aleph aleph_cage aleph_pose harmonic

@@ -6,8 +6,8 @@
 //     bind_tiles cage.obj --points scan.ply -o scan.figure --coordinates harmonic --solution cage.solution
 //
 // Tiles are sorted by name; --rows selects those of this process. A figure depends only on its tile and the
-// options, not on other tiles, threads, memory or rows. Complete figures of equal points and options are
-// skipped, so a farm may restart any task.
+// options, not on other tiles, threads, memory or rows. If a complete figure of the same points and options
+// exists, its tile is skipped, so a farm can restart any task.
 //
 // Exit status: 0 all tiles are done; 1 invalid options, or a tile that cannot be bound; 75 a temporary
 // failure such as a full disk: try again. A failing tile does not stop the others.
@@ -327,7 +327,7 @@ std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tile
     const std::size_t least = of_program + each + (solves ? each : 0);
     if (all < least) {
         (void)fail("--memory " + std::to_string(given.memory) + ": a tile takes " +
-                   std::to_string(least / mega + 1) + " MB with this cage, regardless of its size");
+                   std::to_string(least / mega + 1) + " MB with this cage, for any number of points");
         return 0;
     }
     const std::size_t room = (all - of_program - (solves ? (all - of_program) / 2 : 0)) / each;
@@ -413,8 +413,8 @@ int run_program(int argc, char** argv) {
     line.add_flag("--strict", given.is_strict, "refuse a file with a point that is not finite in float");
     line.add_flag(
         "--json", given.json,
-        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights a "
-        "point, and the largest distance");
+        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights "
+        "per point, and the largest distance");
     line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
                     lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;

@@ -298,9 +298,9 @@ int run_program(int argc, char** argv) {
                     "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new\n"
                     "vertices of chains and points; for sibson they belong to the points. The order is\n"
                     "that of the file. For green, the columns of the edges (or faces) follow; an edge\n"
-                    "has the number of the vertex it begins at. They multiply normals as long as the\n"
-                    "edge (in space, as the root of the face's area). nan means that a point has no\n"
-                    "weights.\n"
+                    "has the number of its first vertex. These columns multiply normals of the length of\n"
+                    "the edge (in space, of the square root of the face's area). nan means that a point\n"
+                    "has no weights.\n"
                     "\n" +
                     labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
@@ -310,9 +310,10 @@ int run_program(int argc, char** argv) {
         .one_of(outside_words())
         .show_default();
     OutsideChoice::add_falloff(line, settings.falloff);
-    line.add("--linear-precision", settings.linear_precision,
-             "restore or leave the weights that miss it, such as those of a solver and those near interior "
-             "points")
+    line.add(
+            "--linear-precision", settings.linear_precision,
+            "restore or leave the weights without linear precision, such as those of a solver and those near "
+            "interior points")
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report, which counts points from 0");

@@ -191,7 +191,7 @@ std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& l
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
-                     "parts, or a mesh, which may have holes or several pieces.");
+                     "parts, or a mesh. A mesh may have holes or several pieces.");
     line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
                        "character.obj --vertices 112 -o cage.obj --picture cage.png",
                        "character.obj --vertices auto --volume 15% -o cage.obj",
@@ -208,11 +208,12 @@ int run_program(int argc, char** argv) {
                     "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest "
                     "that --volume allows")
         .excludes(lattice);
-    line.add_parsed("--volume,--area", options.looseness, parse_looseness,
-                    "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the "
-                    "tightest by at most this share, and print the volume for each doubling: with --vertices "
-                    "auto 25%, in the plane 5%. --vertices N tries at most N, by default 1000, in the plane "
-                    "200")
+    line.add_parsed(
+            "--volume,--area", options.looseness, parse_looseness,
+            "use the fewest vertices, to within 5 %, for which the volume (in the plane the area) exceeds "
+            "that of the tightest cage by at most this share; print the volume for each doubling of "
+            "the vertices. With --vertices auto the default is 25%, in the plane 5%. The limit is "
+            "--vertices N, by default 1000, in the plane 200")
         .excludes(lattice);
     line.add_parsed("--margin", options.margin, parse_margin,
                     "the distance from the figure, relative to its diagonal: 2.5% by default, in space and "
@@ -235,8 +236,8 @@ int run_program(int argc, char** argv) {
     line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage")
         .excludes(lattice);
     line.add_flag("--quads", given.quads,
-                  "in space: pair triangles to quads, for editing by loops; for any triangulation of the "
-                  "quads, the cage keeps a quarter of the margin from the figure")
+                  "in space: pair triangles to quads, for editing by loops; any triangulation of the quads "
+                  "keeps a quarter of the margin from the figure")
         .excludes(lattice);
     line.add_flag(
             "--rings", options.rings,

@@ -459,8 +459,8 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         std::cout << describe_unused(parts) << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights
                   << "\nvertices that do not see their nearest bones: " << report.hidden
-                  << "\nbones a vertex, in the mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "
-                  << given.influences << " bones a vertex: " << kept.weight_error.value << "\noff by "
+                  << "\nbones per vertex, mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "
+                  << given.influences << " bones per vertex: " << kept.weight_error.value << "\noff by "
                   << describe(loss) << "\ntime: " << report.seconds << " s\n";
     }
     return 0;

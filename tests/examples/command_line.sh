@@ -973,7 +973,7 @@ refuses 'missing/out.ply' "$splats" scene.ply --cage box --move all:1,0,0 -o mis
 refuses 'scene.ply: splat 0 (counted from 0) leaves the range of single precision in the pose' "$splats" scene.ply --cage box --scale all:1e60 -o out.ply
 refuses 'out.obj' "$splats" scene.ply --cage box --move all:1,0,0 -o out.obj
 printf 'v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n' >thin.obj
-refuses 'thin.obj: its faces have no area to lie on' "$programs/make_splats" thin.obj -o out.ply
+refuses 'thin.obj: its faces have no area' "$programs/make_splats" thin.obj -o out.ply
 refuses '--count' "$programs/make_splats" character.obj -o out.ply --count 0
 refuses '--degree' "$programs/make_splats" character.obj -o out.ply --degree 4
 
@@ -1536,7 +1536,7 @@ refuses_pin '--hold is for pins' --hold 1 --pose "$pose"
 refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --pose "$pose"
 refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --turn 1:3
 refuses_pin '--pin-weight' --pin 480,420 --pin-weight 0
-refuses_pin '--save-pose out.pose.svg: with these coordinates pins pose the edges beside the vertices' --pin 480,420 --coordinates green --save-pose out.pose.svg
+refuses_pin '--save-pose out.pose.svg: with these coordinates pins also pose edges' --pin 480,420 --coordinates green --save-pose out.pose.svg
 refuses_pin 'the same file as ' --pin 480,420 --save-pose out.svg
 refuses '--save-pose out.pose.svg: points need a .csv file' "$deform" "$data/fish.svg" --cage "$data/fish_points.svg" --coordinates sibson --pin 480,300 -o out.svg --save-pose out.pose.svg
 refuses 'has chains or points, which need a .csv file' "$deform" "$cat" --cage "$data/cat_cage_spine.csv" --coordinates harmonic --pin 480,420 -o out.svg --save-pose out.pose.svg
@@ -1622,8 +1622,8 @@ refuses 'both.csv:2: the weight of a pin is not positive' motion out.svg --clip 
 refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --clip wag.csv --pin 480,420
 refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --markers lost.csv --turn 1:3
 refuses '--hold is for pins, and the motion has none' motion out.svg --clip "$data/cat_walk.csv" --hold 1
-refuses '--track and --save-tracks go together' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
-refuses '--save-clip out.clip.csv: with these coordinates pins pose the edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
+refuses '--track and --save-tracks need each other' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
+refuses '--save-clip out.clip.csv: with these coordinates pins also pose edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
 
 # ---- tetrahedra, folds, pins in space ----
 seq 8 >corner_weights.txt
@@ -1809,7 +1809,7 @@ refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pos
 refuses '--save-pose out.pose.obj: with green pins move faces as well as vertices' "$mesh" inner.obj --cage box.obj --pin 0 --coordinates green --save-pose out.pose.obj -o out.obj
 refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
 works "pins in a tetrahedron" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0:+0.1,0,0 --pin 1 -o pinned.obj
-refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
+refuses '--weights: pins do not support points with weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
 works "samples for a game's pins" "$bind" character.obj --cage character_cage.obj --pose-samples -o pins.figure --report
 bytes=$(sed -n 's/^samples for pins: \([0-9]*\) bytes, of [0-9]* points in 224 clusters, .* s$/\1/p' log)
 more=$(($(wc -c <pins.figure) - $(wc -c <still.figure) - ${bytes:-0}))
@@ -2506,7 +2506,7 @@ refuses 'many.csv: "a": its first key, at 1e+09, is more than a million of its p
 clip 1e9 0 1e9 >many.csv
 refuses 'many.csv: its length needs 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 1 | sed '1aground,1,1e-300' >many.csv
-refuses 'many.csv: during the clip the ground passes by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: during the clip the ground moves by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 0.25 0.5 1 | sed 's/^0.25,0/0.25,1e308/; s/linear/automatic/' >many.csv
 refuses 'many.csv: "a": the key at 0: a given value' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 

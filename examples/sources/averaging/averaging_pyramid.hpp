@@ -16,7 +16,7 @@
 
 namespace cageform_sources::averaging {
 
-/// The neighbours whose mean a cell's value is.
+/// The neighbours of a cell. Their mean is the value of the cell.
 enum class Stencil : std::uint8_t {
     /// 2, 4 or 6 (in 1D, 2D, 3D): the usual discrete Laplace equation.
     face_neighbours,
@@ -25,8 +25,7 @@ enum class Stencil : std::uint8_t {
 
 struct AveragingOptions {
     Stencil stencil = Stencil::face_neighbours;
-    /// The pyramid ends at this many cells a side; if it is not below the grid's own size, there is
-    /// one level.
+    /// Cells per side of the coarsest level. If the grid is not larger, there is one level.
     std::size_t coarsest = 16;
     double tolerance = 1e-5;         ///< τ: sweeps end when the mean change of a cell is below it; 0: never
     std::size_t max_sweeps = 100000; ///< on each level
@@ -74,10 +73,9 @@ public:
 
     std::size_t unknowns() const noexcept { return levels_[0].unknowns; }
 
-    /// Fills the interior cells of `values` (#cells). Reads the boundary cells (with first_guess
-    /// also the interior ones, which must be finite) and ignores the others. Calls `keep_going()`
-    /// now and then; returning false cancels. The object holds scratch memory, so use one pyramid
-    /// per thread.
+    /// Fills the interior cells of `values` (#cells). Reads the boundary cells (with first_guess also the
+    /// interior ones, which must be finite) and ignores the others. Calls `keep_going()` regularly; false
+    /// cancels. The object holds scratch memory, so use one pyramid per thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
