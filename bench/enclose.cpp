@@ -63,7 +63,7 @@ Mesh torus(std::uint32_t rings, std::uint32_t columns, double waves) {
                               r * std::sin(v)};
     });
 }
-/// Every eighth face missing, vertices torn apart.
+/// A torus without every eighth face. Each face has its own, slightly moved vertices.
 Mesh soup() {
     const Mesh whole = torus(60, 24, 0);
     Mesh torn;

@@ -1,9 +1,8 @@
 #!/bin/sh
 # Usage: sh examples/run.sh [cat | --build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and writes pictures into out/.
-# The figures are the cat at rest and in every pose, the man, the aleph, a fish moved by points without a cage, and a
-# character in space. Other pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame
-# curves.
+# The figures are a cat at rest and in every pose, a man, an aleph, a fish moved by points without a cage, a character in
+# space. Other pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame curves.
 # The text output of programs goes to out/*.txt, such as tables of figures and of fits of key-frame curves.
 # The cat is drawn first, as soon as the two programs for it are built. Prints one line per step, and at the end a list
 # of the files to open.
@@ -97,8 +96,8 @@ done
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
 
 step "a cage made from the cat, and a first animation"
-# From the figure alone: a cage, a first picture, a pose given by the vertex numbers in the picture, and a motion to
-# this pose and back.
+# From the figure alone: a cage, a first picture, a pose by the vertex numbers of the picture, a motion to this pose and
+# back.
 "$programs/make_cage" "$data/cat.svg" -o out/cat_made_cage.svg --picture out/cat_made_numbers.svg >>$report
 "$programs/deform_svg" "$data/cat.svg" --cage auto -o out/cat_first_look.svg
 set -- --cage auto --coordinates harmonic --turn 7-8:-30@v6,9 --turn 0-2,20-23:12@v3,19

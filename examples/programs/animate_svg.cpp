@@ -362,8 +362,8 @@ int run_program(int argc, char** argv) {
     line.add("--markers", settings.markers,
              "its motion: a CSV file of tracked points of the figure, for example from motion capture");
     line.add("--pose", settings.pose,
-             "instead of --clip: move to this pose and back; or give operations such as --turn; "
-             "with --cage auto and none of these, half the figure bends and returns")
+             "instead of --clip: move to this pose and back, or give operations such as --turn. With --cage "
+             "auto and none of these, half the figure bends and returns")
         .excludes(clip);
     settings.operations.in_plane = true;
     settings.operations.add_options(line);
@@ -378,8 +378,8 @@ int run_program(int argc, char** argv) {
         .required()
         .ends_with({".svg", ".gif", ".apng", ".png", ".mp4"});
     line.add("--rate", settings.rate,
-             "the frames per second; a browser interpolates linearly between them; 0 means 60, or 25 for "
-             "films alone")
+             "the frames per second; a browser interpolates linearly between them; 0 means 60, or 25 if all "
+             "outputs are films")
         .check([](const std::string& text) {
             const double rate = std::strtod(text.c_str(), nullptr);
             return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is neither 0 nor from 1 to 240";

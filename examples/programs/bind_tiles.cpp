@@ -70,7 +70,7 @@ struct Job {
     bool is_strict = false;       // whether non-finite points are an error
 };
 
-/// The number of points per batch. The output depends on it, so it depends only on the cage.
+/// The number of points per batch. It depends only on the cage, because it affects the output.
 std::size_t points_of_piece(std::size_t handles) {
     constexpr std::size_t weights = std::size_t{32} << 20, most = 65536, whole = 1024;
     const std::size_t points = weights / (sizeof(float) * std::max<std::size_t>(handles, 1));
@@ -110,7 +110,7 @@ std::string fault_of_piece(const Job& job, const cageform::BindReport& report, s
         return points_at(report.not_finite, first) + " are not finite in float";
     if (!report.outside.empty() && job.outside == "refuse")
         return points_at(report.outside, first) + " lie outside the cage " + job.cage +
-               "; use --outside to choose what they do";
+               "; use --outside to choose their treatment";
     if (!report.outside.empty() && job.outside == "extend" && !job.coordinates.has_extension())
         return points_at(report.outside, first) + " lie outside the cage " + job.cage +
                ", where these coordinates are not defined";

@@ -3,8 +3,8 @@
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
 // A 2D cage is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines separated by empty
-// lines: loops (outer first, then holes) and, for harmonic coordinates, interior cells. Interior cells may
-// come at any position, each after a header line:
+// lines. The blocks are loops (outer first, then holes) and, for harmonic coordinates, interior cells.
+// Interior cells may come at any position, each after a header line:
 //
 //     # chain          edges between successive points; two points or more
 //     # point 12.5     one point; everything within the radius follows it
@@ -12,8 +12,8 @@
 // A point of a chain that is equal to an earlier vertex is that vertex. A 3D cage is an OBJ of a closed mesh.
 // Points are lines "x,y" or "x,y,z".
 //
-// sibson and sibson-c1 use points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an
-// SVG or the vertices of an OBJ (site_file.hpp).
+// sibson and sibson-c1 use points instead of a cage (site_file.hpp): "x,y" or "x,y,z" lines of a CSV, circles
+// of an SVG or vertices of an OBJ.
 //
 // The output has a header, then one line per point: status,w0,w1,… with 17 digits, "nan" if a point has no
 // weights. The first columns are the vertices of the loops (or of the OBJ) in the order of the file. The new

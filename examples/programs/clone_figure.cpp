@@ -377,7 +377,7 @@ int run_program(int argc, char** argv) {
             return why.empty() ? why : "\"" + text + "\" " + why;
         });
     line.add("--mesh", given.mesh,
-             "the OBJ file that was bound: .obj outputs keep all its contents, .ply outputs its faces; by "
+             "the OBJ file that was bound: .obj outputs keep all its contents, .ply outputs its faces. By "
              "default outputs have the triangles of the figure, if any");
     line.add("--rate", given.rate, "poses of a clip per second").range(1e-3, 1e6).show_default();
     add_flip_faces(line, given.flips_faces);

@@ -239,11 +239,10 @@ int run_program(int argc, char** argv) {
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
     add_cage(line, cage_path, CageFiles::drawing_or_sites);
-    line.add(
-        "--pose", pose_path,
-        "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
-        "pins; with --cage auto and none of these, half the figure bends, and the picture is enlarged to "
-        "fit");
+    line.add("--pose", pose_path,
+             "the pose: the same blocks or points with vertices moved. Or give operations such as --turn, or "
+             "pins. With --cage auto and none of these, half the figure bends, and the picture is enlarged "
+             "to fit");
     operations.in_plane = true;
     operations.add_options(line);
     pins.add_options(line);

@@ -7,7 +7,7 @@
 //     make_cage character.obj --quads --rings --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
-// The cage contains everything that the figure paints, at a distance of the margin, and passes all checks of
+// The cage contains everything visible of the figure, at a distance of the margin, and passes all checks of
 // the library. --cage auto of the other programs makes the same cage.
 
 #include "cli/auto_cage.hpp"
@@ -208,12 +208,11 @@ int run_program(int argc, char** argv) {
                     "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest "
                     "that --volume allows")
         .excludes(lattice);
-    line.add_parsed(
-            "--volume,--area", options.looseness, parse_looseness,
-            "use the fewest vertices, to within 5 %, for which the volume (in the plane the area) exceeds "
-            "that of the tightest cage by at most this share; print the volume for each doubling of "
-            "the vertices. With --vertices auto the default is 25%, in the plane 5%. The limit is "
-            "--vertices N, by default 1000, in the plane 200")
+    line.add_parsed("--volume,--area", options.looseness, parse_looseness,
+                    "use the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds that "
+                    "of the tightest cage by at most this share. Print the volume for each doubling. With "
+                    "--vertices auto the default is 25%, in the plane 5%. The limit is --vertices N, by "
+                    "default 1000, in the plane 200")
         .excludes(lattice);
     line.add_parsed("--margin", options.margin, parse_margin,
                     "the distance from the figure, relative to its diagonal: 2.5% by default, in space and "
@@ -251,8 +250,8 @@ int run_program(int argc, char** argv) {
              "the cage to write: .svg or .csv; in space .obj; of a lattice also .lattice.json")
         .ends_with({".svg", ".csv", ".obj", ".json"});
     line.add("--picture", given.picture,
-             "draw the figure in its cage, in the plane with the numbers of the vertices, to an .svg file; "
-             "in space with the parts of the cage in colours and their numbers, to a .png file")
+             "draw the figure in its cage: in the plane an .svg file with vertex numbers, in space a .png "
+             "file with the parts of the cage in colours and their numbers")
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");

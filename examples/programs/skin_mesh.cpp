@@ -36,7 +36,7 @@ using Use = GltfDocument::Use;
 constexpr const char* bones_format =
     "A bones file has one line per bone: its name, its parent, x,y,z of its head, x,y,z of\n"
     "its tail, and x,y,z of its pose. The pose is a rotation about the head: the vector is\n"
-    "the axis, and its length is the angle in degrees, at most 36000; 0,0,0\n"
+    "the axis, and its length is the angle in degrees, at most 36000. 0,0,0\n"
     "is no rotation.\n"
     "Parents come before their children; a bone without a parent leaves that field\n"
     "empty. Lines that begin with # are skipped.\n";

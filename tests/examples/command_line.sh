@@ -1840,7 +1840,7 @@ for out in fit_pose.svg fit_pose.csv; do
 done
 : >empty.obj
 : >empty.svg
-refuses 'character.obj has 8066 vertices, cube.obj has 8: the figures must be the same' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
+refuses 'character.obj has 8066 vertices, cube.obj has 8: both need the same vertices' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" empty.obj cube.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" cube.obj empty.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.svg' "$fit" lines.svg empty.svg --cage lattice:3x3 -o out.svg

@@ -1,9 +1,8 @@
 // The papers' solver of the Laplace equation on a grid: averaging sweeps, from coarse grids to fine
 // ones.
 //
-// It is kept as the historical baseline, with its known weakness: it stops when values change
-// little, which does not mean that they are accurate (on large grids errors of 1e-2 remain at the
-// published tolerance).
+// It is the historical baseline, with a known weakness: it stops when values change little, even if they are
+// inaccurate. On large grids errors of 1e-2 remain at the published tolerance.
 #pragma once
 
 #include "averaging/lattice.hpp"
@@ -46,10 +45,9 @@ struct AveragingOutcome {
 /// beyond the grid are left out of the mean; with face neighbours this equals mirroring the grid
 /// there.
 ///
-/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
-/// 2007), sec. 4 and 4.2. If a side has an odd number of cells, the last coarse cell has only one
-/// child along it; the paper's grids have 2^s cells per side. Sweeps are in place (Gauss-Seidel),
-/// in the order of the cells.
+/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
+/// sec. 4 and 4.2. If a side has an odd number of cells, the last coarse cell has only one child along it.
+/// The paper's grids have 2^s cells per side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
 ///
 /// Construction O(#cells); a solve O(#interior · sweeps). Solves one function at a time, as
 /// published. A cell takes a tag and a scalar on each level; in float, including the field itself,

@@ -165,8 +165,8 @@ int run_program(int argc, char** argv) {
     bool png = false;
     FilmChoice film;
     line.add("curves", words,
-             "the first and the last curve: circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2,… whose "
-             "tangent has the angle TURNS t + A1 sin t + A2 sin 2t + …")
+             "the first and the last curve: circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2,…, with "
+             "the tangent angle TURNS t + A1 sin t + A2 sin 2t + …")
         .required()
         .count(2, 2);
     line.add("-o,--output", out, "the strip of frames, an SVG file").required().ends_with({".svg"});

@@ -1,4 +1,4 @@
-// An endless zoom into a self-similar curve: new sides grow at the rate of the magnification, so after one
+// An endless zoom into a self-similar curve. New sides grow at the rate of the magnification, so after one
 // level the picture is equal to the first.
 //
 //     zooms koch -o koch.svg --png --gif koch.gif

@@ -1,5 +1,5 @@
 // Draws relaxation on a line: in each sweep, every cell without a given value becomes the mean of its
-// neighbours; from zero, and from a good initial guess.
+// neighbours. Draws it from zero and from a good initial guess.
 //
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 

@@ -241,9 +241,9 @@ std::string draw(const Section& section, const PlaneBox& box) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Draws the cells of the adaptive grid on which a cage's harmonic functions are solved, in the plane, "
-        "or cut by a plane in space; finer cells are darker. Prints the number of cells of each size.");
+    CommandLine line("Draws the cells of the adaptive grid for a cage's harmonic functions: in the plane all "
+                     "cells, in space the cells that a plane cuts. Finer cells are darker. Prints the number "
+                     "of cells of each size.");
     line.set_examples({"--cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png",
                        "--cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg"});
     Arguments given;

@@ -3,9 +3,9 @@
 //     pin_poses cat.svg --cage cat_cage.svg --pinned "212,740 645,740 915,165:760,60" -o cat_pins_
 //     pin_poses character.obj --cage character_cage.obj --pinned "0 0,0.9,0 0.9,1.3,0:0.6,1.9,0.2" -o man_
 //
-// PoseSolver keeps the inside as rigid as possible. Least squares chooses, among all poses of the cage that
-// take the pins to their targets, the one with the smallest displacements of vertices, d = Wᵀ (W Wᵀ)⁻¹ (t − W
-// H). The program draws each pose by both methods, and prints the distortion of the inside.
+// PoseSolver keeps the inside as rigid as possible. Least squares considers all poses of the cage that take
+// the pins to their targets. It chooses the one with the smallest displacements of vertices, d = Wᵀ (W Wᵀ)⁻¹
+// (t − W H). The program draws each pose by both methods, and prints the distortion of the inside.
 
 #include "cli/auto_cage.hpp"
 #include "cli/mesh_cage.hpp"
