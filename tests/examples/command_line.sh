@@ -1947,7 +1947,7 @@ report $ok "they are said of both grids"
 sed 's/\[0.5, /[/' triangle.json >short.json
 printf '0.2,0.2,0.2;0:x\n' >word.txt
 cp box.obj cage.obj
-refuses 'short.json: a weight of each vertex is missing' "$programs/convergence" --oracle short.json -o out.svg
+refuses 'short.json: vertices and weights of a point differ in number' "$programs/convergence" --oracle short.json -o out.svg
 refuses 'box.obj: ' "$programs/convergence" --oracle box.obj -o out.svg
 refuses 'word.txt:1: not a line of an oracle' "$programs/convergence" --oracle word.txt -o out.svg
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png

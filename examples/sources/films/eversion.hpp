@@ -1,7 +1,7 @@
 #pragma once
 
 // Sphere eversion by formulas: A. and W. Bednorz, "Analytic sphere eversion using ruled surfaces",
-// Differential Geometry and its Applications 64 (2019), for n = 2, which is Morin's eversion in topology.
+// Differential Geometry and its Applications 64 (2019), for n = 2, topologically Morin's eversion.
 
 #include "files/obj_file.hpp"
 

@@ -38,7 +38,7 @@ struct FilmChoice {
         return stills + std::string(3 - number.size(), '0') + number + ending;
     }
 
-    /// Returns why the files cannot be written, if so; for a test before a long computation.
+    /// Checks whether the files can be written, before a long computation; returns the error, if any.
     ///
     ///   others   other files that the program writes; empty paths are ignored
     std::optional<std::string> fault(std::vector<std::filesystem::path> others,

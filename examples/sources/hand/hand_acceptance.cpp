@@ -288,7 +288,7 @@ void print_volume(const BoundHand& bound, Lines& lines) {
     }
 }
 
-/// The centre of a pad: the vertex nearest to the inflation point of a bone that is not a constraint vertex.
+/// The centre of a pad: the vertex nearest to the bone's inflation point, except constraint vertices.
 std::size_t pad_of(const Hand& hand, std::size_t joint) {
     const auto inflation = std::find_if(hand.points.begin(), hand.points.end(), [&](const HandPoint& p) {
         return p.kind == HandPointKind::inflation && p.joint == joint;

@@ -15,8 +15,8 @@ struct AcceptanceCount {
     std::size_t lines = 0, missed = 0;
 };
 
-/// Prints one line per property: "ok" or "missed", the measured value, and its bound in parentheses. A missed
-/// line is a known limit of this hand, not an error.
+/// Prints one line per property: "ok" or "missed", the number of the requirement (1 to 9), the measured
+/// value, and its bound in parentheses. A missed line is a known limit of this hand, not an error.
 AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
 
 } // namespace cageform_sources

@@ -220,7 +220,7 @@ private:
     static constexpr double beside = 0.015; // distance of free points from the skin
     static constexpr double beyond = 0.02;  // distance of inflation points
 
-    /// Where a ray from inside leaves the skin; no farther than `most`.
+    /// The point where a ray from inside leaves the skin, at the distance `most` or less.
     Point3 on_skin(const Point3& from, const Point3& direction, double most = 0.3) const {
         constexpr double step = 0.004;
         double inside = 0;

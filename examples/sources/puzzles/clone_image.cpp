@@ -5,9 +5,9 @@
 //     clone_image noon.png evening.png --region boat.svg -o boat.png --report
 //
 // The result is the source plus a smooth function whose values on the outline are the differences of target
-// and source. Mean value coordinates of the outline interpolate it. The weights are bound once; each position
-// in the target then needs the differences, a clone, and a blend. --poisson and --report compare with the
-// solution of the Poisson equation.
+// and source. Mean value coordinates of the outline interpolate this function. The weights are bound once;
+// each position in the target then needs the differences, a clone, and a blend. --poisson and --report
+// compare with the solution of the Poisson equation.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"

@@ -51,7 +51,7 @@ Expected<Grid> load_grid(const std::string& path) {
     return grid;
 }
 
-/// Cells as squares of pixels, below contour lines through their centres.
+/// Draws cells as squares of pixels, and over them contour lines through the centres.
 Picture draw_cells(const Grid& grid, const PlaneBox& part, const FieldStyle& style) {
     const double scale = 2 * double(style.size) / part.extent();
     const std::size_t width = 2 * std::size_t(std::ceil(part.width() * scale / 2));

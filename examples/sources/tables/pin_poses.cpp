@@ -135,7 +135,7 @@ public:
     }
 
 private:
-    /// Draws a pose, and prints what becomes of the samples of the inside.
+    /// Draws a pose, and prints the distortion at the samples of the inside.
     std::string draw(const std::vector<Pin<2>>& pins, const std::vector<Point2>& pose,
                      const std::string& path, OutputFiles& outputs) {
         control_.poses = {pose};

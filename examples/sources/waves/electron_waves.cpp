@@ -271,7 +271,8 @@ double memory_of(const Settings& settings) {
     return double(settings.lattice.size()) * (point + 8.0 * (settings.frames + 1) * sizeof(float) / 4);
 }
 
-/// Steps per second for 512 x 1024 points in float, compared with reading and writing Φ once.
+/// Prints the steps per second for 1024 x 512 points in float, and compares a step with reading and writing Φ
+/// once.
 int benchmark(const Settings& settings) {
     using Clock = std::chrono::steady_clock;
     const auto seconds = [](const auto& body) { // the best of many
