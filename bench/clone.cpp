@@ -11,12 +11,12 @@
 //
 // pack_to_distance: bytes needed for a distance in 24 bending and twisting poses of cages with 42, 112 and
 // 300 vertices and 8,000 points. Runs in every format (-1: the smallest) and with renormalised weights.
-// `distance` is the maximum in these poses, relative to the figure's size; `between` is that in ten other
+// `distance` is the maximum in these poses, relative to the figure's size. `between` is that in ten other
 // poses of the motion, `elsewhere` in five that bend across it. Without the motion (0), the distance holds in
 // all poses that bend by up to a tenth of the cage.
 //
-// played_…: a frame of that motion as engines play it: by a fitted skin with four weights, by the packed
-// clone, and by the fewest morph targets within the distance of the skin. The second argument is the
+// played_…: a frame of that motion as engines play it. The three ways are a fitted skin with four weights,
+// the packed clone, and the fewest morph targets within the distance of the skin. The second argument is the
 // number of bones. `bytes` includes figure and motion.
 #define CAGEFORM_C_IMPLEMENTATION
 #define CAGEFORM_C_RUNTIME_ONLY

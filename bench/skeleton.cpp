@@ -12,8 +12,8 @@
 //
 // --planted uses only the rest pose of MOTION and moves it by a known skeleton, one per seed, with 12 bones
 // at random vertices. Each vertex follows the four nearest bones, with weights exp(−d²/2(0.12 size)²). In 40
-// frames each bone rotates about two random axes by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, with a
-// random shift of 0.05 size along each axis. A fit of 12 bones can be exact.
+// frames each bone rotates about two random axes by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians. A random
+// shift of 0.05 size along each axis is added. A fit of 12 bones can be exact.
 #include <cageform/parallel/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 

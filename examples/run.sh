@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: sh examples/run.sh [cat | --build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and writes pictures into out/.
-# The figures are a cat at rest and in every pose, a man, an aleph, a fish moved by points without a cage, a character in
-# space. Other pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame curves.
+# The figures are a cat at rest and in every pose, a man, an aleph, a fish moved by points, a character in space. Other
+# pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame curves.
 # The text output of programs goes to out/*.txt, such as tables of figures and of fits of key-frame curves.
 # The cat is drawn first, as soon as the two programs for it are built. Prints one line per step, and at the end a list
 # of the files to open.

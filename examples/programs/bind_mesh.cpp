@@ -1,5 +1,5 @@
-// Binds an OBJ figure to a cage and packs the data for a game into one file (cageform/figure/figure.hpp,
-// support/files/figure_parts.hpp): points, normals, triangles, a motion of the cage.
+// Binds an OBJ figure to a cage and packs the data for a game into one file: points, normals, triangles, a
+// motion of the cage. Formats: cageform/figure/figure.hpp, support/files/figure_parts.hpp.
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure

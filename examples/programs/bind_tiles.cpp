@@ -9,8 +9,8 @@
 // options, not on other tiles, threads, memory or rows. If a complete figure of the same points and options
 // exists, its tile is skipped, so a farm can restart any task.
 //
-// Exit status: 0 all tiles are done; 1 invalid options, or a tile that cannot be bound; 75 a temporary
-// failure such as a full disk: try again. A failing tile does not stop the others.
+// Exit status 0: all tiles are done. 1: invalid options, or a tile that cannot be bound. 75: a temporary
+// failure such as a full disk; try again. A failing tile does not stop the others.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"

@@ -250,8 +250,8 @@ int run_program(int argc, char** argv) {
              "the cage to write: .svg or .csv; in space .obj; of a lattice also .lattice.json")
         .ends_with({".svg", ".csv", ".obj", ".json"});
     line.add("--picture", given.picture,
-             "draw the figure in its cage: in the plane an .svg file with vertex numbers, in space a .png "
-             "file with the parts of the cage in colours and their numbers")
+             "draw the figure in its cage. In the plane: .svg, with vertex numbers. In space: .png, with the "
+             "parts of the cage in colours and their numbers")
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");

@@ -283,7 +283,7 @@ void print_volume(const BoundHand& bound, Lines& lines) {
     for (const auto& [worst, joints] : {std::pair{others, "PIP or DIP"}, {base, "MCP"}}) {
         lines.line(std::fabs(worst.half) <= 10,
                    "5. change of a finger's volume, %s at 90 degrees: %+.1f %% with half-turned rings (10), "
-                   "%+.1f %% without; of the whole hand: %+.1f %% of a finger's volume",
+                   "%+.1f %% without. Of the whole hand: %+.1f %% of a finger's volume",
                    joints, worst.half, worst.whole, worst.skin);
     }
 }
@@ -344,11 +344,10 @@ void print_inflation(const BoundHand& bound, Lines& lines) {
         }
     }
     lines.line(grow == pads, "5. pads that gain volume with kappa and with the angle: %zu (%zu)", grow, pads);
-    lines.line(
-        past_line <= 0.1,
-        "5. beyond the next joint the skin swells by at most %.1f %% of the pad's centre (10); the centre "
-        "swells by at least %.2f %% of the hand's length",
-        100 * past_line, 100 * least_swell);
+    lines.line(past_line <= 0.1,
+               "5. beyond the next joint the skin swells by at most %.1f %% of the pad's centre (10). The "
+               "centre swells by at least %.2f %% of the hand's length",
+               100 * past_line, 100 * least_swell);
 }
 
 /// A ring's bisecting plane: through its joint, between the bone before it and its own.
@@ -480,7 +479,7 @@ void print_base_line(const BoundHand& bound, const std::vector<HandPose>& poses,
     }
     lines.line(loop.size() >= 20 && gaps == 0 && off_skin <= 4 * eps,
                "6. the line at the fingers' bases: %zu points, %zu gaps (0), on the skin in all poses within "
-               "%.1f eps (4); longest step %.3f at rest, %.3f in a pose",
+               "%.1f eps (4). Longest step %.3f at rest, %.3f in a pose",
                loop.size(), gaps, off_skin / eps, longest_rest, longest);
 }
 

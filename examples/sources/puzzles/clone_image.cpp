@@ -248,8 +248,8 @@ int run_program(int argc, char** argv) {
     CommandOption source = line.add("source", given.source, "the PNG file that contains the region");
     line.add("target", given.target, "the PNG file into which the region is cloned");
     line.add("--region", given.region,
-             "the region: a PNG mask as large as the source, light inside; the first closed outline of an "
-             "SVG; or loops of a CSV file; in pixels of the source");
+             "the region, in pixels of the source: a PNG mask of equal size, light inside; the first closed "
+             "outline of an SVG; or loops of a CSV file");
     line.add_text(
             "--at", [&](const std::string& text) { given.places.push_back(*parse_place(text)); },
             "X,Y: the pixel of the target for the upper left corner of the region's box; can be repeated; by "

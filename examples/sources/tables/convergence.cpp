@@ -1,7 +1,7 @@
 // Draws how harmonic coordinates converge. For cages in the plane it shows the error after each cycle of the
 // multigrid. It also shows the error of the weights against the cells of the uniform grid: with and without
-// treatment of corners, and with the papers' sweeps. For oracles (weights known to many digits) it shows the
-// error against unknowns and seconds, on the uniform grid and on the adaptive one.
+// corner treatment, and by the papers' sweeps. For oracles (weights known to many digits) it shows the error
+// against unknowns and seconds, on the uniform grid and on the adaptive one.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
