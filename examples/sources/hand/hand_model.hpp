@@ -95,7 +95,7 @@ struct HandPoint {
     std::size_t joint = HandJoint::none; ///< none: fixed
     std::size_t other =
         HandJoint::none; ///< shared by two joints: turned by the mean angle about the mean axis
-    double part = 1;     ///< share of the joint's angles; 0.5 for rings
+    double part = 1;     ///< share of the joint's angles; 0.5 for ring, base, thenar
     std::size_t vertex = HandJoint::none; ///< vertex of the skin of a constraint point
 };
 
