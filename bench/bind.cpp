@@ -1,9 +1,9 @@
 // How long does `bind` take by closed forms, by points, handles and coordinate type?
 //
-// Peers of mean value coordinates: Wachspress and discrete harmonic coordinates in a convex cage, a plain
-// textbook loop (no boundary cases, no report; also for Green coordinates), and CGAL's mean value coordinates
-// if installed. The limit is writing as many weights. See bind_harmonic.cpp, bind_lattice.cpp and
-// bind_sibson.cpp for other types.
+// Peers of mean value coordinates: CGAL's mean value coordinates if installed, a plain textbook loop, and in
+// a convex cage Wachspress and discrete harmonic coordinates. Green coordinates also have a textbook loop.
+// Textbook loops have no boundary cases and no report. The limit is writing as many weights. See
+// bind_harmonic.cpp, bind_lattice.cpp and bind_sibson.cpp for other types.
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -165,7 +165,7 @@ void evaluate_vase(benchmark::State& state) {
 }
 
 /// Ju, Schaefer & Warren 2005, sec. 3, one point and face at a time. u: unit vectors to the corners of a
-/// face; edge k is opposite to corner k; n_k = u_i × u_j of the ends of edge k, θ_k = 2 asin(|u_i − u_j|/2),
+/// face. Edge k is opposite to corner k. n_k = u_i × u_j of the ends of edge k, θ_k = 2 asin(|u_i − u_j|/2),
 /// m = Σ ½ θ_k n_k/|n_k|, w_k = n_k·m / (n_k·u_k |C_k − p|).
 void plain_mean_value_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();

@@ -116,7 +116,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
         const std::size_t cycles = problem.solve();
         if (!result) state.SkipWithError(to_string(result.status()));
         if (cycles != solver.multigrid.cycles || problem.grid->problem().nodes.count() != solver.cells)
-            state.SkipWithError("the bare solve is of another problem");
+            state.SkipWithError("the separate solve has another problem");
         solving += std::clock() - bound;
         binding += bound - begin;
         state.ResumeTiming();
@@ -130,9 +130,9 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(solver.cells);
 }
 
-/// Binds the same mesh by the papers' solver with their settings: float, one function at a time, sweeps to a
-/// mean change of 1e-5, nearest-cell lookup. Joshi et al. 2007, table 1: 262 s, where mean value coordinates
-/// took 443 s.
+/// Binds the same mesh by the papers' solver and settings: float, one function at a time, sweeps to a mean
+/// change of 1e-5, nearest-cell lookup. Joshi et al. 2007, table 1: 262 s, where mean value coordinates took
+/// 443 s.
 void bind_papers_mesh(benchmark::State& state) {
     using namespace cageform_sources::averaging;
     const auto cage = bumpy112<float>();
@@ -271,9 +271,9 @@ void pack_fingers(benchmark::State& state) {
     }
 }
 
-/// BUMPY112, for which a uniform grid works well: errors of the weights at the 8,019 points (maximum, and at
-/// the middle point) against a grid of 256 cells. That reference differs from one of 384 cells by at most
-/// 4e-3, 5e-5 at the middle point.
+/// BUMPY112, for which a uniform grid works well. Errors of the weights at the 8,019 points (maximum, middle
+/// point) against a grid of 256 cells. That reference differs from one of 384 cells by at most 4e-3, 5e-5 at
+/// the middle point.
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
@@ -347,7 +347,7 @@ void bind_harmonic_figure(benchmark::State& state) {
         state.PauseTiming();
         if (!result) state.SkipWithError(to_string(result.status()));
         auto solved = coordinates;
-        if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the solve alone");
+        if (solved.solve().status != cageform::Status::ok) state.SkipWithError("the separate solve failed");
         solving += std::clock() - bound;
         binding += bound - begin;
         state.ResumeTiming();
@@ -356,9 +356,9 @@ void bind_harmonic_figure(benchmark::State& state) {
     state.counters["bind/solve"] = double(binding) / double(solving);
 }
 
-/// Harmonic coordinates against mean value coordinates for many points, where the papers expect harmonic ones
-/// to be faster: binds 10² to 10⁶ points in BUMPY112 into recycled memory. The second argument is the number
-/// of cells of the harmonic grid; 0: mean value. All rows:
+/// Harmonic against mean value coordinates for many points: the papers expect harmonic coordinates to be
+/// faster. Binds 10² to 10⁶ points in BUMPY112 into recycled memory. The second argument is the number of
+/// cells of the harmonic grid; 0: mean value. All rows:
 ///
 ///     bench_bind --benchmark_filter=crossing
 void crossing_of_types(benchmark::State& state) {

@@ -2,10 +2,8 @@
 //
 // The limits are to read and sum the same memory, and to move all bytes with one and several threads. The
 // memory bandwidth is measured with 256 MB. The peer is Eigen's dense product W · C in the better of its two
-// storage orders.
-// Packed bindings use BUMPY112 and mean value coordinates. Counters relative to the figure's size: maximum
-// errors in a bending pose of the projection used here and of renormalised weights, and how much renormalised
-// weights change the rest pose.
+// storage orders. Packed bindings use BUMPY112 and mean value coordinates. Counters are errors relative to
+// the figure's size: maxima of pack() and of renormalised weights, at rest and in a bending pose.
 //
 // transposed_…: gradients of handles from those of points, with the same bindings; compare with clone_….
 // figure<…>: points of a figure in BUMPY112, normals, Jacobians, gradients from normals, folds, and the step
@@ -13,13 +11,13 @@
 //
 // pack_to_distance: bytes needed for a distance in 24 bending and twisting poses of cages with 42, 112 and
 // 300 vertices and 8,000 points. Runs in every format (-1: the smallest) and with renormalised weights.
-// `distance` is the maximum in these poses, `between` in ten others of the same motion, `elsewhere` in five
-// that bend across it, all relative to the figure's size. Without the motion (0), the distance holds in all
-// poses that bend by up to a tenth of the cage.
+// `distance` is the maximum in these poses, relative to the figure's size. `between` is that in ten other
+// poses of the motion, `elsewhere` in five that bend across it. Without the motion (0), the distance holds in
+// all poses that bend by up to a tenth of the cage.
 //
-// played_…: a frame of that motion as engines play it: by a fitted skin with four weights and a given number
-// of bones, by the packed clone, and by the fewest morph targets within the distance of the skin. `bytes`
-// includes figure and motion.
+// played_…: a frame of that motion as engines play it. The three ways are a fitted skin with four weights,
+// the packed clone, and the fewest morph targets within the distance of the skin. The second argument is the
+// number of bones. `bytes` includes figure and motion.
 #define CAGEFORM_C_IMPLEMENTATION
 #define CAGEFORM_C_RUNTIME_ONLY
 #include <cageform/c/cageform.h>

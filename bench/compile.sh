@@ -2,9 +2,9 @@
 # Usage: sh bench/compile.sh
 # Measures compile time and memory of one file at -O2 for each way to use the library (headers only,
 # cageform::compiled), with each installed compiler (CXX selects others). Then measures a clone in a build
-# without optimisation, with headers only and with the library. Each row has a budget: a multiple of the time
-# for a file that uses std::regex, which makes the budget independent of the machine, and megabytes. Fails and
-# lists the rows that exceed their budget twice.
+# without optimisation, with headers only and with the library. Each row has a budget of time and of megabytes.
+# The time is a multiple of that for a file that uses std::regex, so the budget does not depend on the machine.
+# Fails and lists the rows that exceed their budget twice.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)

@@ -32,8 +32,8 @@ private:
     double tolerance_;
 };
 
-/// Closed-form inverse of time by one of six families: linear, square root, cube root, sinh, cosh and cos;
-/// the last two may alternate along a curve. Inaccurate for small cubic coefficients of time (1e-4 occurs),
+/// Closed-form inverse of time by one of six families: linear, square root, cube root, sinh, cosh and cos.
+/// The last two may alternate along a curve. Inaccurate for small cubic coefficients of time (1e-4 occurs),
 /// so not a reference.
 class ClosedFormFunction {
 public:
@@ -91,8 +91,8 @@ private:
     double centre_ = 0, q_ = 0, amplitude_ = 0, scale_ = 0, turns_ = 0;
 };
 
-/// The paper's heuristic for two pieces (Algorithm 4): the best of `steps` equal time steps, then of as many
-/// between its neighbours, until the weighted error is accepted or after `rounds` rounds.
+/// The paper's heuristic for two pieces (Algorithm 4). Takes the best of `steps` equal time steps, then of as
+/// many between its neighbours. Stops when the weighted error is accepted, or after `rounds` rounds.
 inline Result<BestKnots, KnotReport> refine_knot(const BezierCurve& curve, std::size_t steps,
                                                  const FitOptions& options = {}, double accepted_error = 0,
                                                  std::size_t rounds = 8) {

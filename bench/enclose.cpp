@@ -3,9 +3,9 @@
 // Counters: `loose` is the area or volume relative to the figure grown by the margin. `clearance` is the
 // exact minimum distance between cage and figure over the margin (0 or less: they intersect). `angle` is the
 // smallest angle of the cage in degrees. Peer in 3D: CGAL's alpha wrap, if installed, with the margin as
-// offset, simplified to the same number of vertices (Portaneri et al., Alpha wrapping with an offset, 2022;
-// Garland & Heckbert 1997). The environment variable CAGEFORM_BENCH_OBJ adds OBJ files, separated by ':'. 3D
-// cages are made with one thread and with two; the column CPU sums over the threads:
+// offset (Portaneri et al., Alpha wrapping with an offset, 2022). It is simplified to the same number of
+// vertices (Garland & Heckbert 1997). The environment variable CAGEFORM_BENCH_OBJ adds OBJ files, separated
+// by ':'. 3D cages are made with one thread and with two; the column CPU sums over the threads:
 //
 //     CAGEFORM_BENCH_OBJ=hand.obj:horse.obj build/bench/bench/bench_enclose --benchmark_filter=cage_space/
 
@@ -63,7 +63,7 @@ Mesh torus(std::uint32_t rings, std::uint32_t columns, double waves) {
                               r * std::sin(v)};
     });
 }
-/// Every eighth face missing, vertices torn apart.
+/// A torus without every eighth face. Each face has its own, slightly moved vertices.
 Mesh soup() {
     const Mesh whole = torus(60, 24, 0);
     Mesh torn;

@@ -1,6 +1,6 @@
 // How long does the Laplace equation take for all functions of a cage?
 //
-// The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); boundary
+// The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions). Boundary
 // values are given at the cells around them, as on the staircase grids of the papers. The multigrid solves to
 // an estimated error of 1e-6. Peers: the papers' averaging sweeps (to a mean change of 1e-5, which leaves
 // errors of some hundredths), Eigen's factorisation, and CHOLMOD's if installed. The limit is moving the

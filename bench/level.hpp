@@ -17,7 +17,8 @@ using Tangents = std::array<cageform::BindingView<T, 3>, 2>;
 template <class T>
 using Axes = std::array<cageform::BindingView<T, 3>, 3>;
 
-/// All read and write memory of the caller, so that the compiler cannot know their arguments.
+/// The functions of one object. They read and write memory of the caller, so the compiler cannot know the
+/// arguments.
 struct Level {
     template <class T, std::size_t D>
     using Dense = cageform::Status (*)(const cageform::BindingView<T, D>&, Pose<T, D>, Points<T, D>);

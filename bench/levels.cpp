@@ -1,9 +1,9 @@
 // How much slower are clones that are not compiled with -O3?
 //
-// Measures the shared objects in the folder "levels" beside this program (bench/level.cpp, compiled by
-// bench/run.sh at several levels with several compilers) in turns; benchmarks are named what/object. STAR(25)
-// in 2D and BUMPY112 in 3D with 500 points, mean value coordinates; packed bindings keep eight weights per
-// point. All data fits in caches, which exposes the code around the sums.
+// Measures the shared objects in the folder "levels" beside this program, in turns. bench/run.sh compiles
+// them from bench/level.cpp at several levels with several compilers. Benchmarks are named what/object.
+// STAR(25) in 2D and BUMPY112 in 3D with 500 points, mean value coordinates; packed bindings keep eight
+// weights per point. All data fits in caches, which exposes the code around the sums.
 #include "counted.hpp"
 #include "level.hpp"
 #include "workloads.hpp"

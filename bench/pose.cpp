@@ -1,7 +1,7 @@
-// Frames of a PoseSolver for 25 to 762 handles: one iteration; a click; a click and the first frame; the
-// samples and their bytes. The limit is the arithmetic alone.
+// Frames of a PoseSolver for 25 to 762 handles: one iteration; a click (set_pins); a click and the first
+// frame; the samples and their bytes. The limit is the arithmetic alone.
 //
-// fit: a pose of BUMPY112 recovered from 8,019 points by gradients (lesson 22); `missed` is the RMS distance
+// fit: a pose of BUMPY112 recovered from 8,019 points by gradients (lesson 22). `missed` is the RMS distance
 // of the points from their targets, relative to the figure's size.
 #include "workloads.hpp"
 

@@ -5,15 +5,15 @@
 //                           [--rounds 10] [--moves 8] [--threads N] [--every N] [--keys DISTANCE]
 //     bench_skeleton MOTION --planted SEED,… [--bones 12] [--rounds 10,60]
 //
-// MOTION is frames.npy (float32, #frames · #vertices · 3; the first frame is the rest pose) with faces in
-// frames_faces.npy (int32, #faces · 3), or a game model, .md3, whose first frame is the rest pose. Distances
-// are relative to the figure's size. Seconds are processor time, then elapsed time. --every uses each N-th
-// frame; --keys also makes keys within DISTANCE and counts them.
+// MOTION is frames.npy (float32, #frames · #vertices · 3) with faces in frames_faces.npy (int32, #faces · 3),
+// or a game model, .md3. The first frame is the rest pose. Distances are relative to the figure's size.
+// Seconds are processor time, then elapsed time. --every uses each N-th frame; --keys also makes keys within
+// DISTANCE and counts them.
 //
-// --planted uses only the rest pose of MOTION and moves it by a known skeleton, one per seed: 12 bones at
-// random vertices; each vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40 frames
-// each bone rotates about two random axes by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, with a random shift
-// of 0.05 size along each axis. A fit of 12 bones can be exact.
+// --planted uses only the rest pose of MOTION and moves it by a known skeleton, one per seed, with 12 bones
+// at random vertices. Each vertex follows the four nearest bones, with weights exp(−d²/2(0.12 size)²). In 40
+// frames each bone rotates about two random axes by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians. A random
+// shift of 0.05 size along each axis is added. A fit of 12 bones can be exact.
 #include <cageform/parallel/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 

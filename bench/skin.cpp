@@ -7,9 +7,9 @@
 //     bench_skin --obj CAGE --figure FILE --joints COUNT
 //
 // The second form prints the distances of a posed figure's points from those at the last accuracy. The third
-// twists the cage by 80 degrees about each axis and prints the loss of skins with COUNT joints per vertex:
-// the 99th percentile of the faces' rotation errors, and the maximum distance. Compile with -I of another
-// version's headers to measure that version at the same points.
+// twists the cage by 80 degrees about each axis and prints the loss of skins with COUNT joints per vertex.
+// The loss is the 99th percentile of the faces' rotation errors, and the maximum distance. Compile with -I of
+// another version's headers to measure that version at the same points.
 #include "../tests/support/walk_on_spheres.hpp"
 #include "named_cages.hpp"
 

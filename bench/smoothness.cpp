@@ -16,9 +16,9 @@
 //     cost       Time to bind them, and to bind them again with the same solution.
 //
 // At half the step, second differences of a smooth function fall by a factor of four, differences of its
-// gradients by two, and jumps not at all. Lines where they fall by less than 2.5 or 1.6 are counted, unless
-// the differences are below 1e-8, and measured again with steps 4,096 times smaller, which keeps only jumps.
-// Gradients are multiplied by the square root of the mean face area. --count is for lines and sheets.
+// gradients by two. Jumps do not fall. Lines where they fall by less than 2.5 or 1.6 are counted, unless the
+// differences are below 1e-8. These lines are measured again with steps 4,096 times smaller, which keeps only
+// jumps. Gradients are multiplied by the square root of the mean face area. --count is for lines and sheets.
 // --turned rotates everything by 0.7 radians about (1, 2, 3). Compile with -I of another version's headers to
 // measure that version on the same lines and points.
 #include "../tests/support/gradients.hpp"
@@ -365,9 +365,9 @@ void measure_sheet(const Given& given) {
     print_bends(cageform::MeanValueCoordinates(given.turned(cube)));
 }
 
-/// Weights far from the rim of a box whose floor and lid are split along u = v: linear in u, v and |u - v|.
-/// In units of the thickness, the extension of |s| at z = 0 and 0 at z = 1 is |s| (1 - z) + sum 2/(n pi)^2
-/// sin(n pi z) exp(-n pi |s|).
+/// Weights far from the rim of a box whose floor and lid are split along u = v. They are linear in u, v and
+/// |u - v|. In units of the thickness, the extension of |s| at z = 0 and 0 at z = 1 is |s| (1 - z) + sum 2/(n
+/// pi)^2 sin(n pi z) exp(-n pi |s|).
 std::array<double, 8> weights_in_plate(const Point& size, const Point& p) {
     const double u = p[0] / size[0], v = p[1] / size[1];
     const double unit = std::hypot(size[0], size[1]) / (size[0] * size[1]) * size[2]; // |u - v| where |s| = 1

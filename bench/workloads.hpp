@@ -40,7 +40,8 @@ inline std::vector<Point> egg(std::size_t m) {
 }
 
 /// BUMPY112: 112 vertices and 220 faces around the origin; concave. Vertices at the poles and on ten rings of
-/// eleven, at θ = πi/11 from the north pole and φ = 2πj/11, radius 1 + 0.35 cos 3θ + 0.25 sin θ cos 4φ.
+/// eleven, at θ = πi/11 from the north pole and φ = 2πj/11. The radius is 1 + 0.35 cos 3θ + 0.25 sin θ cos
+/// 4φ.
 template <class T>
 cageform::TriangleMesh<T> bumpy112() {
     constexpr std::uint32_t rings = 10, around = 11, south = 1 + rings * around;
@@ -74,7 +75,7 @@ struct ObjMesh {
     std::vector<cageform::Vec<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
 };
-/// Reads lines "v x y z" and "f a b c …" of an OBJ file, corners as "a/b/c" or numbers; triangulates larger
+/// Reads lines "v x y z" and "f a b c …" of an OBJ file, corners as "a/b/c" or numbers. Triangulates larger
 /// faces as fans. Empty if the file cannot be read.
 inline ObjMesh read_obj(const char* name) {
     ObjMesh mesh;
@@ -173,7 +174,7 @@ cageform::PolyhedralMesh<T> vase112() {
     return {vertices, faces};
 }
 
-/// With its faces, or triangulated.
+/// Whether the vase has polygons or triangles as faces.
 enum class VaseOf { polygons, triangles };
 template <VaseOf of, class T>
 auto vase() {

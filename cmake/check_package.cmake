@@ -1,7 +1,7 @@
 # cmake -DBUILD=… -DSOURCE=… -DCOMPILER=… -DGENERATOR=… -DMAKE_PROGRAM=… -DEIGEN_INCLUDE=… -P check_package.cmake
-# Installs the project into a separate folder, then configures, builds and runs clients: one that binds, one that only
-# plays back without Eigen, and libraries that export their dependency. The clients are configured with the CMake that
-# runs this script, so an old CMake tests that version.
+# Installs the project into a separate folder, then configures, builds and runs clients. One client binds, one only
+# plays back without Eigen, and libraries export their dependency. The clients are configured with the CMake that runs
+# this script, so an old CMake tests that version.
 set(work ${BUILD}/package)
 file(REMOVE_RECURSE ${work})
 set(prefix ${work}/prefix)

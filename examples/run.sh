@@ -1,9 +1,8 @@
 #!/bin/sh
 # Usage: sh examples/run.sh [cat | --build-only]
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and writes pictures into out/.
-# The figures are the cat at rest and in every pose, the man, the aleph, a fish moved by points without a cage, and a
-# character in space. Other pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame
-# curves.
+# The figures are a cat at rest and in every pose, a man, an aleph, a fish moved by points, a character in space. Other
+# pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame curves.
 # The text output of programs goes to out/*.txt, such as tables of figures and of fits of key-frame curves.
 # The cat is drawn first, as soon as the two programs for it are built. Prints one line per step, and at the end a list
 # of the files to open.
@@ -97,8 +96,8 @@ done
   "head vertex moved" out/cat_head.svg "spine moved" out/cat_spine.svg
 
 step "a cage made from the cat, and a first animation"
-# From the figure alone: a cage, a first picture, a pose given by the vertex numbers in the picture, and a motion to
-# this pose and back.
+# From the figure alone: a cage, a first picture, a pose by the vertex numbers of the picture, a motion to this pose and
+# back.
 "$programs/make_cage" "$data/cat.svg" -o out/cat_made_cage.svg --picture out/cat_made_numbers.svg >>$report
 "$programs/deform_svg" "$data/cat.svg" --cage auto -o out/cat_first_look.svg
 set -- --cage auto --coordinates harmonic --turn 7-8:-30@v6,9 --turn 0-2,20-23:12@v3,19
@@ -123,7 +122,7 @@ step "a lattice around the cat, a face pulled out of a board"
 "$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4 -o out/cat_lattice_look.svg --show-cage --fit
 "$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4+0.2 --turn 0-7:12 -o out/cat_lattice_turned.svg --show-cage --fit
 "$programs/contact_sheet" -o out/cat_lattice.svg --columns 3 --png --png-width 1800 "a lattice" out/cat_lattice_numbers.svg \
-  "a first look" out/cat_lattice_look.svg "its upper half turned, which fades outside" out/cat_lattice_turned.svg
+  "a first look" out/cat_lattice_look.svg "its upper half turned; the motion fades outside" out/cat_lattice_turned.svg
 "$programs/lattice_board" -o out/lattice_board.png >>$report
 
 step "a leaf in a cage of curves"
@@ -182,7 +181,7 @@ deform point_rest point man_cage man_cage barycentric
 deform point_posed point man_cage man_pose barycentric
 deform point_square point_square aleph_cage aleph_cage harmonic
 "$programs/contact_sheet" -o out/points.svg --columns 3 --png "a point in a triangle" out/point_rest.svg \
-  "the cage moved: its mean still" out/point_posed.svg "in a square" out/point_square.svg
+  "the cage moved: the same weights" out/point_posed.svg "in a square" out/point_square.svg
 deform aleph_rest aleph aleph_cage aleph_cage mean-value
 deform aleph_mean_value aleph aleph_cage aleph_pose mean-value
 deform aleph_harmonic aleph aleph_cage aleph_pose harmonic

@@ -6,8 +6,8 @@
 #error "these files are for the CMake target cageform_compiled"
 #endif
 
-// The instantiated function templates have no constraints: clang >= 18 encodes constraints in symbol names and
-// g++ 12 does not, so their objects would not link.
+// The instantiated function templates have no constraints. clang >= 18 encodes constraints in symbol names
+// and g++ 12 does not, so their objects would not link.
 
 // Exports instantiations from the shared library; everything else is hidden.
 #if defined(__GNUC__)

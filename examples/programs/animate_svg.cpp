@@ -135,7 +135,7 @@ struct HandleKeys {
     std::vector<Point2> rest;
 };
 
-/// Solves for the cage if the motion is one of pins. Other motions are used unchanged.
+/// Converts a motion of pins to keys of the cage. Other motions are used unchanged.
 Expected<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
                              FigureControl& control) {
     if (!motion.has_pins()) {
@@ -160,9 +160,10 @@ Expected<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, con
     }
     if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
     if (!settings.save_clip.empty() && control.poses_all_handles)
-        return FileError{"--save-clip " + settings.save_clip +
-                         ": with these coordinates pins pose the edges beside the vertices, and a clip has "
-                         "vertices alone; take mean-value or harmonic"};
+        return FileError{
+            "--save-clip " + settings.save_clip +
+            ": with these coordinates pins also pose edges, which a clip cannot store; use mean-value or "
+            "harmonic"};
     return HandleKeys{std::move(*keys), figure->rest()};
 }
 
@@ -214,7 +215,7 @@ std::string fault_of(const Settings& settings) {
     if (motions > 1) return "give only one of --clip, --markers, pins, and a pose";
     if (settings.size_limit != 0 && ending_of(settings.out) != ".svg") return "--size-limit is for SVG files";
     if (settings.save_tracks.empty() != settings.tracked.empty())
-        return "--track and --save-tracks go together";
+        return "--track and --save-tracks need each other";
     return {};
 }
 
@@ -233,9 +234,9 @@ Expected<Plan> plan_of(const Settings& settings, const ClipFile& file, const Vie
                          std::to_string(int(most)) + "; a smaller --rate needs fewer"};
     const double passed = file.ground ? file.ground->speed * file.length : 0;
     if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view.width && std::fabs(passed) <= 1e3 * view.width))
-        return FileError{settings.clip + ": during the clip the ground passes by " +
+        return FileError{settings.clip + ": during the clip the ground moves by " +
                          detail::short_number(passed) +
-                         " units; it can be a thousandth to a thousand times the picture's width"};
+                         " units; allowed are 0.001 to 1000 times the picture's width"};
     return Plan{std::size_t(frames), passed};
 }
 
@@ -361,8 +362,8 @@ int run_program(int argc, char** argv) {
     line.add("--markers", settings.markers,
              "its motion: a CSV file of tracked points of the figure, for example from motion capture");
     line.add("--pose", settings.pose,
-             "instead of --clip: move to this pose and back; or give operations such as --turn; "
-             "with --cage auto and none of these, half the figure bends and returns")
+             "instead of --clip: move to this pose and back, or give operations such as --turn. With --cage "
+             "auto and none of these, half the figure bends and returns")
         .excludes(clip);
     settings.operations.in_plane = true;
     settings.operations.add_options(line);
@@ -377,11 +378,11 @@ int run_program(int argc, char** argv) {
         .required()
         .ends_with({".svg", ".gif", ".apng", ".png", ".mp4"});
     line.add("--rate", settings.rate,
-             "the frames per second; a browser interpolates linearly between them; 0 means 60, or 25 for "
-             "films alone")
+             "the frames per second; a browser interpolates linearly between them; 0 means 60, or 25 if all "
+             "outputs are films")
         .check([](const std::string& text) {
             const double rate = std::strtod(text.c_str(), nullptr);
-            return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is not 0 nor from 1 to 240";
+            return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is neither 0 nor from 1 to 240";
         })
         .show_default();
     line.add("--flatness", settings.options.tolerance,

@@ -1,11 +1,11 @@
-// Binds an OBJ figure to a cage and packs the data for a game into one file: points, normals, triangles, and
-// a motion of the cage (cageform/figure/figure.hpp, support/files/figure_parts.hpp).
+// Binds an OBJ figure to a cage and packs the data for a game into one file: points, normals, triangles, a
+// motion of the cage. Formats: cageform/figure/figure.hpp, support/files/figure_parts.hpp.
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
 //
-// --max-distance is the largest error of a vertex in all poses of the motion, relative to the figure's size;
-// the file is the smallest within this bound. Without a motion the bound holds for all poses that bend by up
+// --max-distance is the largest error of a vertex in all poses of the motion, relative to the figure's size.
+// The file is the smallest within this bound. Without a motion the bound holds for all poses that bend by up
 // to a tenth of the cage. Green coordinates need a motion, because rotations of their faces have no bound.
 //
 // --pose-samples also packs the data of a PoseSolver: the game can then pose the figure by pins.

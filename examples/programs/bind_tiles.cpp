@@ -6,11 +6,11 @@
 //     bind_tiles cage.obj --points scan.ply -o scan.figure --coordinates harmonic --solution cage.solution
 //
 // Tiles are sorted by name; --rows selects those of this process. A figure depends only on its tile and the
-// options, not on other tiles, threads, memory or rows. Complete figures of equal points and options are
-// skipped, so a farm may restart any task.
+// options, not on other tiles, threads, memory or rows. If a complete figure of the same points and options
+// exists, its tile is skipped, so a farm can restart any task.
 //
-// Exit status: 0 all tiles are done; 1 invalid options, or a tile that cannot be bound; 75 a temporary
-// failure such as a full disk: try again. A failing tile does not stop the others.
+// Exit status 0: all tiles are done. 1: invalid options, or a tile that cannot be bound. 75: a temporary
+// failure such as a full disk; try again. A failing tile does not stop the others.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -70,7 +70,7 @@ struct Job {
     bool is_strict = false;       // whether non-finite points are an error
 };
 
-/// The number of points per batch. The output depends on it, so it depends only on the cage.
+/// The number of points per batch. It depends only on the cage, because it affects the output.
 std::size_t points_of_piece(std::size_t handles) {
     constexpr std::size_t weights = std::size_t{32} << 20, most = 65536, whole = 1024;
     const std::size_t points = weights / (sizeof(float) * std::max<std::size_t>(handles, 1));
@@ -110,7 +110,7 @@ std::string fault_of_piece(const Job& job, const cageform::BindReport& report, s
         return points_at(report.not_finite, first) + " are not finite in float";
     if (!report.outside.empty() && job.outside == "refuse")
         return points_at(report.outside, first) + " lie outside the cage " + job.cage +
-               "; use --outside to choose what they do";
+               "; use --outside to choose their treatment";
     if (!report.outside.empty() && job.outside == "extend" && !job.coordinates.has_extension())
         return points_at(report.outside, first) + " lie outside the cage " + job.cage +
                ", where these coordinates are not defined";
@@ -327,7 +327,7 @@ std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tile
     const std::size_t least = of_program + each + (solves ? each : 0);
     if (all < least) {
         (void)fail("--memory " + std::to_string(given.memory) + ": a tile takes " +
-                   std::to_string(least / mega + 1) + " MB with this cage, regardless of its size");
+                   std::to_string(least / mega + 1) + " MB with this cage, for any number of points");
         return 0;
     }
     const std::size_t room = (all - of_program - (solves ? (all - of_program) / 2 : 0)) / each;
@@ -413,8 +413,8 @@ int run_program(int argc, char** argv) {
     line.add_flag("--strict", given.is_strict, "refuse a file with a point that is not finite in float");
     line.add_flag(
         "--json", given.json,
-        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights a "
-        "point, and the largest distance");
+        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights "
+        "per point, and the largest distance");
     line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
                     lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;

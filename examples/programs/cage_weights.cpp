@@ -3,8 +3,8 @@
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
 // A 2D cage is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines separated by empty
-// lines: loops (outer first, then holes) and, for harmonic coordinates, interior cells. Interior cells may
-// come at any position, each after a header line:
+// lines. The blocks are loops (outer first, then holes) and, for harmonic coordinates, interior cells.
+// Interior cells may come at any position, each after a header line:
 //
 //     # chain          edges between successive points; two points or more
 //     # point 12.5     one point; everything within the radius follows it
@@ -12,8 +12,8 @@
 // A point of a chain that is equal to an earlier vertex is that vertex. A 3D cage is an OBJ of a closed mesh.
 // Points are lines "x,y" or "x,y,z".
 //
-// sibson and sibson-c1 use points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an
-// SVG or the vertices of an OBJ (site_file.hpp).
+// sibson and sibson-c1 use points instead of a cage (site_file.hpp): "x,y" or "x,y,z" lines of a CSV, circles
+// of an SVG or vertices of an OBJ.
 //
 // The output has a header, then one line per point: status,w0,w1,… with 17 digits, "nan" if a point has no
 // weights. The first columns are the vertices of the loops (or of the OBJ) in the order of the file. The new
@@ -298,9 +298,9 @@ int run_program(int argc, char** argv) {
                     "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new\n"
                     "vertices of chains and points; for sibson they belong to the points. The order is\n"
                     "that of the file. For green, the columns of the edges (or faces) follow; an edge\n"
-                    "has the number of the vertex it begins at. They multiply normals as long as the\n"
-                    "edge (in space, as the root of the face's area). nan means that a point has no\n"
-                    "weights.\n"
+                    "has the number of its first vertex. These columns multiply normals of the length of\n"
+                    "the edge (in space, of the square root of the face's area). nan means that a point\n"
+                    "has no weights.\n"
                     "\n" +
                     labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
@@ -310,9 +310,10 @@ int run_program(int argc, char** argv) {
         .one_of(outside_words())
         .show_default();
     OutsideChoice::add_falloff(line, settings.falloff);
-    line.add("--linear-precision", settings.linear_precision,
-             "restore or leave the weights that miss it, such as those of a solver and those near interior "
-             "points")
+    line.add(
+            "--linear-precision", settings.linear_precision,
+            "restore or leave the weights without linear precision, such as those of a solver and those near "
+            "interior points")
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report, which counts points from 0");

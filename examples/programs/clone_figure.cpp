@@ -220,7 +220,7 @@ private:
             }
             if (is_finite(rest[i]))
                 refuse("point " + std::to_string(i) +
-                       " goes beyond the numbers of the figure: the pose is too large");
+                       " exceeds the range of the figure's scalar: the pose is too large");
         }
         return points;
     }
@@ -377,9 +377,8 @@ int run_program(int argc, char** argv) {
             return why.empty() ? why : "\"" + text + "\" " + why;
         });
     line.add("--mesh", given.mesh,
-             "the OBJ file that was bound: .obj files keep all that it holds, .ply files its faces; by "
-             "default faces "
-             "are the triangles that the figure holds, if it has any");
+             "the OBJ file that was bound: .obj outputs keep all its contents, .ply outputs its faces. By "
+             "default outputs have the triangles of the figure, if any");
     line.add("--rate", given.rate, "poses of a clip per second").range(1e-3, 1e6).show_default();
     add_flip_faces(line, given.flips_faces);
     line.add_flag("--ascii", given.ascii, "write .ply files as text, not as bytes");

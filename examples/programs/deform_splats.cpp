@@ -1,4 +1,4 @@
-// Deforms a scene of 3D Gaussian splatting by a cage, a lattice or points, and a pose of them.
+// Deforms a scene of 3D Gaussian splatting by a pose of a cage, of a lattice or of points.
 //
 //     deform_splats scene.ply --cage lattice:8x8x8 --twist all:y,0,2,90 -o twisted.ply
 //     deform_splats scene.ply --cage auto:60 --split 2 -o look.ply --report
@@ -309,8 +309,8 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Deforms a scene of 3D Gaussian splatting by a cage, a lattice or points, and a pose of "
-                     "them: splats move, rotate and stretch, and view-dependent colours rotate.");
+    CommandLine line("Deforms a scene of 3D Gaussian splatting by a pose of a cage, of a lattice or of "
+                     "points. Splats move, rotate and stretch, and view-dependent colours rotate.");
     line.set_examples({"scene.ply --cage lattice:8x8x8 --twist all:y,0,2,90 -o twisted.ply",
                        "scene.ply --cage auto:60 --split 2 -o look.ply --report",
                        "scene.ply --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.ply"});
@@ -320,7 +320,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the PLY file to write").required().ends_with({".ply"});
     line.add("--split", given.split,
              "split splats that become more than this factor longer than at rest, recursively up to six "
-             "times, so that they follow bends; mass, mean and covariance do not change; 0: no splits")
+             "times. Splits follow bends and keep mass, mean and covariance. 0: no splits")
         .check([](const std::string& word) {
             double bound = 0;
             const bool is_number = detail::parse_number(word, bound).empty();

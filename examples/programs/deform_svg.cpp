@@ -106,7 +106,7 @@ Expected<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& p
                              const SvgDocument& figure) {
     if (!paths.has_pose() && !paths.pins.is_given()) return FileError{"--pose is required for points"};
     if (paths.pins.is_given() && !of_sites.weights.empty())
-        return FileError{"--weights: pins cannot be solved for where points have weights"};
+        return FileError{"--weights: pins do not support points with weights"};
     const bool has_pose = !paths.pose.empty();
     auto posed = load_posed_sites<2>(paths.cage, has_pose ? paths.pose : paths.cage, of_sites,
                                      [&] { return control_points(figure); });
@@ -167,9 +167,10 @@ Expected<Control> read_control(const CoordinatesChoice& choice, const CagePaths&
 Expected<std::string> saved_pose(const Control& posed, bool of_sites, const std::string& path,
                                  const ViewBox& view) {
     if (posed.control.coordinates.handles().vector_count() > 0 && posed.control.poses_all_handles)
-        return FileError{"--save-pose " + path +
-                         ": with these coordinates pins pose the edges beside the vertices, and a pose has "
-                         "vertices alone; take mean-value or harmonic"};
+        return FileError{
+            "--save-pose " + path +
+            ": with these coordinates pins also pose edges, which a file of vertices cannot store; use "
+            "mean-value or harmonic"};
     if (!of_sites) {
         const auto text = pose_text(posed.drawn, path, view);
         return text ? text : FileError{"--save-pose " + to_string(text.error())};
@@ -238,11 +239,10 @@ int run_program(int argc, char** argv) {
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
     add_cage(line, cage_path, CageFiles::drawing_or_sites);
-    line.add(
-        "--pose", pose_path,
-        "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
-        "pins; with --cage auto and none of these, half the figure bends, and the picture is enlarged to "
-        "fit");
+    line.add("--pose", pose_path,
+             "the pose: the same blocks or points with vertices moved. Or give operations such as --turn, or "
+             "pins. With --cage auto and none of these, half the figure bends, and the picture is enlarged "
+             "to fit");
     operations.in_plane = true;
     operations.add_options(line);
     pins.add_options(line);
@@ -263,8 +263,8 @@ int run_program(int argc, char** argv) {
     line.add_flag("--fit", options.fit,
                   "enlarge the viewBox and the size of the picture so that the deformed figure fits");
     line.add("--flatness", options.tolerance,
-             "the largest distance between drawn and exact deformed curves, in user units; 0 means too "
-             "little to be seen")
+             "the largest distance between drawn and exact deformed curves, in user units; 0 means "
+             "invisibly small")
         .range(0.0, 1e100)
         .show_default();
     line.add_flag("--show-cage", show_cage,

@@ -22,7 +22,7 @@ using namespace cageform_support;
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Draws a scene of 3D Gaussian splatting to a PNG file, from in front of all its splats.");
+        "Draws a scene of 3D Gaussian splatting to a PNG file. The camera is in front of all splats.");
     line.set_examples({"scene.ply -o scene.png --view 60,20", "posed.ply --beside posed.obj -o both.png"});
     std::string path, beside, out;
     int width = 1600, height = 1000;

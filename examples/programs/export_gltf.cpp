@@ -4,15 +4,15 @@
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --skin 16 -o head.glb
 //     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --morph -o head.gltf
 //
-// --bones N or auto: a skeleton fitted to the motion. Bones rotate, and normals with them; four bones move a
-// vertex. --max-distance 0.2% uses the fewest bones for which every vertex is within this distance of its
-// clone in all frames.
+// --bones N or auto: a skeleton fitted to the motion. Bones rotate, and normals with them; by default at most
+// four bones move a vertex. --max-distance 0.2% uses the fewest bones for which every vertex is within this
+// distance of its clone in all frames.
 //
 // --skin K: every vertex of the cage is a joint that only translates, and every vertex of the figure has at
-// most K joints. Joints are chosen so that the surface stays smooth. Affine poses are exact; bends lose the
-// weights that are left out. Normals do not rotate, because joints do not. The errors of positions, edges and
-// normals are measured over the motion. --max-distance 0.1% uses the fewest joints within the distance. Games
-// that pose the cage themselves use this.
+// most K joints. Joints are chosen so that the surface stays smooth. Affine poses are exact; in bends the
+// omitted weights cause errors. Normals do not rotate, because joints do not. The errors of positions, edges
+// and normals are measured over the motion. --max-distance 0.1% uses the fewest joints within the distance.
+// This form is for games that pose the cage themselves.
 //
 // --morph: every pose of the motion is a morph target with normals. Clones depend linearly on the pose, so
 // positions are exact at all times.
@@ -704,12 +704,11 @@ int run_program(int argc, char** argv) {
             .excludes(skin)
             .excludes(labels);
     const CommandOption distance =
-        add_share(
-            line, "--max-distance", given.skeleton.distance,
-            "the largest distance of a vertex from its clone, a share of the figure's size such as 0.002 or "
-            "0.2%; 0 means no bound, with --bones auto 0.2%. A skin is measured in the poses of the motion, "
-            "or in all poses that bend by up to a tenth of the cage; without --skin and --bones the fewest "
-            "of 4, 8, 12 or 16 joints that suffice")
+        add_share(line, "--max-distance", given.skeleton.distance,
+                  "the largest distance of a vertex from its clone, a share of the figure's size such as "
+                  "0.002 or 0.2%. 0 means no bound, but 0.2% with --bones auto. A skin is measured in the "
+                  "poses of the motion, or in all poses that bend by up to a tenth of the cage. Without "
+                  "--skin and --bones the skin has the fewest of 4, 8, 12 or 16 joints that suffice")
             .show_default("0");
     std::vector<CommandOption> of_bones = given.skeleton.add_options(line);
     of_bones.push_back(line.add("--rate", given.rate, "bones: the least number of frames per second to fit")

@@ -397,7 +397,7 @@ std::string plot(const Case& one) {
         svg += above.dot(fit.knots[i], y, knot_style);
     }
 
-    svg += below.axes("error: curve less pieces");
+    svg += below.axes("error: curve minus pieces");
     for (std::size_t i = 1; i < fit.pieces(); ++i)
         svg += Panel::line(below.at_x(fit.knots[i]), below.at_y(-reach), below.at_x(fit.knots[i]),
                            below.at_y(reach), "stroke=\"#8a8a8a\" stroke-dasharray=\"1 3\"");

@@ -3,9 +3,9 @@
 //     fit_skeleton rest.obj frames/*.obj -o skin.glb --bones auto --max-distance 0.2%
 //     fit_skeleton rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png
 //
-// Bones are fitted to the motion. They rotate, have joints and parents, and at most four move a vertex. This
-// converts any vertex animation for engines: cages, lattices, cloth. The method is that of Le and Deng,
-// Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
+// Bones are fitted to the motion. They rotate, have joints and parents, and by default at most four move a
+// vertex. The program converts any vertex animation for engines: cages, lattices, cloth. The method is that
+// of Le and Deng, Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -87,8 +87,8 @@ Expected<MddFile> read_frames(Arguments& given, ObjFile& figure) {
                  detail::short_number(first));
         }
         if (given.rate == 0 && !ascend(file->times)) {
-            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later: they are " +
-                 detail::short_number(default_rate) + " a second, as with --rate");
+            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later; " +
+                 detail::short_number(default_rate) + " frames per second are used, as with --rate");
             given.rate = default_rate;
         }
         if (given.rate > 0) file->times.clear();
@@ -136,7 +136,7 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     if (given.choice.kind != "stretched")
         return warn(name + ": the pose mirrors " + frames.name + ", and no bone of --kind " +
                     given.choice.kind + " does: give --kind stretched and --flip-faces" +
-                    (given.flips_faces ? "; --flip-faces alone makes all faces look inwards" : ""));
+                    (given.flips_faces ? "; with --flip-faces alone all faces point inwards" : ""));
     if (!given.flips_faces) warn(describe_winding(name, frames.name, -1, false));
 }
 
@@ -242,19 +242,18 @@ int run_program(int argc, char** argv) {
     line.add("--bones", given.choice.bones, "the number of bones, or auto: as few as --max-distance needs")
         .check(SkeletonChoice::fault_of_bones)
         .show_default();
-    add_share(
-        line, "--max-distance", given.choice.distance,
-        "the largest distance of a vertex from its frames, a share of the figure's size at rest such as "
-        "0.002 or 0.2%; 0 means no bound, with --bones auto 0.2%")
+    add_share(line, "--max-distance", given.choice.distance,
+              "the largest distance of a vertex from its frames, a share of the figure's size at rest such "
+              "as 0.002 or 0.2%. 0 means no bound, but 0.2% with --bones auto")
         .show_default("0");
     given.choice.add_options(line);
     line.add("--rate", given.rate,
-             "frames per second: frame k is at k / RATE seconds; by default the times of an MDD file, and "
-             "30 per second for OBJ files")
+             "frames per second: frame k is at k / RATE seconds. By default the times of an MDD file, and 30 "
+             "per second for OBJ files")
         .range(1e-3, 1e6);
     line.add("--axes", given.axes,
-             "the axes of the MDD file: x,y,z, or x,y,-z as Blender writes them, or x,z,-y if y is up in the "
-             "MDD file and z in the figure")
+             "the axes of the MDD file: x,y,z; x,y,-z as Blender writes; or x,z,-y if y is up in the MDD "
+             "file and z in the figure")
         .check(fault_of_axes)
         .show_default();
     line.add("--picture", given.picture,

@@ -60,7 +60,7 @@ Expected<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
                          " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4")};
     if (rest.size() != posed.size())
         return FileError{posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
-                         " has " + std::to_string(rest.size()) + ": the figures must be the same"};
+                         " has " + std::to_string(rest.size()) + ": both need the same vertices"};
     const auto held = given.choice.still(lattice);
     if (!held) return held.error();
     const std::vector<std::uint32_t> frozen(held->begin(), held->end());

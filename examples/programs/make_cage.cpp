@@ -7,7 +7,7 @@
 //     make_cage character.obj --quads --rings --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
-// The cage contains everything that the figure paints, at a distance of the margin, and passes all checks of
+// The cage contains everything visible of the figure, at a distance of the margin, and passes all checks of
 // the library. --cage auto of the other programs makes the same cage.
 
 #include "cli/auto_cage.hpp"
@@ -191,7 +191,7 @@ std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& l
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
-                     "parts, or a mesh, which may have holes or several pieces.");
+                     "parts, or a mesh. A mesh may have holes or several pieces.");
     line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
                        "character.obj --vertices 112 -o cage.obj --picture cage.png",
                        "character.obj --vertices auto --volume 15% -o cage.obj",
@@ -209,10 +209,10 @@ int run_program(int argc, char** argv) {
                     "that --volume allows")
         .excludes(lattice);
     line.add_parsed("--volume,--area", options.looseness, parse_looseness,
-                    "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the "
-                    "tightest by at most this share, and print the volume for each doubling: with --vertices "
-                    "auto 25%, in the plane 5%. --vertices N tries at most N, by default 1000, in the plane "
-                    "200")
+                    "use the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds that "
+                    "of the tightest cage by at most this share. Print the volume for each doubling. With "
+                    "--vertices auto the default is 25%, in the plane 5%. The limit is --vertices N, by "
+                    "default 1000, in the plane 200")
         .excludes(lattice);
     line.add_parsed("--margin", options.margin, parse_margin,
                     "the distance from the figure, relative to its diagonal: 2.5% by default, in space and "
@@ -235,8 +235,8 @@ int run_program(int argc, char** argv) {
     line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage")
         .excludes(lattice);
     line.add_flag("--quads", given.quads,
-                  "in space: pair triangles to quads, for editing by loops; for any triangulation of the "
-                  "quads, the cage keeps a quarter of the margin from the figure")
+                  "in space: pair triangles to quads, for editing by loops; any triangulation of the quads "
+                  "keeps a quarter of the margin from the figure")
         .excludes(lattice);
     line.add_flag(
             "--rings", options.rings,
@@ -250,8 +250,8 @@ int run_program(int argc, char** argv) {
              "the cage to write: .svg or .csv; in space .obj; of a lattice also .lattice.json")
         .ends_with({".svg", ".csv", ".obj", ".json"});
     line.add("--picture", given.picture,
-             "draw the figure in its cage, in the plane with the numbers of the vertices, to an .svg file; "
-             "in space with the parts of the cage in colours and their numbers, to a .png file")
+             "draw the figure in its cage. In the plane: .svg, with vertex numbers. In space: .png, with the "
+             "parts of the cage in colours and their numbers")
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");

@@ -148,7 +148,7 @@ Cage make_cage() {
     return cage;
 }
 
-// ---- the pose: joints that turn what lies beyond them ----
+// ---- the pose: a joint turns everything beyond it ----
 
 Point rotated(const Point& p, const Point& centre, std::size_t axis, double degrees) {
     const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
@@ -213,8 +213,8 @@ Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
 
 constexpr double dance_length = 2.4; // seconds
 
-/// A pose of the dance: alternating steps; one hand waves above, the other swings below, and they alternate.
-/// `part` is the time in [0, 1]; the poses at 0 and 1 are equal.
+/// A pose of the dance: alternating steps; one hand waves above, the other swings below, then they change
+/// roles. `part` is the time in [0, 1]; the poses at 0 and 1 are equal.
 Joints dancing(double part) {
     const double angle = 2 * std::numbers::pi * part;
     const double sway = std::cos(angle); // 1: on the left foot

@@ -40,7 +40,7 @@ int run_program(int argc, char** argv) {
     const auto mesh = load_mesh_figure(path, is_strict);
     if (!mesh) return fail(to_string(mesh.error()));
     if (const double area = area_of(*mesh); !(area > 0) || !std::isfinite(area))
-        return fail(path + ": its faces have no area to lie on");
+        return fail(path + ": its faces have no area");
     if (const auto why = single_precision_fault(*mesh)) return fail(to_string(*why));
     if (const std::string why = rounding_fault(path, mesh->vertices); !why.empty()) return fail(why);
     if (const auto why = fault_of_outputs({out})) return fail(*why);

@@ -129,8 +129,8 @@ int run_program(int argc, char** argv) {
     CoordinatesChoice of_coordinates;
     of_coordinates.in_plane = of_coordinates.with_normals = true;
     line.add("--coordinates", given.coordinates,
-             "the coordinates of the pose: with curved-green the edges of a polygon are posed as "
-             "cubics too, with others a path with curves is refused")
+             "the coordinates for the pose: curved-green also poses the edges of polygons, as cubics; others "
+             "refuse paths with curves")
         .one_of(of_coordinates.names());
     given.choice.in_plane = true;
     given.choice.add_options(line);

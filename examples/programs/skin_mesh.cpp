@@ -36,7 +36,7 @@ using Use = GltfDocument::Use;
 constexpr const char* bones_format =
     "A bones file has one line per bone: its name, its parent, x,y,z of its head, x,y,z of\n"
     "its tail, and x,y,z of its pose. The pose is a rotation about the head: the vector is\n"
-    "the axis, and its length is the angle in degrees, at most 36000; 0,0,0\n"
+    "the axis, and its length is the angle in degrees, at most 36000. 0,0,0\n"
     "is no rotation.\n"
     "Parents come before their children; a bone without a parent leaves that field\n"
     "empty. Lines that begin with # are skipped.\n";
@@ -459,8 +459,8 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         std::cout << describe_unused(parts) << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights
                   << "\nvertices that do not see their nearest bones: " << report.hidden
-                  << "\nbones a vertex, in the mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "
-                  << given.influences << " bones a vertex: " << kept.weight_error.value << "\noff by "
+                  << "\nbones per vertex, mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "
+                  << given.influences << " bones per vertex: " << kept.weight_error.value << "\noff by "
                   << describe(loss) << "\ntime: " << report.seconds << " s\n";
     }
     return 0;

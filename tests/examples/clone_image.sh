@@ -58,7 +58,7 @@ outline() { # MESSAGE LINES
   refuses_clone "$1" --region outline.csv -o out.png
 }
 outline 'outline.csv: the outline reaches (70, 10), outside the source of 64 x 48 pixels' '10,10\n70,10\n10,40\n'
-outline "outline.csv: the outline holds no pixel's centre" '10.1,10.1\n10.3,10.1\n10.2,10.3\n'
+outline "outline.csv: the outline contains no centre of a pixel" '10.1,10.1\n10.3,10.1\n10.2,10.3\n'
 outline 'outline.csv: the region has no inside' '10,10\n40,10\n40,12\n10,12\n'
 outline 'outline.csv' ''
 outline 'outline.csv:2: ' '10,10\nx,12\n'

@@ -115,7 +115,7 @@ refuses_line 'line.csv: no cell has a value' '.,.,.\n'
 refuses_line 'line.csv: every cell has a value' '1,2\n'
 refuses_line 'line.csv: holds no table' ''
 awk 'BEGIN { for (n = 0; n < 1001; n++) print n == 0 ? "1" : "." }' >line.csv
-refuses 'line.csv: holds 1001 cells; 1000 are the most' "$relaxation" line.csv -o out.svg
+refuses 'line.csv: holds 1001 cells; the limit is 1000' "$relaxation" line.csv -o out.svg
 refuses 'missing.csv' "$relaxation" missing.csv -o out.svg
 refuses '--guess' "$relaxation" column.csv --guess good -o out.svg
 refuses 'does not end with' "$relaxation" column.csv -o out.png
@@ -973,7 +973,7 @@ refuses 'missing/out.ply' "$splats" scene.ply --cage box --move all:1,0,0 -o mis
 refuses 'scene.ply: splat 0 (counted from 0) leaves the range of single precision in the pose' "$splats" scene.ply --cage box --scale all:1e60 -o out.ply
 refuses 'out.obj' "$splats" scene.ply --cage box --move all:1,0,0 -o out.obj
 printf 'v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n' >thin.obj
-refuses 'thin.obj: its faces have no area to lie on' "$programs/make_splats" thin.obj -o out.ply
+refuses 'thin.obj: its faces have no area' "$programs/make_splats" thin.obj -o out.ply
 refuses '--count' "$programs/make_splats" character.obj -o out.ply --count 0
 refuses '--degree' "$programs/make_splats" character.obj -o out.ply --degree 4
 
@@ -1293,7 +1293,7 @@ report $ok "the one point in the middle is free"
 works "a lattice for a game" "$bind" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 -o cube.figure
 works "a lattice's joints" "$programs/export_gltf" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 --skin 8 -o cube.glb
 works "a face pulled out of a board" "$programs/lattice_board" -o board.png
-grep -q '^35 x 35 x 2 points: the board misses the relief by 0.00' log && ok=yes || ok=no
+grep -q '^35 x 35 x 2 points: distances of the board from the relief: rms 0.00' log && ok=yes || ok=no
 report $ok "which follows the relief"
 refuses 'output is required' "$programs/lattice_board"
 
@@ -1316,7 +1316,7 @@ if [ -n "${CAGEFORM_NIGHTLY:-}" ]; then # tests/nightly.sh
   grep -q '^0.01   1.7.e-07   16.0 ' log && grep -qx 'mesh 0.05   34.0921  1.8092' log && grep -qx 'plane waves 0.58720' log && ok=yes || ok=no
   report $ok "to the fourth order"
 fi
-refuses 'nothing is to be written' "$waves"
+refuses 'nothing to write' "$waves"
 refuses 'orbit not in {slit,two-slits,spin,shadow}' "$waves" --scene orbit -o out.png
 refuses 'missing/out.png: No such file' "$waves" -o missing/out.png
 refuses 'missing/out.00.png: No such file' "$waves" --stills missing/out.
@@ -1536,7 +1536,7 @@ refuses_pin '--hold is for pins' --hold 1 --pose "$pose"
 refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --pose "$pose"
 refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --turn 1:3
 refuses_pin '--pin-weight' --pin 480,420 --pin-weight 0
-refuses_pin '--save-pose out.pose.svg: with these coordinates pins pose the edges beside the vertices' --pin 480,420 --coordinates green --save-pose out.pose.svg
+refuses_pin '--save-pose out.pose.svg: with these coordinates pins also pose edges' --pin 480,420 --coordinates green --save-pose out.pose.svg
 refuses_pin 'the same file as ' --pin 480,420 --save-pose out.svg
 refuses '--save-pose out.pose.svg: points need a .csv file' "$deform" "$data/fish.svg" --cage "$data/fish_points.svg" --coordinates sibson --pin 480,300 -o out.svg --save-pose out.pose.svg
 refuses 'has chains or points, which need a .csv file' "$deform" "$cat" --cage "$data/cat_cage_spine.csv" --coordinates harmonic --pin 480,420 -o out.svg --save-pose out.pose.svg
@@ -1622,8 +1622,8 @@ refuses 'both.csv:2: the weight of a pin is not positive' motion out.svg --clip 
 refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --clip wag.csv --pin 480,420
 refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --markers lost.csv --turn 1:3
 refuses '--hold is for pins, and the motion has none' motion out.svg --clip "$data/cat_walk.csv" --hold 1
-refuses '--track and --save-tracks go together' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
-refuses '--save-clip out.clip.csv: with these coordinates pins pose the edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
+refuses '--track and --save-tracks need each other' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
+refuses '--save-clip out.clip.csv: with these coordinates pins also pose edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
 
 # ---- tetrahedra, folds, pins in space ----
 seq 8 >corner_weights.txt
@@ -1809,7 +1809,7 @@ refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pos
 refuses '--save-pose out.pose.obj: with green pins move faces as well as vertices' "$mesh" inner.obj --cage box.obj --pin 0 --coordinates green --save-pose out.pose.obj -o out.obj
 refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
 works "pins in a tetrahedron" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0:+0.1,0,0 --pin 1 -o pinned.obj
-refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
+refuses '--weights: pins do not support points with weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
 works "samples for a game's pins" "$bind" character.obj --cage character_cage.obj --pose-samples -o pins.figure --report
 bytes=$(sed -n 's/^samples for pins: \([0-9]*\) bytes, of [0-9]* points in 224 clusters, .* s$/\1/p' log)
 more=$(($(wc -c <pins.figure) - $(wc -c <still.figure) - ${bytes:-0}))
@@ -1840,7 +1840,7 @@ for out in fit_pose.svg fit_pose.csv; do
 done
 : >empty.obj
 : >empty.svg
-refuses 'character.obj has 8066 vertices, cube.obj has 8: the figures must be the same' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
+refuses 'character.obj has 8066 vertices, cube.obj has 8: both need the same vertices' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" empty.obj cube.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.obj' "$fit" cube.obj empty.obj --cage lattice:4x4x4 -o out.obj
 refuses 'empty.svg' "$fit" lines.svg empty.svg --cage lattice:3x3 -o out.svg
@@ -1947,7 +1947,7 @@ report $ok "they are said of both grids"
 sed 's/\[0.5, /[/' triangle.json >short.json
 printf '0.2,0.2,0.2;0:x\n' >word.txt
 cp box.obj cage.obj
-refuses 'short.json: a weight of each vertex is missing' "$programs/convergence" --oracle short.json -o out.svg
+refuses 'short.json: vertices and weights of a point differ in number' "$programs/convergence" --oracle short.json -o out.svg
 refuses 'box.obj: ' "$programs/convergence" --oracle box.obj -o out.svg
 refuses 'word.txt:1: not a line of an oracle' "$programs/convergence" --oracle word.txt -o out.svg
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
@@ -2506,7 +2506,7 @@ refuses 'many.csv: "a": its first key, at 1e+09, is more than a million of its p
 clip 1e9 0 1e9 >many.csv
 refuses 'many.csv: its length needs 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 1 | sed '1aground,1,1e-300' >many.csv
-refuses 'many.csv: during the clip the ground passes by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: during the clip the ground moves by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 0.25 0.5 1 | sed 's/^0.25,0/0.25,1e308/; s/linear/automatic/' >many.csv
 refuses 'many.csv: "a": the key at 0: a given value' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 

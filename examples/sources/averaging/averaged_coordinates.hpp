@@ -9,8 +9,8 @@ namespace cageform_sources {
 
 using cageform_support::CageFile, cageform_support::ChosenCoordinates, cageform_support::CoordinatesChoice;
 
-/// Makes the coordinates, on 128 cells unless `choice` has a resolution. Sweeps end at the mean change of a
-/// cell that --tolerance states.
+/// Makes the coordinates, on 128 cells unless `choice` has a resolution. Sweeps end when the mean change of a
+/// cell is below --tolerance.
 inline ChosenCoordinates<double, 2> averaged_coordinates(CoordinatesChoice choice, const CageFile& file) {
     if (choice.resolution == 0) choice.resolution = 128;
     const cageform::HarmonicOptions options = choice.harmonic_options(2);

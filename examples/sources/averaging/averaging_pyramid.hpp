@@ -1,9 +1,8 @@
 // The papers' solver of the Laplace equation on a grid: averaging sweeps, from coarse grids to fine
 // ones.
 //
-// It is kept as the historical baseline, with its known weakness: it stops when values change
-// little, which does not mean that they are accurate (on large grids errors of 1e-2 remain at the
-// published tolerance).
+// It is the historical baseline, with a known weakness: it stops when values change little, even if they are
+// inaccurate. On large grids errors of 1e-2 remain at the published tolerance.
 #pragma once
 
 #include "averaging/lattice.hpp"
@@ -16,7 +15,7 @@
 
 namespace cageform_sources::averaging {
 
-/// The neighbours whose mean a cell's value is.
+/// The neighbours of a cell. Their mean is the value of the cell.
 enum class Stencil : std::uint8_t {
     /// 2, 4 or 6 (in 1D, 2D, 3D): the usual discrete Laplace equation.
     face_neighbours,
@@ -25,8 +24,7 @@ enum class Stencil : std::uint8_t {
 
 struct AveragingOptions {
     Stencil stencil = Stencil::face_neighbours;
-    /// The pyramid ends at this many cells a side; if it is not below the grid's own size, there is
-    /// one level.
+    /// Cells per side of the coarsest level. If the grid is not larger, there is one level.
     std::size_t coarsest = 16;
     double tolerance = 1e-5;         ///< τ: sweeps end when the mean change of a cell is below it; 0: never
     std::size_t max_sweeps = 100000; ///< on each level
@@ -47,10 +45,9 @@ struct AveragingOutcome {
 /// beyond the grid are left out of the mean; with face neighbours this equals mirroring the grid
 /// there.
 ///
-/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
-/// 2007), sec. 4 and 4.2. If a side has an odd number of cells, the last coarse cell has only one
-/// child along it; the paper's grids have 2^s cells per side. Sweeps are in place (Gauss-Seidel),
-/// in the order of the cells.
+/// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH 2007),
+/// sec. 4 and 4.2. If a side has an odd number of cells, the last coarse cell has only one child along it.
+/// The paper's grids have 2^s cells per side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
 ///
 /// Construction O(#cells); a solve O(#interior · sweeps). Solves one function at a time, as
 /// published. A cell takes a tag and a scalar on each level; in float, including the field itself,
@@ -74,10 +71,9 @@ public:
 
     std::size_t unknowns() const noexcept { return levels_[0].unknowns; }
 
-    /// Fills the interior cells of `values` (#cells). Reads the boundary cells (with first_guess
-    /// also the interior ones, which must be finite) and ignores the others. Calls `keep_going()`
-    /// now and then; returning false cancels. The object holds scratch memory, so use one pyramid
-    /// per thread.
+    /// Fills the interior cells of `values` (#cells). Reads the boundary cells (with first_guess also the
+    /// interior ones, which must be finite) and ignores the others. Calls `keep_going()` regularly; false
+    /// cancels. The object holds scratch memory, so use one pyramid per thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");

@@ -12,7 +12,7 @@ using cageform::Bounds, cageform::CellBox, cageform::Lattice, cageform::Scalar, 
 
 /// The tags of a cell (Joshi et al. 2007, sec. 4).
 enum class CellTag : std::uint8_t {
-    untyped,
+    untyped,  ///< not yet tagged
     boundary, ///< its value is given and fixed
     interior, ///< its value is unknown
     exterior, ///< not part of the problem

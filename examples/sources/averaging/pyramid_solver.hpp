@@ -1,5 +1,5 @@
-// Harmonic coordinates by the averaging sweeps of the original papers, on grid cells: a baseline for
-// measuring other solvers, and an example of a solver of your own.
+// Harmonic coordinates by the averaging sweeps of the original papers, on grid cells. They are a baseline for
+// other solvers, and an example of a solver of your own.
 #pragma once
 
 #include "averaging/averaging_pyramid.hpp"

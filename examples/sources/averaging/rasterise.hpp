@@ -42,7 +42,7 @@ struct GridDomain {
     }
 };
 
-/// In cells. A facet through a corner of cells touches all cells that meet there.
+/// The tolerance of contact, in cells. A facet through a corner touches all cells that meet there.
 inline constexpr double touch_slack = 1e-6;
 
 /// Returns the number of a cell given by its indices; nothing if they lie beyond the lattice.
@@ -78,8 +78,8 @@ void sort_data(std::vector<CellData<T>>& data) {
 
 // ---- in the plane: the nearest edge -------------------------------------------------------------
 
-/// The edges that pass through a cell. If edges share vertices pairwise, they are two neighbours or
-/// the three of a triangle, so a further edge is only compared with the first two.
+/// The edges that pass through a cell. Edges that share vertices pairwise are two neighbours or the three
+/// edges of a triangle. So a further edge is compared only with the first two.
 struct EdgesOfCell {
     using Edge = std::array<std::uint32_t, 2>;
 
@@ -258,17 +258,16 @@ void flood(GridDomain<T, D>& domain, std::size_t seed, CellTag tag) {
     }
 }
 
-/// Tags every cell that a facet (an edge, a triangle, a side of a box) touches as boundary, and
-/// each connected component of the rest as interior or exterior by one inside test. In 2D a
-/// boundary cell has the data of the nearest edge. In 3D it has the mean over the faces that touch
-/// it, each taken at its point nearest to the cell's centre.
+/// Tags every cell that a facet (an edge, a triangle, a side of a box) touches as boundary. One inside test
+/// tags each connected component of the rest as interior or exterior. In 2D a boundary cell has the data of
+/// the nearest edge. In 3D it has the mean over the faces that touch it, each taken at its point nearest to
+/// the cell's centre.
 ///
-/// Watertight: a facet marks all cells it touches, even those it meets only in a corner, so no path
-/// between neighbouring cells, diagonal ones included, leads from the interior to the exterior.
-/// Whether a triangle touches a cell is decided by all thirteen separating axes. Cost O(#cells +
-/// #components · #facets + cells in the facets' boxes). These are steps 1 and 2 of Joshi et al.
-/// 2007, sec. 4, who flood only the exterior, from a corner; testing every component handles holes
-/// and several outer loops or shells as well.
+/// The boundary is watertight, because a facet marks all cells that it touches, even in a corner. No path
+/// between neighbouring cells, including diagonal ones, leads from the interior to the exterior. Whether a
+/// triangle touches a cell is decided by all thirteen separating axes. Cost O(#cells + #components · #facets
+/// + cells in the facets' boxes). These are steps 1 and 2 of Joshi et al. 2007, sec. 4, who flood only the
+/// exterior, from a corner. Testing every component also handles holes and several outer loops or shells.
 template <class C>
 GridDomain<typename C::scalar, C::dimension>
 rasterise(const C& cage, const Lattice<typename C::scalar, C::dimension>& lattice) {

@@ -12,8 +12,7 @@ enum class Interpolation : std::uint8_t {
     multilinear,  ///< between the 2^D nearest centres, leaving out exterior ones
 };
 
-/// The cells that a value is interpolated from and their weights, for one point. Serves any number
-/// of fields.
+/// The cells and weights that interpolate values at one point, for any number of fields.
 template <Scalar T, std::size_t D>
 struct SampleStencil {
     std::array<std::size_t, (std::size_t{1} << D)> cells{};

@@ -64,7 +64,7 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
         for (std::size_t k = 0; k < 3; ++k) cell[k] = std::int32_t(std::floor(at[k] / side));
         return cell;
     };
-    std::vector<std::pair<Cell, std::uint32_t>> members; // of all cells, those of each together
+    std::vector<std::pair<Cell, std::uint32_t>> members; // triangles by cell, sorted by cell
     for (std::uint32_t f = 0; f < triangles.size(); ++f) {
         const Cell from = cell_of(boxes[f].low), to = cell_of(boxes[f].high);
         for (std::int32_t x = from[0]; x <= to[0]; ++x)
@@ -97,7 +97,7 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
                 low[k] = std::max(boxes[f].low[k], boxes[g].low[k]);
                 apart |= low[k] > std::min(boxes[f].high[k], boxes[g].high[k]);
             }
-            if (apart || cell_of(low) != cell) continue; // else they would meet in several cells
+            if (apart || cell_of(low) != cell) continue; // tests each pair in one cell only
             const auto &a = triangles[f], &b = triangles[g];
             if (std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) == a.end()) meet(f, g);
         }

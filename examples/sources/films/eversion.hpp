@@ -1,7 +1,7 @@
 #pragma once
 
 // Sphere eversion by formulas: A. and W. Bednorz, "Analytic sphere eversion using ruled surfaces",
-// Differential Geometry and its Applications 64 (2019), for n = 2, which is Morin's eversion in topology.
+// Differential Geometry and its Applications 64 (2019), for n = 2, topologically Morin's eversion.
 
 #include "files/obj_file.hpp"
 
@@ -26,8 +26,9 @@ struct EversionStage {
 inline constexpr double eversion_q = 2.0 / 3; // the source's Q: the sphere has the radius √Q
 inline constexpr double eversion_w = 2;
 
-/// A stage up to the halfway surface, by four legs of length 1: 0 is the sphere; 3.5, the middle of the last
-/// leg, is the halfway surface. Legs end at the source's parameters. α is quadratic, because its root enters.
+/// A stage up to the halfway surface, on four legs of length 1. At 0 it is the sphere; at 3.5, the middle of
+/// the last leg, the halfway surface. Legs end at parameters of the source. α is quadratic, because the
+/// formulas contain its root.
 inline EversionStage stage_on_legs(double leg) {
     constexpr double q = eversion_q;
     if (leg <= 1) return {leg, -1 / q, 0, q, 0, 0, 1};
@@ -41,7 +42,8 @@ inline EversionStage stage_on_legs(double leg) {
 
 /// A point of the surface.
 ///
-///   theta, phi   latitude in [−π/2, π/2], longitude; the poles are points as any other
+///   theta, phi   latitude in [−π/2, π/2] and longitude, in radians; poles are no special case
+///
 /// The source's formulas, each multiplied by the power of cos θ that makes it finite at the poles. The last
 /// formula is rearranged to avoid cancellation for small α.
 inline Point3 eversion_point(const EversionStage& at, double theta, double phi) {
@@ -68,15 +70,15 @@ inline Point3 eversion_point(const EversionStage& at, double theta, double phi) 
             std::sqrt(at.alpha) * (c2 * root * growth / whole - 1 / (at.alpha + 1)) - sunk};
 }
 
-/// A sphere's net of latitudes and longitudes at a stage.
+/// A grid of latitudes and longitudes on the surface of a stage.
 struct EversionMesh {
     std::size_t rows = 0, columns = 0;                     ///< of its quads
     std::vector<Point3> vertices;                          ///< (rows + 1) · columns, the south pole first
-    std::vector<std::array<std::uint32_t, 3>> triangles{}; ///< in pairs, one pair a quad
+    std::vector<std::array<std::uint32_t, 3>> triangles{}; ///< two per quad, in sequence
 };
 
-/// The triangles of a net. Front faces are outside at the first stage and inside at the last. At the poles
-/// one of two triangles has no area.
+/// The triangles of a grid. Front faces are outside at the first stage and inside at the last. At the poles
+/// one triangle of each quad has no area.
 inline std::vector<std::array<std::uint32_t, 3>> eversion_triangles(std::size_t rows, std::size_t columns) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     for (std::size_t row = 0; row < rows; ++row) {
@@ -118,8 +120,8 @@ inline double volume_of(const EversionMesh& mesh) {
     return six / 6;
 }
 
-/// The minimum of |X_θ × X_φ| / cos θ over centres of the net's quads: 0 if the surface is not an immersion.
-/// By finite differences over 2e-5, accurate to about 1e-9.
+/// The minimum of |X_θ × X_φ| / cos θ over the centres of quads: 0 if the surface is not an immersion. By
+/// finite differences over 2e-5, accurate to about 1e-9.
 inline double least_area_factor(const EversionStage& stage, std::size_t rows, std::size_t columns) {
     constexpr double pi = std::numbers::pi, step = 1e-5;
     double least = 1e300;
@@ -158,7 +160,8 @@ public:
         }
     }
 
-    /// The stage at a time in [0, 1]. The second half is the first one backwards with t of the other sign.
+    /// The stage at a time in [0, 1]. The second half is the first half backwards, with the opposite sign of
+    /// t.
     EversionStage stage(double time) const {
         const double gone = way_.back() * 2 * std::fmin(time, 1 - time);
         const auto next = std::upper_bound(way_.begin() + 1, way_.end() - 1, gone);
@@ -172,7 +175,7 @@ private:
     static constexpr std::size_t steps = 350;
     static constexpr double half = 3.5; // in legs
 
-    std::array<double, steps + 1> way_{}; // how far the fastest point has come
+    std::array<double, steps + 1> way_{}; // sums of the largest displacements, relative to the size
 };
 
 } // namespace cageform_sources

@@ -1,6 +1,6 @@
 #pragma once
 
-// The options --stills, --gif, --frames and --rate, which the programs of films have in common.
+// The options of all film programs: --stills, --gif, --frames and --rate.
 
 #include "cli/command_line.hpp"
 #include "io/atomic_file.hpp"
@@ -23,11 +23,11 @@ struct FilmChoice {
     void add_options(CommandLine& line, int usual_frames, const std::string& kind) {
         frames = usual_frames;
         line.add("--stills", stills,
-                 "also write every frame, " + kind + ": this name with 000 and so on behind it");
+                 "also write every frame, " + kind + ": this name followed by 000, 001, …");
         line.add("--gif", gif, "also write a film that repeats without end, if ffmpeg is installed")
             .ends_with({".gif"});
         line.add("--frames", frames, "the number of frames").range(2, 999).show_default();
-        line.add("--rate", rate, "frames of the film a second").range(1.0, 25.0).show_default();
+        line.add("--rate", rate, "the frames per second of the film").range(1.0, 25.0).show_default();
     }
 
     bool is_given() const { return !stills.empty() || !gif.empty(); }
@@ -38,9 +38,9 @@ struct FilmChoice {
         return stills + std::string(3 - number.size(), '0') + number + ending;
     }
 
-    /// Why the files cannot be written, for a question before a long computation; nothing where they can.
+    /// Checks whether the files can be written, before a long computation; returns the error, if any.
     ///
-    ///   others   that the program writes beside them; empty ones are left out
+    ///   others   other files that the program writes; empty paths are ignored
     std::optional<std::string> fault(std::vector<std::filesystem::path> others,
                                      const std::string& ending) const {
         others.emplace_back(gif);
@@ -48,11 +48,11 @@ struct FilmChoice {
         return fault_of_outputs(others);
     }
 
-    /// Writes frames that are SVG documents, and the film of them.
+    /// Writes the SVG documents of all frames, and their film.
     ///
     ///   png     whether single frames are rendered too
     ///   width   of a frame, in pixels
-    ///   end     whether the last frame is the first one again, which the film leaves out
+    ///   end     is_start: the last frame equals the first, and the film omits it
     enum class End { is_another, is_start };
     void write(OutputFiles& outputs, const std::vector<std::string>& documents, bool png, int width,
                End end = End::is_another) const {
@@ -60,7 +60,7 @@ struct FilmChoice {
             AtomicFile& file = outputs.add(still(n, ".svg"));
             file.write(documents[std::size_t(n)]);
             if (png) add_png(outputs, file, width);
-            (void)file.finish(); // commit() has the fault
+            (void)file.finish(); // commit() reports the error
         }
         if (gif.empty()) return;
         Film film(outputs, gif, rate, width);

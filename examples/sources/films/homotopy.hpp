@@ -2,7 +2,7 @@
 
 // Regular homotopies of closed curves in the plane. Two closed regular curves are regularly homotopic if and
 // only if their turning numbers are equal: H. Whitney, "On regular closed curves in the plane", Compositio
-// Mathematica 4 (1937), 276–284, who had it from W. C. Graustein.
+// Mathematica 4 (1937), 276–284, who attributes it to W. C. Graustein.
 
 #include "svg/path.hpp"
 
@@ -21,8 +21,9 @@ namespace cageform_sources {
 
 using namespace cageform_support;
 
-/// A closed curve of unit speed by the angle of its tangent, `turns` τ + Σ sines[j] sin (j + 1) τ +
-/// Σ cosines[j] cos (j + 1) τ for τ from 0 to 2π.
+/// A curve of unit speed, given by the angle of its tangent at τ from 0 to 2π:
+/// `turns` τ + Σ sines[j] sin (j + 1) τ + Σ cosines[j] cos (j + 1) τ. Homotopy subtracts the mean velocity,
+/// which closes the curve.
 struct TurningCurve {
     int turns = 1;
     std::vector<double> sines{}, cosines{};
@@ -35,12 +36,13 @@ struct TurningCurve {
     }
 };
 
-/// A curve whose angle swings by three random waves.
+/// A curve with three random sines and three cosines. The j-th coefficients (j = 1, 2, 3) are uniform in
+/// [−2/j, 2/j).
 inline TurningCurve random_curve(int turns, unsigned seed) {
     std::mt19937 generator(seed);
     TurningCurve curve{turns};
     for (int j = 1; j <= 3; ++j) {
-        for (auto* waves : {&curve.sines, &curve.cosines}) // by the generator's bits: alike everywhere
+        for (auto* waves : {&curve.sines, &curve.cosines}) // no std distribution: equal on all platforms
             waves->push_back((double(generator()) / 2147483648.0 - 1) * 2 / j);
     }
     return curve;
@@ -48,13 +50,14 @@ inline TurningCurve random_curve(int turns, unsigned seed) {
 
 /// A family of closed curves from one curve at s = 0 to another at s = 1.
 ///
-/// Where both turn equally often, their angles are mixed: θ_s = (1 − s) θ_0 + s θ_1, and the curve is the
-/// integral of e^{iθ_s} − m_s, where m_s is the mean of e^{iθ_s}. It is closed, and regular since |m_s| < 1,
-/// unless θ_s is constant. Else their velocities are mixed, and somewhere the speed is 0.
+/// If the turning numbers are equal, the angles are interpolated: θ_s = (1 − s) θ_0 + s θ_1. The curve is the
+/// integral of e^{iθ_s} − m_s, where m_s is the mean of e^{iθ_s}. It is closed, and regular because
+/// |m_s| < 1, unless θ_s is constant. Otherwise the velocities are interpolated, and the speed is 0 for some
+/// s and τ.
 class Homotopy {
 public:
     using Complex = std::complex<double>;
-    static constexpr std::size_t samples = 1024; // of τ: means are then good to rounding
+    static constexpr std::size_t samples = 1024; // of τ: means are then exact up to rounding
 
     Homotopy(const TurningCurve& from, const TurningCurve& to)
         : curves_{from, to} {
@@ -62,7 +65,7 @@ public:
             from_.push_back(from.angle(tau(k)));
             to_.push_back(to.angle(tau(k)));
         }
-        // Curves of no turns can cancel each other: then the second one starts elsewhere.
+        // Two curves of turning number 0 can cancel each other. The second one then starts at another τ.
         constexpr double enough = 0.05;
         if (!is_regular() || from.turns != 0 || least_speed().least >= enough) return;
         const std::vector<double> unmoved = to_;
@@ -79,12 +82,12 @@ public:
         start_ = tau(best);
     }
 
-    bool is_regular() const { return curves_[0].turns == curves_[1].turns; } // whether it can be
-    double start() const { return start_; } // of the second curve: another τ than 0
+    bool is_regular() const { return curves_[0].turns == curves_[1].turns; }
+    double start() const { return start_; } // the τ at which the second curve starts
 
     static double tau(std::size_t k) { return 2 * std::numbers::pi * double(k) / samples; }
 
-    /// The velocities of the curve at all samples; the last is the first.
+    /// The velocities at all samples; the last equals the first.
     std::vector<Complex> velocities(double s) const {
         std::vector<Complex> all(samples + 1);
         if (is_regular()) {
@@ -99,7 +102,7 @@ public:
         return all;
     }
 
-    /// The points of the curve, their mean at 0; the last is the first but for rounding.
+    /// The points of the curve, with mean 0; the last equals the first up to rounding.
     std::vector<Complex> points(double s) const {
         const auto v = velocities(s);
         std::vector<Complex> all{0};
@@ -110,7 +113,7 @@ public:
         return all;
     }
 
-    /// The angle of the velocity at all samples, from sample to sample without a jump.
+    /// The angle of the velocity at all samples, in radians, without jumps of 2π.
     std::vector<double> angles(double s) const {
         const auto v = velocities(s);
         std::vector<double> all{std::arg(v[0])};
@@ -118,21 +121,21 @@ public:
         return all;
     }
 
-    /// How often the tangent turns; of no meaning where the speed is 0.
+    /// The turning number; meaningless if the speed is 0 somewhere.
     double turns(double s) const {
         const auto all = angles(s);
         return (all.back() - all.front()) / (2 * std::numbers::pi);
     }
 
     struct SpeedBound {
-        double least = 0;          ///< no speed is below this, at any s and τ; 0: nothing is proved
-        double reached = 1;        ///< 1 − |m_s|, the least that was met
-        std::size_t intervals = 0; ///< of s, that were looked at
+        double least = 0;          ///< lower bound of the speed for all s and τ; 0: not proved
+        double reached = 1;        ///< minimum of 1 − |m_s| over the tested s
+        std::size_t intervals = 0; ///< number of tested intervals of s
     };
 
     /// Bounds the speed of a regular homotopy from below by halving intervals of s. The speed is at least
-    /// 1 − |m_s|, and |m_s| changes by no more than the mean of |θ_1 − θ_0| times the change of s. An
-    /// interval is done when its bound is within a fiftieth of the least value that was met, as low as 1e-6.
+    /// 1 − |m_s|, and |m_s| changes by at most the mean of |θ_1 − θ_0| times the change of s. An interval is
+    /// final if its bound is at least 0.98 `reached`. If `reached` falls below 1e-6, the bound is 0.
     SpeedBound least_speed() const {
         double slope = 0;
         for (std::size_t k = 0; k < samples; ++k) slope += std::fabs(to_[k] - from_[k]) / samples;
@@ -167,9 +170,9 @@ public:
         double s, tau, speed;
     };
 
-    /// Where a family of curves that turn unequally often stands still: the velocities u_0 and u_1 point
-    /// against each other at some τ, since the angle between them changes by 2π times the difference of the
-    /// turns, and there s = |u_0| / (|u_0| + |u_1|) makes their mix 0. By halving intervals of τ.
+    /// The points with speed 0 if the turning numbers differ. The angle between the velocities u_0 and u_1
+    /// changes by 2π times the difference of the turning numbers. So the velocities are opposite at some τ,
+    /// and interpolate to 0 at s = |u_0| / (|u_0| + |u_1|). Halves intervals of τ.
     std::vector<Stop> stops() const {
         const TurningCurve &from = curves_[0], &to = curves_[1];
         const Complex mean_from = mean_of_angles(from_), mean_to = mean_of_angles(to_);
@@ -177,13 +180,13 @@ public:
             return std::pair{std::polar(1.0, from.angle(t)) - mean_from,
                              std::polar(1.0, to.angle(t)) - mean_to};
         };
-        const auto against = [&](double t) { // how far, in sine, they are from pointing against each other
+        const auto against = [&](double t) { // 0 if the velocities are parallel
             const auto [u, v] = pair(t);
             return std::imag(v * std::conj(u));
         };
         std::vector<Stop> all;
         for (std::size_t k = 0; k < samples; ++k) {
-            const double shift = 0.3183; // no round number, so that no place is an end of two intervals
+            const double shift = 0.3183; // a zero must not be an end of an interval
             double low = tau(k) + shift, high = tau(k + 1) + shift;
             const bool rises = against(low) < 0;
             if (rises == (against(high) < 0)) continue;
@@ -192,7 +195,7 @@ public:
                 ((against(middle) < 0) == rises ? low : high) = middle;
             }
             const auto [u, v] = pair(low);
-            if (std::real(v * std::conj(u)) > 0) continue; // they point the same way
+            if (std::real(v * std::conj(u)) > 0) continue; // equal directions
             const double s = std::abs(u) / (std::abs(u) + std::abs(v));
             all.push_back({s, std::fmod(low, 2 * std::numbers::pi), std::abs((1 - s) * u + s * v)});
         }
@@ -202,7 +205,7 @@ public:
 private:
     double angle(double s, std::size_t k) const { return (1 - s) * from_[k] + s * to_[k]; }
 
-    static Complex mean_of(const std::vector<Complex>& all) { // the last is the first
+    static Complex mean_of(const std::vector<Complex>& all) { // without the last, which equals the first
         Complex sum = 0;
         for (std::size_t k = 0; k < samples; ++k) sum += all[k];
         return sum / double(samples);

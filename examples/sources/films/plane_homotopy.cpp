@@ -56,7 +56,7 @@ Expected<TurningCurve> parse_curve(const std::string& word) {
         if (const std::string why = detail::parse_number(numbers.substr(0, comma), number); !why.empty())
             return FileError{start + why};
         if (!(std::fabs(number) <= 20) || curve.sines.size() > 16)
-            return FileError{start + "16 numbers from -20 to 20 are the most"};
+            return FileError{start + "at most 16 numbers from -20 to 20 are allowed"};
         numbers.remove_prefix(std::min(comma + 1, numbers.size()));
     }
     if (!is_random) return curve;
@@ -79,7 +79,7 @@ public:
         }
     }
 
-    /// The curve at s, its tangent's spiral, and where it stands still.
+    /// The curve at s, the spiral of its tangent, and the points with speed 0.
     std::string tile(double s) const {
         const auto points = homotopy_.points(s);
         std::string svg = caption(s);
@@ -145,7 +145,7 @@ private:
     double reach_ = 1e-9;
 };
 
-/// The times of frames from 0 to 1; the nearest times are moved to the stops.
+/// The times of frames from 0 to 1. The times nearest to the stops are moved to the stops.
 std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops) {
     std::vector<double> times;
     for (int n = 0; n < count; ++n) times.push_back(double(n) / (count - 1));
@@ -154,7 +154,8 @@ std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws how a closed curve becomes another without a corner, or where that must fail.");
+    CommandLine line("Draws a deformation of a closed curve into another one without corners or, if none "
+                     "exists, where it fails.");
     line.set_examples({"circle loops -o homotopy.svg --png", "eight 0:0,1.8 -o eights.svg --gif eights.gif",
                        "random:2:1 random:2:7 -o random.svg --stills random_ --frames 24",
                        "circle eight -o fails.svg"});
@@ -164,8 +165,8 @@ int run_program(int argc, char** argv) {
     bool png = false;
     FilmChoice film;
     line.add("curves", words,
-             "the first and the last curve: circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2,… whose "
-             "tangent has the angle TURNS t + A1 sin t + A2 sin 2t + …")
+             "the first and the last curve: circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2,…, with "
+             "the tangent angle TURNS t + A1 sin t + A2 sin 2t + …")
         .required()
         .count(2, 2);
     line.add("-o,--output", out, "the strip of frames, an SVG file").required().ends_with({".svg"});
@@ -187,14 +188,14 @@ int run_program(int argc, char** argv) {
         const auto bound = homotopy.least_speed();
         std::cout << "both tangents turn " << curves[0].turns << " times: the speed is at least "
                   << text_of("%.4g", bound.least) << " (" << bound.intervals
-                  << " intervals; met: " << text_of("%.4g", bound.reached) << ")\n";
+                  << " intervals; smallest found: " << text_of("%.4g", bound.reached) << ")\n";
         if (homotopy.start() > 0)
             std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
-                      << ", since on the way from its start both would cancel each other\n";
+                      << " because from t = 0 both curves would cancel each other\n";
     } else {
         stops = homotopy.stops();
         std::cout << "the tangents turn " << curves[0].turns << " and " << curves[1].turns
-                  << " times, so no homotopy is regular; this one stands still\n";
+                  << " times, so no homotopy is regular; the speed of this one is 0\n";
         for (const auto& stop : stops)
             std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau)
                       << ": speed " << text_of("%.2g", stop.speed) << '\n';

@@ -1,8 +1,9 @@
 #pragma once
 
-// Curves whose parts are small copies of them, and their zooms: the snowflake of H. von Koch (1904), the
-// square-filling curves of G. Peano (1890) and W. Sierpiński (1912). A side becomes several shorter ones;
-// while the new sides grow out of the old one, the view is magnified at the rate at which sides shorten.
+// Curves that consist of smaller copies of themselves, and zooms into these curves: the snowflake of H. von
+// Koch (1904), the square-filling curves of G. Peano (1890) and W. Sierpiński (1912). The next level replaces
+// each side by several shorter sides. While these grow out of the old side, the magnification increases by
+// the ratio of the lengths.
 
 #include "svg/path.hpp"
 
@@ -27,17 +28,17 @@ public:
     explicit SelfSimilarCurve(Kind kind)
         : kind_(kind) {}
 
-    /// By how much the sides of a level are shorter than those of the level before.
+    /// Side length of a level divided by that of the next level.
     double ratio() const { return kind_ == Kind::sierpinski ? 2 : 3; }
-    /// How many sides one becomes.
+    /// The number of sides that replace one side.
     std::size_t parts() const { return generator(1).size() - 1; }
     double dimension() const { return std::log(double(parts())) / std::log(ratio()); }
     bool is_closed() const { return kind_ != Kind::peano; }
 
-    /// The corners of a level, in order; of a closed curve the first one is the last one too. Every corner of
-    /// a level stays, bit for bit, in the next one.
+    /// The corners of a level, in order; closed curves repeat the first corner at the end. The next level
+    /// contains all corners bit for bit.
     ///
-    ///   grown   how far the sides of the level after it have grown out of its own, in [0, 1]
+    ///   grown   progress of the growth of the next level, in [0, 1]
     std::vector<Complex> corners(int level, double grown = 0) const {
         const double s = std::sqrt(0.75);
         std::vector<Complex> all{0, 1};
@@ -47,14 +48,13 @@ public:
         return grown > 0 ? divided(all, grown) : all;
     }
 
-    /// The curve as it is drawn, without touching itself. Peano's has its corners cut off; Sierpiński's goes
-    /// through the middles of the inscribed circles of the triangles that have its sides for hypotenuses.
+    /// The curve as drawn, which does not touch itself. Peano's curve has its corners cut off. Sierpiński's
+    /// curve connects the incentres of right isosceles triangles on its sides, which are the hypotenuses.
     std::vector<Complex> drawn(int level, double grown = 0) const {
         if (kind_ == Kind::koch) return corners(level, grown);
         const auto all = corners(level);
         if (kind_ == Kind::peano) {
-            const double cut =
-                0.13 * std::pow(ratio(), -level - grown); // of one length in the magnified view
+            const double cut = 0.13 * std::pow(ratio(), -level - grown); // constant in the magnified view
             return cut_corners(grown > 0 ? divided(all, grown) : all, cut);
         }
         std::vector<Complex> middles;
@@ -67,7 +67,8 @@ public:
                 middles.push_back(old);
                 continue;
             }
-            const auto sides = divided({all[k - 1], all[k]}, 1); // from the old side's one middle to theirs
+            const auto sides =
+                divided({all[k - 1], all[k]}, 1); // incentres move from the old side to the new ones
             for (std::size_t n = 1; n < sides.size(); ++n)
                 middles.push_back((1 - grown) * old + grown * middle(sides[n - 1], sides[n]));
         }
@@ -75,8 +76,8 @@ public:
         return middles;
     }
 
-    /// The part of the plane that is seen at the beginning of a zoom, a square; the zoom keeps 0 in its
-    /// place. All within looks the same after one level more in the magnified view.
+    /// The square that is visible at the beginning of a zoom. The zoom magnifies about 0. One level later the
+    /// magnified view shows the same picture.
     struct Window {
         Complex low;
         double side;
@@ -97,7 +98,7 @@ public:
     }
 
 private:
-    /// A side from 0 to 1 as it grows into those of the next level.
+    /// The sides that replace the side from 0 to 1; `grown` as in corners().
     std::vector<Complex> generator(double grown) const {
         constexpr double third = 1.0 / 3;
         if (kind_ == Kind::koch) return {0, third, {0.5, grown * std::sqrt(3.0) / 6}, 2 * third, 1};
@@ -118,7 +119,7 @@ private:
         return finer;
     }
 
-    /// Cuts corners off, at a length from each or in the middle of a shorter side.
+    /// Cuts off each corner at the distance `length`, but at most at half of its shorter side.
     static std::vector<Complex> cut_corners(const std::vector<Complex>& all, double length) {
         std::vector<Complex> cut{all.front()};
         for (std::size_t k = 1; k + 1 < all.size(); ++k) {
@@ -141,7 +142,7 @@ inline double length_of(const std::vector<std::complex<double>>& line) {
     return length;
 }
 
-/// The area that a closed line encloses, whichever way it goes.
+/// The area inside a closed line of any orientation.
 inline double area_of(const std::vector<std::complex<double>>& line) {
     double twice = 0;
     for (std::size_t k = 1; k < line.size(); ++k) twice += std::imag(std::conj(line[k - 1]) * line[k]);

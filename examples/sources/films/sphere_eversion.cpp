@@ -110,7 +110,7 @@ public:
         }
     }
 
-    /// The stage at a time, as the cage moves it, if there is one.
+    /// The stage at a time, deformed by the cage if there is one.
     Expected<Tile> tile(double time) const {
         EversionMesh mesh = eversion_mesh(eversion_.stage(time), given_.net_rows(), given_.net_columns());
         if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return FileError{why};
@@ -120,13 +120,14 @@ public:
         return tile;
     }
 
-    /// A tile, at the scale of a whole eversion.
+    /// Draws a tile. All tiles have the same scale.
     Expected<Picture> draw(const Tile& tile) {
         if (stage_.empty()) {
             for (int n = 0; n <= 24; ++n) {
                 auto mesh = eversion_mesh(eversion_.stage(n / 24.0), 16, 32);
                 if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return FileError{why};
-                for (const Point3& p : mesh.vertices) stage_.push_back(1.04 * p); // what lies between these
+                for (const Point3& p : mesh.vertices)
+                    stage_.push_back(1.04 * p); // a margin for stages between these
             }
             if (control_) add_cage();
         }
@@ -135,7 +136,8 @@ public:
         return draw_meshes(std::span(&scene, 1), side, side, given_.view.sight);
     }
 
-    /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
+    /// The smallest ratio of volumes, deformed to rest, around points of a stage. Fails if Jacobians are not
+    /// available.
     Expected<double> least_determinant(double time) const {
         const auto rest = eversion_mesh(eversion_.stage(time), 48, 96).vertices;
         const auto columns =
@@ -151,7 +153,7 @@ public:
     EversionStage stage(double time) const { return eversion_.stage(time); }
 
 private:
-    /// Adds the edges of the cage's faces to what is drawn, as triangles without area.
+    /// Adds the edges of the cage's faces to the picture, as triangles without area.
     void add_cage() {
         for (const ObjFace& face : control_->cage.faces) {
             for (std::size_t k = 0; k < face.corners.size(); ++k) {
@@ -166,10 +168,10 @@ private:
     /// Whether a column of quads is within a band.
     bool is_shown(std::size_t column) const {
         const double place = given_.bands * (double(column) + 0.5) / double(given_.net_columns());
-        return given_.bands == 0 || std::fabs(place - std::round(place)) < 0.3; // six tenths of the surface
+        return given_.bands == 0 || std::fabs(place - std::round(place)) < 0.3; // 60 % of the surface
     }
 
-    /// Binds points and moves them; empty, or why not.
+    /// Binds points and moves them; returns an error message, or empty.
     std::string move_by_cage(std::vector<Point3>& points) const {
         if (!control_) return {};
         const auto bound =
@@ -187,7 +189,7 @@ private:
     Eversion eversion_;
     std::vector<std::array<std::uint32_t, 3>> shown_, cage_triangles_;
     std::vector<Colour> front_, back_;
-    std::vector<Point3> stage_; // the cage's pose, and points of all stages: what the camera looks at
+    std::vector<Point3> stage_; // the cage's pose and points of all stages, all inside the view
 };
 
 /// The curve of the signed volume, as an SVG.
@@ -268,7 +270,7 @@ int play(const Arguments& given, Theatre theatre) {
     std::optional<Film> film;
     if (!given.film.gif.empty()) film.emplace(outputs, given.film.gif, given.film.rate, given.tile);
     std::vector<Point3> before;
-    double largest = 0; // step of a vertex between two frames, for the size
+    double largest = 0; // step of a vertex between two frames, relative to the size
     for (int n = 0; given.film.is_given() && n < given.film.frames && !outputs.error(); ++n) {
         const auto tile = theatre.tile(double(n) / (given.film.frames - 1));
         if (!tile) return fail(to_string(tile.error()));
@@ -280,20 +282,20 @@ int play(const Arguments& given, Theatre theatre) {
         if (given.film.stills.empty()) continue;
         AtomicFile& file = outputs.add(given.film.still(n, ".png"));
         picture->write_png(file);
-        (void)file.finish(); // commit() has the fault
+        (void)file.finish(); // commit() reports the error
     }
     if (film) film->finish();
     if (const auto error = outputs.commit()) return fail(*error);
     if (given.film.is_given())
-        std::cout << given.film.frames << " frames: no vertex goes farther than "
-                  << text_of("%.2f", 100 * largest) << " % of the size between two\n";
+        std::cout << given.film.frames << " frames: between two frames a vertex moves by at most "
+                  << text_of("%.2f", 100 * largest) << " % of the size\n";
     return 0;
 }
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Turns a sphere inside out, without a tear or a crease, and draws it cut into bands: red "
-        "outside, blue inside, yellow where the surface passes through itself.");
+        "Turns a sphere inside out, without a tear or a crease, and draws it cut into bands. The outside is "
+        "red, the inside blue; self-intersections are yellow.");
     line.set_examples({"-o eversion.png --volume volume.svg", "-o eversion.png --gif eversion.gif",
                        "-o strip.png --columns 12 --tile 160 --stills turn_ --frames 60",
                        "-o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120",
@@ -304,13 +306,13 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the sheet of stages, a PNG file").required().ends_with({".png"});
     line.add("--stages", given.stages, "stages on the sheet").range(2, 60).show_default();
     line.add("--columns", given.columns, "stages in a row").range(1, 60).show_default();
-    line.add("--tile", given.tile, "pixels of a stage, and of a frame, each way")
+    line.add("--tile", given.tile, "the width and height of a stage and of a frame, in pixels")
         .range(32, 1000)
         .show_default();
-    line.add("--bands", given.bands, "bands into which meridians cut the surface; 0: it is whole")
+    line.add("--bands", given.bands, "the number of bands between meridians; 0: the whole surface")
         .range(0, 24)
         .show_default();
-    line.add("--rows", given.rows, "quads from pole to pole").range(16, 200).show_default();
+    line.add("--rows", given.rows, "the number of quads from pole to pole").range(16, 200).show_default();
     line.add("--volume", given.volume, "also write the curve of the signed volume").ends_with({".svg"});
     given.film.add_options(line, 120, "PNG files");
     line.add("--cage", given.cage,

@@ -1,4 +1,4 @@
-// An endless zoom into a self-similar curve: new sides grow at the rate of the magnification, so after one
+// An endless zoom into a self-similar curve. New sides grow at the rate of the magnification, so after one
 // level the picture is equal to the first.
 //
 //     zooms koch -o koch.svg --png --gif koch.gif
@@ -21,7 +21,7 @@ using namespace cageform_sources;
 std::string frame_of(const SelfSimilarCurve& curve, int level, double time, int size) {
     std::string d;
     for (const auto& p : curve.frame(level, time)) {
-        // Far outside nothing is seen, so the numbers may be short there.
+        // Clamps coordinates far outside the picture, so that their numbers are short.
         const double x = std::clamp(p.real(), -9.0, 9.0), y = std::clamp(1 - p.imag(), -9.0, 9.0);
         d += (d.empty() ? "M" : " ") + text_of("%.3f", size * x) + "," + text_of("%.3f", size * y);
     }
@@ -54,7 +54,7 @@ void print_levels(const SelfSimilarCurve& curve, int most) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Zooms into a self-similar curve without end, and prints the lengths of its levels.");
+    CommandLine line("Zooms endlessly into a self-similar curve, and prints the lengths of its levels.");
     line.set_examples({"koch -o koch.svg --png --gif koch.gif", "peano -o peano.svg --level 2",
                        "sierpinski -o sierpinski.svg --stills sierpinski_ --frames 25 --png"});
     std::string name, out;
@@ -67,8 +67,8 @@ int run_program(int argc, char** argv) {
         .range(2, 60)
         .show_default();
     const CommandOption levels =
-        line.add("--level", level, "the level of the first frame").range(0, 6).show_default("4, of peano 3");
-    line.add("--size", size, "of a frame, in pixels each way").range(32, 2000).show_default();
+        line.add("--level", level, "the level of the first frame").range(0, 6).show_default("4, for peano 3");
+    line.add("--size", size, "the width and height of a frame, in pixels").range(32, 2000).show_default();
     line.add_flag("--png", png, "also render it, and stills, to the same names with .png");
     film.add_options(line, 49, "SVG files");
     if (const auto code = line.parse(argc, argv)) return *code;
@@ -76,7 +76,7 @@ int run_program(int argc, char** argv) {
     const Kind kind = name == "koch" ? Kind::koch : name == "peano" ? Kind::peano : Kind::sierpinski;
     if (!levels.is_given()) level = kind == Kind::peano ? 3 : 4;
     if (kind == Kind::peano && level > 4)
-        return fail("--level: 4 is the most for peano, whose sides are 9 times as many each");
+        return fail("--level: 4 is the most for peano: each level has 9 times as many sides");
     if (const auto why = film.fault({out}, ".svg")) return fail(*why);
 
     const SelfSimilarCurve curve(kind);

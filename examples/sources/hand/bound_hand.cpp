@@ -27,7 +27,7 @@ std::vector<Point3> BoundHand::clone(const std::vector<Point3>& pose,
 }
 
 ImplicitMesh cage_of(const Hand& hand) {
-    for (const double beside : {0.008, 0.012, 0.016}) { // not every surface of coarse nets is a manifold
+    for (const double beside : {0.008, 0.012, 0.016}) { // coarse surface nets are not always manifold
         const auto cage = surface_nets([&](const Point3& p) { return skin_function(hand, p) - beside; },
                                        {-0.7, -0.4, -0.4}, {0.56, 1.2, 0.3}, 0.03);
         const cageform::TriangleMesh<double> checked(cage.vertices, cage.faces);

@@ -91,11 +91,11 @@ void print_rest(const BoundHand& bound, Lines& lines) {
     double error = 0;
     for (std::size_t i = 0; i < rest.size(); ++i)
         error = std::max(error, length(turned[i] - turned_about_wrist(rest[i])));
-    lines.line(error <= 16 * eps, "1. the wrist turned, and all with it: exact within %.1f eps (16)",
+    lines.line(error <= 16 * eps, "1. the hand rotated about the wrist: exact within %.1f eps (16)",
                error / eps);
 }
 
-/// 1., where nothing surrounds the hand.
+/// 1., without the sites around the hand.
 void print_without_surround(const BoundHand& bound, Lines& lines) {
     std::vector<Point3> sites;
     for (const HandPoint& point : bound.hand.points) {
@@ -116,7 +116,7 @@ void print_without_surround(const BoundHand& bound, Lines& lines) {
     lines.line(
         cloned && within > 0 && error <= 16 * eps,
         "1. the same without `surround`: exact within %.1f eps (16), for the %zu of %zu vertices in the "
-        "hull of the rest",
+        "hull of the other sites",
         error / eps, within, skin.size());
 }
 
@@ -166,10 +166,10 @@ void print_locality(const BoundHand& bound, Lines& lines) {
         }
     }
     lines.line(worst <= 0.01,
-               "3. a finger bent by 90 degrees moves others beyond their MCP by %.2f %% of the hand's length "
-               "(1); from the web on by %.2f %%",
+               "3. a finger bent by 90 degrees moves the others beyond their MCP joints by %.2f %% of the "
+               "hand's length (1), beyond the webs by %.2f %%",
                100 * worst, 100 * past_web);
-    lines.line(wrist <= eps, "3. and vertices at the wrist by %.1f eps (1: rounding)", wrist / eps);
+    lines.line(wrist <= eps, "3. it moves vertices at the wrist by %.1f eps (1: rounding)", wrist / eps);
 }
 
 struct Flipped {
@@ -221,12 +221,12 @@ void print_surface(const BoundHand& bound, Lines& lines) {
     }
     const double share = 100.0 * double(at_90.count) / double(hand.skin.faces.size());
     lines.line(at_60.count == 0, "4. triangles that a joint at 60 degrees turns over: %zu (0)", at_60.count);
-    lines.line(share <= 0.5, "4. a joint at 90 degrees, or as far as it goes: %zu, %.2f %% (0.5)",
+    lines.line(share <= 0.5, "4. the same at 90 degrees or at the joint's limit: %zu, %.2f %% (0.5)",
                at_90.count, share);
     lines.line(at_90.farthest <= 1, "4. the farthest of these from the joint: %.2f radii of the finger (1)",
                at_90.farthest);
     lines.line(thumb.count == 0,
-               "4. the thumb's first two joints, which do not go to 60 degrees, as far as they go: %zu (0)",
+               "4. the same for the thumb's first two joints at their limits below 60 degrees: %zu (0)",
                thumb.count);
 }
 
@@ -249,7 +249,7 @@ std::vector<Face> faces_of_finger(const Hand& hand, std::size_t ray) {
     return finger;
 }
 
-// 5. A cone from the fixed first joint closes a finger.
+// 5. A cone from the first joint, which is fixed, closes the volume of a finger.
 void print_volume(const BoundHand& bound, Lines& lines) {
     const Hand& hand = bound.hand;
     const std::vector<double> ones(hand.points.size(), 1);
@@ -282,14 +282,13 @@ void print_volume(const BoundHand& bound, Lines& lines) {
     }
     for (const auto& [worst, joints] : {std::pair{others, "PIP or DIP"}, {base, "MCP"}}) {
         lines.line(std::fabs(worst.half) <= 10,
-                   "5. a finger's volume, %s at 90 degrees: %+.1f %% with half-turned rings (10), %+.1f %% "
-                   "without; of "
-                   "all skin, palm and webs too, %+.1f %% of a finger",
+                   "5. change of a finger's volume, %s at 90 degrees: %+.1f %% with half-turned rings (10), "
+                   "%+.1f %% without. Of the whole hand: %+.1f %% of a finger's volume",
                    joints, worst.half, worst.whole, worst.skin);
     }
 }
 
-/// The centre of a pad: the vertex nearest to the inflation point of a bone that is not a constraint vertex.
+/// The centre of a pad: the vertex nearest to the bone's inflation point, except constraint vertices.
 std::size_t pad_of(const Hand& hand, std::size_t joint) {
     const auto inflation = std::find_if(hand.points.begin(), hand.points.end(), [&](const HandPoint& p) {
         return p.kind == HandPointKind::inflation && p.joint == joint;
@@ -346,8 +345,8 @@ void print_inflation(const BoundHand& bound, Lines& lines) {
     }
     lines.line(grow == pads, "5. pads that gain volume with kappa and with the angle: %zu (%zu)", grow, pads);
     lines.line(past_line <= 0.1,
-               "5. beyond the next line the skin swells by %.1f %% of the pad's middle at most (10); this by "
-               "%.2f %% of the hand's length at least",
+               "5. beyond the next joint the skin swells by at most %.1f %% of the pad's centre (10). The "
+               "centre swells by at least %.2f %% of the hand's length",
                100 * past_line, 100 * least_swell);
 }
 
@@ -387,7 +386,7 @@ void print_rings(const BoundHand& bound, const std::vector<HandPose>& poses, Lin
         }
     }
     lines.line(change <= 16 * eps,
-               "6. rings stay where they are to their bisecting planes within %.1f eps (16), all poses",
+               "6. distances of rings from their bisecting planes change by at most %.1f eps (16), all poses",
                change / eps);
     lines.line(off_at_rest <= 16 * eps, "6. rings lie in their bisecting planes within %.1e (%.1e)",
                off_at_rest, 16 * eps);
@@ -432,7 +431,7 @@ void print_shared(const BoundHand& bound, Lines& lines) {
                shared, worst);
 }
 
-/// The line at the fingers' bases: its control points, around the hand. Those in the webs are not on it.
+/// The control points of the line at the fingers' bases, in order around the hand; without those in the webs.
 std::vector<std::size_t> base_line(const Hand& hand) {
     std::vector<std::pair<double, std::size_t>> found;
     Point3 middle{};
@@ -456,7 +455,7 @@ void print_base_line(const BoundHand& bound, const std::vector<HandPose>& poses,
     const Hand& hand = bound.hand;
     const auto loop = base_line(hand);
     const auto next = [&](std::size_t n) { return loop[(n + 1) % loop.size()]; };
-    // Where the line passes from one finger to the next both have the point: no gap in any pose.
+    // Neighbouring points that belong to a common finger leave no gap in any pose.
     const auto share_a_finger = [&](const HandPoint& a, const HandPoint& b) {
         const auto has = [&](std::size_t joint) {
             return joint != HandJoint::none && (b.joint == joint || b.other == joint);
@@ -480,7 +479,7 @@ void print_base_line(const BoundHand& bound, const std::vector<HandPose>& poses,
     }
     lines.line(loop.size() >= 20 && gaps == 0 && off_skin <= 4 * eps,
                "6. the line at the fingers' bases: %zu points, %zu gaps (0), on the skin in all poses within "
-               "%.1f eps (4); longest step %.3f at rest, %.3f in a pose",
+               "%.1f eps (4). Longest step %.3f at rest, %.3f in a pose",
                loop.size(), gaps, off_skin / eps, longest_rest, longest);
 }
 
@@ -514,7 +513,7 @@ void print_builds(const BoundHand& bound, const HandBuilder& builder, Lines& lin
         double error = 0;
         for (std::size_t i = 0; i < skin.size(); ++i) error = std::max(error, length(skin[i] - composed[i]));
         lines.line(status == cageform::Status::ok && error <= 16 * eps,
-                   "the composed binding as both one after the other within %.1f eps (16)", error / eps);
+                   "the composed binding equals both bindings in sequence within %.1f eps (16)", error / eps);
         print_laws(other, lines);
     }
     lines.set_subject({});
@@ -526,7 +525,7 @@ void print_report(const BoundHand& bound, Lines& lines) {
     lines.line(report.outside.empty() && report.unreached.empty() && report.not_finite.empty() &&
                    report.not_restored.empty() && report.cage.faults.empty(),
                "8. vertices outside %zu, unreached %zu, not finite %zu, not restored %zu; faults of the "
-               "control points, duplicates too, %zu (all 0)",
+               "control points, including duplicates, %zu (all 0)",
                report.outside.size(), report.unreached.size(), report.not_finite.size(),
                report.not_restored.size(), report.cage.faults.size());
     const BoundHand smooth("sibson-c1");

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures the requirements for a hand that control points move.
+// Measures the requirements for a hand moved by control points.
 
 #include "bound_hand.hpp"
 #include "hand_builds.hpp"
@@ -15,8 +15,8 @@ struct AcceptanceCount {
     std::size_t lines = 0, missed = 0;
 };
 
-/// Prints a line a property, "ok" or "missed", with its bound in parentheses. A missed line is no error: it
-/// says what this hand does not do yet.
+/// Prints one line per property: "ok" or "missed", the number of the requirement (1 to 9), the measured
+/// value, and its bound in parentheses. A missed line is a known limit of this hand, not an error.
 AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
 
 } // namespace cageform_sources

@@ -1,6 +1,7 @@
 #pragma once
 
-// Other hands of the same binding: a few handles move the control points and the skin of a hand at rest.
+// Hands of other proportions by the same binding: a few handles move the control points and the skin of a
+// hand at rest.
 
 #include "bound_hand.hpp"
 
@@ -18,7 +19,7 @@ using namespace cageform_support;
 
 struct HandBuild {
     const char* name;
-    std::vector<Point3> handles; ///< where they go
+    std::vector<Point3> handles; ///< their new positions
 };
 
 /// Handles of a build: the joints, the tips, then the corners of a box.
@@ -30,14 +31,14 @@ struct HandBuilder {
     explicit HandBuilder(const BoundHand& bound) {
         for (const HandJoint& joint : bound.hand.joints) rest.push_back(joint.place);
         for (const auto& ray : bound.hand.rays) rest.push_back(bound.hand.joints[ray.back()].end);
-        // Joints that two bones of the palm share are one handle each.
+        // A joint that two bones share is one handle.
         const auto all = bound.hand.sites();
         for (const Point3& p : cageform::surround(all, {.margin = 0.05}).value) rest.push_back(p);
         sites = bind_to_sites<double>("sibson", rest, all).value;
         skin = cageform::compose(bound.dense, sites);
     }
 
-    /// The hand with its joints where their handles go.
+    /// The hand with its joints at the new positions of their handles.
     Hand built(const Hand& hand, const std::vector<Point3>& handles) const {
         Hand other = hand;
         for (std::size_t j = 0; j < other.joints.size(); ++j) other.joints[j].place = handles[j];

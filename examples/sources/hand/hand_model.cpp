@@ -81,7 +81,7 @@ JointTurn mean(JointTurn a, const JointTurn& b) {
 /// Measurements of a ray, from the wrist outwards: typical proportions of an adult hand.
 struct Ray {
     Point3 root, base, along,
-        back; ///< of the metacarpal, of the first joint; along the phalanges, to their backs
+        back; ///< starts of metacarpal and first phalanx; directions of the phalanges and their backs
     std::array<double, 3> lengths; ///< of the phalanges; of the thumb, of all bones
     std::array<double, 4> radii;   ///< at their ends
 };
@@ -187,7 +187,7 @@ private:
         double finger = std::numeric_limits<double>::max();
         for (std::size_t k = ray == 4 ? 0 : 1; k < joints.size(); ++k)
             finger = join(finger, bone(hand_.joints[joints[k]], p), 0.012);
-        for (std::size_t k = ray == 4 ? 1 : 2; k < joints.size(); ++k) { // a line on the inner side
+        for (std::size_t k = ray == 4 ? 1 : 2; k < joints.size(); ++k) { // a crease on the inner side
             const HandJoint& joint = hand_.joints[joints[k]];
             const Point3 along = unit(joint.end - joint.place), inner = cross(joint.bend_axis, along);
             const Point3 d = p - joint.place;
@@ -217,10 +217,10 @@ public:
     }
 
 private:
-    static constexpr double beside = 0.015; // outside the skin: free points
-    static constexpr double beyond = 0.02;  // the same: inflation points
+    static constexpr double beside = 0.015; // distance of free points from the skin
+    static constexpr double beyond = 0.02;  // distance of inflation points
 
-    /// Where a ray from inside leaves the skin; no farther than `most`.
+    /// The point where a ray from inside leaves the skin, at the distance `most` or less.
     Point3 on_skin(const Point3& from, const Point3& direction, double most = 0.3) const {
         constexpr double step = 0.004;
         double inside = 0;
@@ -233,20 +233,21 @@ private:
         return from + inside * direction;
     }
 
-    /// How far outside the skin a shield stands: less than half the way to the next finger.
+    /// The distance of a shield from the skin: at most 30 % of the gap to the next finger.
     double apart(const Point3& p, const Point3& direction) const {
         double gap = 0.004;
         while (gap < 0.08 && skin_(p + gap * direction) > 0) gap += 0.002;
         return std::min(0.02, 0.3 * gap);
     }
 
-    /// Unless there is one already so near that between both the skin would be torn.
+    /// Adds a point, unless another point is closer than 0.004, which would tear the skin.
     void add(const HandPoint& point) {
         const auto at_it = [&](const HandPoint& other) { return length(other.place - point.place) < 0.004; };
         if (std::none_of(hand_.points.begin(), hand_.points.end(), at_it)) hand_.points.push_back(point);
     }
 
-    /// Onto the nearest vertex of the skin, which a ring takes into its plane.
+    /// Adds a point at the nearest vertex of the skin. A ring first moves this vertex into the plane of the
+    /// ring.
     void add_constraint(HandPoint point) {
         double least = std::numeric_limits<double>::max();
         for (std::size_t i = 0; i < hand_.skin.vertices.size(); ++i) {
@@ -266,8 +267,8 @@ private:
         add(point);
     }
 
-    /// `count` rays about a bone, at a share of its length, the first an `offset` of a step from the inner
-    /// side.
+    /// Calls add(from, direction) for `count` rays around a bone, at a share of its length. The first ray is
+    /// `offset` steps from the inner side.
     template <class Add>
     void around(std::size_t joint, double share, std::size_t count, const Add& add, double offset = 0) const {
         const HandJoint& j = hand_.joints[joint];
@@ -287,14 +288,14 @@ private:
             const HandJoint& j = hand_.joints[joint];
             const Point3 inner = cross(j.bend_axis, unit(j.end - j.place)), middle = 0.5 * (j.place + j.end);
             add({on_skin(middle, inner, 0.1) + beyond * inner, HandPointKind::inflation, joint});
-            if (k > phalanx) { // its own line
+            if (k > phalanx) { // the ring of this joint
                 around(joint, 0, 8, [&](const Point3& from, const Point3& direction) {
                     add_constraint(
                         {on_skin(from, direction, 0.1), HandPointKind::ring, joint, HandJoint::none, 0.5});
                 });
             }
-            // Anything thicker is not the finger but the web to its neighbour. The next ring is half a
-            // step on, so that two of six points face the neighbouring fingers.
+            // Thicker places belong to a web, not to the finger. The offset of half a step makes two of six
+            // points face the neighbouring fingers.
             const double thick = 1.25 * hand_.joints[joint].radius;
             const bool is_last = k + 1 == joints.size();
             const auto shares = k == 1 && ray < 4 ? std::vector{0.24, 0.47, 0.72}
@@ -314,7 +315,7 @@ private:
                         add({p + apart(p, direction) * direction, HandPointKind::shield, joint});
                 };
                 around(joint, share, 6, add_shield, 0.5);
-                if (ray < 4 && k < 3) around(joint, share + 0.115, 2, add_shield, 0.5); // the sides alone
+                if (ray < 4 && k < 3) around(joint, share + 0.115, 2, add_shield, 0.5); // at the sides only
             }
         }
         const std::size_t last = joints.back();
@@ -330,7 +331,8 @@ private:
         }
     }
 
-    /// Open lines, whose ends neighbours share: turned by the mean of both.
+    /// Adds open lines at the bases of the fingers. Neighbours share the end points, which turn by the mean
+    /// of both.
     void add_bases() {
         for (std::size_t ray = 0; ray < 4; ++ray) {
             const std::size_t joint = hand_.rays[ray][1];
@@ -481,7 +483,7 @@ std::vector<Point3> Hand::pose(const HandPose& angles, bool half) const {
             const HandJoint& joint = joints[point.joint];
             p = JointTurn(joint, angles).motion(part)(p);
             if (joint.parent != HandJoint::none) p = motions[joint.parent](p);
-        } else { // the joints of both rays are as far from the wrist
+        } else { // both joints have the same number of parents
             for (std::size_t a = point.joint, b = point.other; a != HandJoint::none;
                  a = joints[a].parent, b = joints[b].parent, part = 1)
                 p = mean(JointTurn(joints[a], angles), JointTurn(joints[b], angles)).motion(part)(p);
@@ -564,7 +566,7 @@ Hand make_hand(double cell) {
     auto all = hand.skin.vertices;
     for (const HandPoint& point : hand.points) all.push_back(point.place);
     const auto box = cageform::surround(
-        all, {.margin = 0.3, .sites = cageform::SurroundSites::lattice}); // fingers bend within
+        all, {.margin = 0.3, .sites = cageform::SurroundSites::lattice}); // room for bent fingers
     for (const Point3& site : box.value) hand.points.push_back({site});
     return hand;
 }

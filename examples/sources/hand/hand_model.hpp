@@ -59,17 +59,17 @@ struct NamedHandPose {
     const char* name;
     HandPose angles;
 };
-/// rest, fist, point, spread, pinch (thumb to little finger); and from where ball and rod are grasped.
+/// rest, fist, point, spread, pinch (thumb to little finger), and ball and rod, the open poses for grasp().
 const std::vector<NamedHandPose>& hand_poses();
 
-/// A joint at rest, and what turns it.
+/// A joint at rest, and the angles that turn it.
 struct HandJoint {
     static constexpr std::size_t none = ~std::size_t{0};
 
     std::size_t parent = none;
-    Point3 place{}, bend_axis{}, spread_axis{}; // 0 where it does not turn so
-    std::size_t bend = none, spread = none;     ///< angles; none where it does not turn so
-    double radius = 0;                          ///< of the skin about it
+    Point3 place{}, bend_axis{}, spread_axis{}; // axes are 0 if not used
+    std::size_t bend = none, spread = none;     ///< HandAngle of each axis, or none
+    double radius = 0;                          ///< of the skin at the joint
     Point3 end{};                               ///< of its bone
     double end_radius = 0;
 };
@@ -95,8 +95,8 @@ struct HandPoint {
     std::size_t joint = HandJoint::none; ///< none: fixed
     std::size_t other =
         HandJoint::none; ///< shared by two joints: turned by the mean angle about the mean axis
-    double part = 1;     ///< of the joint's angles: rings turn by half
-    std::size_t vertex = HandJoint::none; ///< of the skin, where it is a constraint point
+    double part = 1;     ///< share of the joint's angles; 0.5 for ring, base, thenar
+    std::size_t vertex = HandJoint::none; ///< vertex of the skin of a constraint point
 };
 
 struct RigidMotion3 {
@@ -112,13 +112,13 @@ struct Hand {
     std::vector<HandJoint> joints;                ///< five rays, from the wrist outwards
     std::array<std::vector<std::size_t>, 5> rays; ///< index, middle, ring, little, thumb: joints of each
     ImplicitMesh skin;
-    std::vector<std::size_t> vertex_joint; ///< the bone that each vertex of the skin is nearest to
+    std::vector<std::size_t> vertex_joint; ///< the nearest bone of each vertex of the skin
     std::vector<HandPoint> points;
 
     std::vector<Point3> sites() const;
-    /// Where the control points go; `half` false turns the rings with their bones, as a rigid skin would.
+    /// The posed control points. If `half` is false, rings turn by the full angle, with their bones.
     std::vector<Point3> pose(const HandPose& angles, bool half = true) const;
-    /// How every bone moves.
+    /// The motions of the bones, as `joints`.
     std::vector<RigidMotion3> bones(const HandPose& angles) const;
     /// Weights of the control points: 1, and 1 + kappa (1 − cos angle) of inflation points.
     std::vector<double> weights(const HandPose& angles, double kappa) const;
@@ -134,18 +134,18 @@ struct HandObject {
 const HandObject& hand_ball();
 const HandObject& hand_rod();
 
-/// Closes the fingers about an object, from the base outwards: a joint stops, by bisection, where a
-/// constraint point of its finger touches the object, or at the end of its range.
+/// Closes the fingers around an object, from the base outwards. A joint stops where a constraint point of its
+/// finger touches the object (by bisection), or at the end of its range.
 ///
-///   open   where joints begin; other angles stay
+///   open   the initial pose; only bending angles change
 HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object);
 
-/// The function whose zero is the skin at rest, negative inside; it grows about as fast as the distance.
+/// The approximate signed distance of a point from the skin at rest, negative inside.
 double skin_function(const Hand& hand, const Point3& p);
 
 /// The hand at rest.
 ///
-///   cell   of the grid that the skin is meshed on
+///   cell   cell size of the grid that meshes the skin, in hand lengths
 Hand make_hand(double cell);
 
 /// A mesh as an OBJ file that begins with a comment.

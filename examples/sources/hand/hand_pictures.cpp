@@ -31,7 +31,7 @@ Point3 from_thumb(const Point3& p) {
 
 using Skin = std::vector<Point3>;
 
-/// The part of a mesh with vertices of a kind.
+/// The part of a mesh whose vertices satisfy `which`.
 template <class Which>
 Model part_of(const Model& whole, const Which& which) {
     Model part;
@@ -81,7 +81,8 @@ struct OnSkin {
     }
 };
 
-/// The nearest intersection of a line through a position with the skin; without one, the nearest vertex.
+/// The intersection of the skin and a line through `p` that is nearest to `p`; without one, the nearest
+/// vertex.
 OnSkin onto_skin(const ImplicitMesh& skin, const Point3& p, const Point3& direction) {
     OnSkin found;
     double least = 0.05;
@@ -245,12 +246,12 @@ Picture layers(const BoundHand& bound, const std::vector<std::vector<OnSkin>>& l
         add_lines(points, lines, skin);
         tiles.push_back(
             {bones, words("%zu bones, %zu angles: %s", hand.joints.size(), hand_angle_count, pose.name)});
-        tiles.push_back({points, words("%zu control points, and the lines that\nsome of them are on",
-                                       hand.points.size())});
+        tiles.push_back(
+            {points, words("%zu control points, and lines\nthrough some of them", hand.points.size())});
         tiles.push_back({skin_model(bound, skin), words("skin: %zu vertices", skin.size())});
     }
     for (Tile& tile : tiles) tile.model = tile.model.mapped(from_palm);
-    return with_title("Three layers: angles turn bones, these move control points, and these the skin",
+    return with_title("Three layers: angles turn bones, bones move control points, points move the skin",
                       {draw_tiles(tiles, 3, 560, 640)});
 }
 
@@ -367,9 +368,8 @@ Picture bends(const BoundHand& bound) {
     add(bound.clone(hand.pose(angles, false), ones), "degree 1, rings turn with their bones");
     add(bound.clone(hand.pose(angles), ones), "degree 1, rings turn by half");
     add(cubic, "degree 3, rings turn by half");
-    return with_title(
-        "The middle finger bent by 90 degrees, without inflation; its volume against that at rest",
-        {draw_tiles(tiles, 4, 500, 640)});
+    return with_title("The middle finger bent by 90 degrees, without inflation; change of its volume",
+                      {draw_tiles(tiles, 4, 500, 640)});
 }
 
 std::vector<double> distances(const Skin& a, const Skin& b) { // in percent of the hand's length
@@ -389,13 +389,13 @@ Picture inflation(const BoundHand& bound) {
     for (const double kappa : {0.0, hand_kappa, 4 * hand_kappa}) {
         const Skin skin = bound.clone(bent, kappa);
         fingers.push_back({part_of(skin_model(bound, skin), in_finger).mapped(from_thumb),
-                           words("kappa = %g%s\nvolume %+.1f %% against that at rest", kappa,
+                           words("kappa = %g%s\nvolume %+.1f %% relative to rest", kappa,
                                  kappa == 0            ? ": no inflation"
                                  : kappa == hand_kappa ? ", as everywhere else"
                                                        : "",
                                  100 * (finger_volume(hand, skin) / rest - 1))});
     }
-    // Where a fist swells: on the hand at rest, where it can be seen.
+    // The swelling of a fist, drawn on the hand at rest, where it is visible.
     const HandPose fist = hand_poses()[1].angles;
     const Skin off = bound.clone(fist, 0), on = bound.clone(fist);
     const auto moved = distances(off, on);
@@ -408,7 +408,7 @@ Picture inflation(const BoundHand& bound) {
                    2, 560, 640);
     const Picture shown =
         draw_tiles({{difference.mapped(from_palm),
-                     words("how far it moves the skin of the fist,\nshown at rest: %.2f %% at most", most)}},
+                     words("displacement of the skin of the fist,\nshown at rest: at most %.2f %%", most)}},
                    1, 560, 640);
     return with_title("Inflation: weights of the points over the pads rise as joints bend",
                       {draw_tiles(fingers, 3, 560, 480),
@@ -418,7 +418,7 @@ Picture inflation(const BoundHand& bound) {
 Picture build_sheet(const BoundHand& bound, const HandBuilder& builder) {
     const HandPose grasp = bound.closed(hand_poses()[3]);
     const std::vector<double> ones(bound.hand.points.size(), 1);
-    std::vector<Tile> tiles{{skin_model(bound, bound.hand.skin.vertices), "as it is made"}};
+    std::vector<Tile> tiles{{skin_model(bound, bound.hand.skin.vertices), "the original hand"}};
     std::vector<Tile> posed{{skin_model(bound, bound.clone(grasp)).mapped(from_palm), ""}};
     for (const HandBuild& build : hand_builds(bound.hand, builder)) {
         const Hand hand = builder.built(bound.hand, build.handles);
@@ -426,8 +426,9 @@ Picture build_sheet(const BoundHand& bound, const HandBuilder& builder) {
         tiles.push_back({skin_model(bound, bound.clone(hand.sites(), ones)), build.name});
         posed.push_back({skin_model(bound, skin).mapped(from_palm), ""});
     }
-    return with_title("Other hands of the same binding, at rest and by the angles that grasp a ball",
-                      {draw_tiles(tiles, tiles.size(), 500, 600), draw_tiles(posed, posed.size(), 500, 500)});
+    return with_title(
+        "Hands of other proportions by the same binding, at rest and by the angles that grasp a ball",
+        {draw_tiles(tiles, tiles.size(), 500, 600), draw_tiles(posed, posed.size(), 500, 500)});
 }
 
 Picture influence(const BoundHand& bound) {
@@ -472,8 +473,8 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
     return std::size_t(nearest - hand.joints.begin());
 }
 
-/// The maximum of a measurement over the skin of all fingers except one, from a number of radii beyond the
-/// first joint on.
+/// The maximum of `values` over the skin of all fingers except `ray`, from `radii` radii beyond the first
+/// joint on.
 double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
     double most = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -495,7 +496,7 @@ Skin in_posed_cage(const Hand& hand, const ImplicitMesh& cage, const HandPose& a
     file.triangles = cage.faces;
     CoordinatesChoice choice;
     choice.name = "harmonic";
-    choice.harmonic.accuracy = 0.005; // a uniform grid of 128 cells does not see all of the cage
+    choice.harmonic.accuracy = 0.005; // a uniform grid of 128 cells is too coarse for the cage
     const auto [binding, report] = make_coordinates<double>(choice, file).bind(hand.skin.vertices);
     if (report.status != cageform::Status::ok || !report.outside.empty())
         throw std::runtime_error(std::string("the cage of the hand: ") + cageform::to_string(report.status));

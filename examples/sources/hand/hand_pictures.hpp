@@ -21,8 +21,8 @@ using namespace cageform_support;
 ///   hand_inflation.png  without inflation and with it
 ///   hand_builds.png     other hands of the same binding
 ///   hand_influence.png  how the skin follows two control points
-///   hand_locality.png   how far a bent finger moves the others, and how far in a cage by harmonic
-///                       coordinates
+///   hand_locality.png   motion of the fingers next to a bent finger: by control points, and by
+///                       harmonic coordinates in a cage
 void draw_hand(const BoundHand& bound, const HandBuilder& builder, const std::filesystem::path& folder,
                OutputFiles& outputs);
 

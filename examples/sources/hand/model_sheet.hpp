@@ -25,7 +25,7 @@ std::string words(const char* format, Values... values) {
     return {line.data(), std::min(std::size_t(std::max(length, 0)), line.size() - 1)};
 }
 
-/// A mesh with a colour a vertex.
+/// A mesh with a colour per vertex.
 struct Model {
     std::vector<Point3> vertices;
     std::vector<Face> faces;
@@ -42,7 +42,7 @@ struct Model {
         add(places, triangles, std::vector(places.size(), colour));
     }
 
-    /// A rod with round ends; a ball where both are one. `sides` is a multiple of four.
+    /// Adds a rod with round ends; a ball if the ends are equal. `sides` is a multiple of four.
     void add_rod(const Point3& a, const Point3& b, double radius_a, double radius_b, const Colour& colour,
                  std::uint32_t sides = 8);
     void add_ball(const Point3& p, double radius, const Colour& colour) {
@@ -67,10 +67,10 @@ struct Tile {
 Picture draw_tiles(const std::vector<Tile>& tiles, std::size_t columns, std::size_t width,
                    std::size_t height);
 
-/// Pictures one under another, under a title.
+/// Pictures in a column below a title.
 Picture with_title(const std::string& title, const std::vector<Picture>& parts);
 
-/// Pictures of a height side by side.
+/// Pictures of equal height, side by side.
 Picture beside(const std::vector<Picture>& parts);
 
 /// A picture with a bar of the colours of heat() on its right, marked from 0 to `most`.

@@ -5,9 +5,9 @@
 //     clone_image noon.png evening.png --region boat.svg -o boat.png --report
 //
 // The result is the source plus a smooth function whose values on the outline are the differences of target
-// and source. Mean value coordinates of the outline interpolate it. The weights are bound once; each position
-// in the target then needs the differences, a clone, and a blend. --poisson and --report compare with the
-// solution of the Poisson equation.
+// and source. Mean value coordinates of the outline interpolate this function. The weights are bound once;
+// each position in the target then needs the differences, a clone, and a blend. --poisson and --report
+// compare with the solution of the Poisson equation.
 
 #include "cli/command_line.hpp"
 #include "cli/progress_bar.hpp"
@@ -97,7 +97,7 @@ Expected<PixelRegion> load_region(const std::string& path, const Pixels& source)
             }
         }
         region = make_region(mask_of(loops, source.width, source.height), source.width);
-        if (region.is_empty()) return refuse("the outline holds no pixel's centre");
+        if (region.is_empty()) return refuse("the outline contains no centre of a pixel");
     } else {
         const auto mask = read_png(path);
         if (!mask) return mask.error();
@@ -194,7 +194,7 @@ int clone_region(const Given& given) {
     if (film) film->finish();
     if (!given.out.empty())
         (way.size() > 1 ? side_by_side(strip, 8) : picture).write_png(outputs.add(given.out));
-    // The last place once more, by other means.
+    // The last place again, by the other methods.
     const PixelPlace& at = way.back();
     if (!given.pasted.empty()) {
         Pixels pasted = *target;
@@ -245,28 +245,26 @@ int run_program(int argc, char** argv) {
          "noon.png evening.png --region boat.svg --at 40,60 -o boat.png --poisson exact.png --report",
          "noon.png evening.png --region boat.svg --at 0,60 --at 280,60 --steps 40 --gif boat.gif"});
     Given given;
-    CommandOption source = line.add("source", given.source, "a PNG file, which holds the region");
-    line.add("target", given.target, "a PNG file, into which it goes");
-    line.add(
-        "--region", given.region,
-        "a PNG file as large as the source, light where the region is; or the first closed outline of an "
-        "SVG, or loops of a CSV file, in pixels of the source");
+    CommandOption source = line.add("source", given.source, "the PNG file that contains the region");
+    line.add("target", given.target, "the PNG file into which the region is cloned");
+    line.add("--region", given.region,
+             "the region, in pixels of the source: a PNG mask of equal size, light inside; the first closed "
+             "outline of an SVG; or loops of a CSV file");
     line.add_text(
             "--at", [&](const std::string& text) { given.places.push_back(*parse_place(text)); },
-            "X,Y: the pixel of the target where the upper left corner of the region's box goes; it may be "
-            "given "
-            "again; default: where it is in the source")
+            "X,Y: the pixel of the target for the upper left corner of the region's box; can be repeated; by "
+            "default the pixel in the source")
         .check([](const std::string& text) {
             return parse_place(text) ? "" : "\"" + text + "\" is not a pixel X,Y, two whole numbers";
         })
         .in_order();
-    line.add("--steps", given.steps, "places on the way from each --at to the next")
+    line.add("--steps", given.steps, "the number of places from each --at to the next")
         .range(1, 1000)
         .show_default();
     line.add("-o,--output", given.out,
-             "the PNG file to write; of several places a strip, each frame at most 480 pixels wide")
+             "the PNG file to write; several places make a strip of frames, each at most 480 pixels wide")
         .ends_with({".png"});
-    line.add("--frames", given.frames, "what the names of the frames begin with: 01.png, 02.png, …");
+    line.add("--frames", given.frames, "also write the frames to files with this prefix: 01.png, 02.png, …");
     line.add("--gif", given.film, "also write a GIF of the frames, if ffmpeg is installed")
         .ends_with({".gif"});
     line.add("--poisson", given.poisson,
@@ -275,15 +273,15 @@ int run_program(int argc, char** argv) {
     line.add("--pasted", given.pasted, "also write the region as it is, with its seam, at the last place")
         .ends_with({".png"});
     line.add_flag("--report", given.report,
-                  "print how long it took, and how far colours are from those of the Poisson equation");
-    line.add("--threads", given.threads, "to bind and to move with").range(1, 256).show_default();
+                  "print the times and the differences from the solution of the Poisson equation");
+    line.add("--threads", given.threads, "the number of threads").range(1, 256).show_default();
     CommandOption make =
         line.add("--make", given.folder, "make two pictures and an outline in this folder instead");
     line.add("--size", given.size, "the width of these pictures in pixels").range(32, 8192).show_default();
     line.set_footer(
         "The outline's pixels belong to the region, and keep the colours of the target. Inside, the "
         "target's\n"
-        "alpha is kept, and it shines through where the source is translucent. PNG files of 16 bits are\n"
+        "alpha is kept, and the target is visible where the source is translucent. PNG files of 16 bits are\n"
         "read with 8.\n");
     make.excludes(source);
     if (const auto code = line.parse(argc, argv)) return *code;
@@ -292,7 +290,7 @@ int run_program(int argc, char** argv) {
         return fail("give a source and a target, two PNG files; --make FOLDER makes a pair");
     if (given.region.empty()) return fail("--region is required: a mask, or an outline");
     if (given.out.empty() && given.frames.empty() && given.film.empty())
-        return fail("give -o, --frames or --gif: what to write");
+        return fail("nothing to write: give -o, --frames or --gif");
     return clone_region(given);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Puzzles of numbers in fractions, by GMP.
+// Number puzzles solved in exact fractions, by GMP.
 
 #include "svg/path.hpp"
 
@@ -22,14 +22,14 @@ struct Puzzle {
     std::string name;
     std::size_t rows = 0, columns = 0;
     std::vector<std::uint8_t> given;
-    std::vector<mpq_class> values; // row by row; of cells that are not given nothing
+    std::vector<mpq_class> values; // row by row; unknown cells: by ExactSolver
     int neighbours = 4;
 
     std::string place(std::size_t cell) const {
         return name + ":" + std::to_string(cell / columns + 1) + ": column " +
                std::to_string(cell % columns + 1);
     }
-    /// f(neighbour) for each of a cell.
+    /// Calls f(neighbour) for each neighbour of a cell.
     template <class F>
     void for_each_neighbour(std::size_t cell, const F& f) const {
         const std::size_t row = cell / columns, column = cell % columns;
@@ -42,7 +42,7 @@ struct Puzzle {
     }
 };
 
-/// A whole number, or a/b; false where the text is neither, or b is 0.
+/// Parses a whole number or a/b; false if the text is neither, or b is 0.
 inline bool parse_fraction(std::string_view text, mpq_class& value) {
     const std::size_t bar = std::min(text.find('/'), text.size());
     const auto is_whole = [](std::string_view digits) {
@@ -63,13 +63,12 @@ inline bool parse_fraction(std::string_view text, mpq_class& value) {
     return true;
 }
 
-/// Solves a puzzle whose unknown cells are all joined to given ones: elimination in whole numbers (Bareiss
-/// 1968) along the narrower side, in which each division is exact, and each pivot is the determinant of the
-/// cells so far. Empty, or why it was not tried.
+/// Solves a puzzle whose unknown cells are all connected to given ones, by elimination in whole numbers
+/// (Bareiss 1968) along the narrower side. Each division is exact. Each pivot is the determinant of the
+/// equations so far. solve() returns empty, or why it did not try.
 ///
-///   cost   O(#unknown · band²) operations on numbers of some two bits a cell, band the cells of the
-///          narrower side and two;
-///          30 x 30 in under a second
+///   cost   O(#unknown · band²) operations on numbers of about two bits per unknown. The band is the
+///          number of cells of the narrower side plus two. 30 x 30 cells take less than a second
 class ExactSolver {
 public:
     static constexpr std::size_t most_unknowns = 1000;
@@ -114,9 +113,9 @@ private:
             });
         }
     }
-    /// The matrix is symmetric: what stands right of the diagonal is all of it. A column that the pivot's
-    /// row has not reached is only scaled, by pivot over pivot before: so by the last one, when it is
-    /// reached.
+    /// The matrix is symmetric; only the part right of the diagonal is stored. A column beyond the pivot's
+    /// row is only scaled, by the ratio of successive pivots. These ratios multiply to the last pivot, which
+    /// scales the column when a row reaches it.
     void eliminate() {
         const std::size_t n = rows_.size();
         mpz_class before = 1, factor;
@@ -157,7 +156,7 @@ private:
     Puzzle& puzzle_;
     std::vector<std::size_t> order_; // of the unknown cells
     std::size_t band_ = 0;
-    mpz_class unit_ = 1;                       // the common denominator of what is given
+    mpz_class unit_ = 1;                       // the common denominator of the given values
     std::vector<std::vector<mpz_class>> rows_; // [i][k]: of unknowns i and i + k
     std::vector<mpz_class> right_;
 };

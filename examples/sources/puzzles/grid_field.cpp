@@ -21,7 +21,7 @@ using namespace cageform_support;
 
 struct Grid {
     std::size_t width = 0;
-    std::vector<double> values; // row by row; not a number outside
+    std::vector<double> values; // row by row; NaN outside
 
     std::size_t height() const { return values.size() / width; }
 };
@@ -51,7 +51,7 @@ Expected<Grid> load_grid(const std::string& path) {
     return grid;
 }
 
-/// Cells as squares of pixels, below contour lines through their centres.
+/// Draws cells as squares of pixels, and over them contour lines through the centres.
 Picture draw_cells(const Grid& grid, const PlaneBox& part, const FieldStyle& style) {
     const double scale = 2 * double(style.size) / part.extent();
     const std::size_t width = 2 * std::size_t(std::ceil(part.width() * scale / 2));
@@ -94,7 +94,7 @@ FieldSurface surface_of(const Grid& grid, const PlaneBox& part) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws a field on a grid, which a CSV file holds with a row of cells per line.");
+    CommandLine line("Draws a field on a grid from a CSV file with one row of cells per line.");
     line.set_examples({"hills.csv -o field.png", "hills.csv -o field.png --surface surface.png"});
     std::string path, out, zoom;
     FieldStyle style;
@@ -113,7 +113,7 @@ int run_program(int argc, char** argv) {
     const auto [least, largest] = least_and_largest(grid->values);
     const double size = std::max(std::fabs(least), std::fabs(largest));
     const double zero = style.signs == "root" ? 0 : least, one = style.signs == "root" ? size : largest;
-    style.set_range(zero, one > zero ? one : zero + std::max(1.0, std::fabs(zero))); // of one value alone
+    style.set_range(zero, one > zero ? one : zero + std::max(1.0, std::fabs(zero))); // if all are equal
 
     const PlaneBox whole{{0, 0}, {double(grid->width), double(grid->height())}};
     const PlaneBox part = parse_box(zoom).value_or(whole);

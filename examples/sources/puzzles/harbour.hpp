@@ -28,7 +28,7 @@ public:
     Pixels evening() const {
         return draw([](double x, double y) { return in_the_evening(x, y); });
     }
-    /// The outline of the boat with some sky and sea about it, in pixels.
+    /// The outline of the boat, with some sky and sea around it, as an SVG in pixels.
     std::string boat_outline() const {
         const auto point = [&](double x, double y) {
             return format_number(x * double(width_), 2) + "," + format_number(y * double(width_), 2);
@@ -96,7 +96,7 @@ private:
         for (int octave = 0; octave < 5; ++octave, part /= 2, x *= 2.03, y *= 2.03) sum += part * noise(x, y);
         return sum;
     }
-    /// How waves lighten the sea, −1 to 1; they are finer in the distance.
+    /// The brightness of waves, about −1 to 1; waves are finer in the distance.
     static double waves(double x, double y) {
         const double depth = 0.02 + (y - horizon);
         return 2 * cloud(0.9 * (x - 0.5) / depth + 40, 0.32 / depth + 7) - 0.97;

@@ -75,7 +75,7 @@ Expected<cageform::Diffusion<double>> diffuse(const StrokeFile& file, const Heig
     ProgressBar bar("height map");
     const auto solved = field.solve({}, {.progress = bar.callback()});
     if (solved.status == cageform::Status::grid_too_coarse) {
-        const std::size_t culprit = solved.solver.culprit; // the frame is the last
+        const std::size_t culprit = solved.solver.culprit; // the last stroke is the frame
         return FileError{file.name + ": " +
                          (culprit < file.lines.size() ? file.lines[culprit].label : "the frame") +
                          " is smaller than a pixel: give a larger --size"};
@@ -168,15 +168,15 @@ Picture draw_hills(const StrokeFile& file, const cageform::Diffusion<double>& fi
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Diffuses the heights of drawn lines over a drawing: a height map, black where it is 0, "
-                     "white where it "
-                     "is 1.");
+    CommandLine line(
+        "Diffuses the heights of drawn lines over a drawing: a height map, black for 0, white for 1.");
     line.set_examples({"hills.svg -o hills.png --lines hills_lines.svg",
                        "hills.svg -o hills.png --3d hills_3d.png --levels 0.1"});
     HeightOptions options;
     line.add("drawing", options.strokes, "an SVG file; every stroke is a line of known height").required();
-    line.add("-o,--output", options.outputs,
-             "the height map: .png or .pgm with 16 bits a pixel, .csv with all digits; several may be given")
+    line.add(
+            "-o,--output", options.outputs,
+            "the height map: .png or .pgm with 16 bits per pixel, .csv with all digits; several may be given")
         .required()
         .ends_with({".png", ".pgm", ".csv"});
     line.add("--lines", options.lines, "an SVG file to write level lines to, over the strokes")

@@ -1,5 +1,5 @@
 // Draws relaxation on a line: in each sweep, every cell without a given value becomes the mean of its
-// neighbours; from zero, and from a good initial guess.
+// neighbours. Draws it from zero and from a good initial guess.
 //
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 
@@ -45,7 +45,7 @@ Expected<Line> load_line(const std::string& path) {
                          std::to_string(size->columns) + " cells; a line is one row, or one column"};
     }
     if (count > most_cells)
-        return FileError{path + ": holds " + std::to_string(count) + " cells; 1000 are the most"};
+        return FileError{path + ": holds " + std::to_string(count) + " cells; the limit is 1000"};
     const auto given = std::count(line.given.begin(), line.given.end(), true);
     if (given == 0) return FileError{path + ": no cell has a value"};
     if (std::size_t(given) == count) return FileError{path + ": every cell has a value, none is unknown (.)"};
@@ -108,7 +108,7 @@ struct Run {
     std::string name;
     std::vector<Frame> frames;
     bool steady = false;
-    double off = 0; ///< the last frame, from the solution, at most
+    double off = 0; ///< largest difference of the last frame from the solution
 
     std::string caption(std::size_t n) const {
         const std::size_t sweeps = frames[n].sweeps;
@@ -137,7 +137,7 @@ Run relax(const std::string& name, const Line& line, std::vector<double> values,
     return run;
 }
 
-/// A plot of values over the cells, of a width and a height, its upper left corner at 0, 0.
+/// A plot of values over the cells, with the upper left corner at (0, 0).
 class LinePlot {
 public:
     LinePlot(const Line& line, double width, double height)
@@ -265,8 +265,8 @@ void write_film(AtomicFile& out, const Line& line, const std::vector<Run>& runs)
 
 int run_program(int argc, char** argv) {
     CommandLine words(
-        "Draws how sweeps relax a line of cells: each without a given value becomes the mean of its "
-        "neighbours, once from zero and once from a good first guess.");
+        "Draws relaxation on a line of cells: in each sweep, cells without a given value become the mean of "
+        "their neighbours. Draws it twice, from zero and from a good first guess.");
     words.set_examples({"line.csv -o line.svg --png", "line.csv -o line.svg --play sweeps.svg"});
     std::string path, sheet, film, guess = "coarse";
     double tolerance = 1e-6;
@@ -302,7 +302,7 @@ int run_program(int argc, char** argv) {
         good = solution_of(*line);
     } else {
         for (std::size_t c = 0; c < line->values.size(); ++c) {
-            std::size_t off = 0; // to the nearest given cell, the one before where two are
+            std::size_t off = 0; // distance to the nearest given cell, on ties the one before
             while (!(c >= off && line->given[c - off]) &&
                    !(c + off < line->given.size() && line->given[c + off]))
                 ++off;

@@ -1,5 +1,5 @@
-// The cells of the adaptive grid that harmonic functions of a cage are solved on, coloured by their size:
-// in the plane all of them, over the cage and a figure; in space those that a plane cuts.
+// Draws the cells of the adaptive grid for the harmonic functions of a cage, coloured by size. In the plane
+// it draws all cells, with the cage and a figure; in space the cells that a plane cuts.
 //
 //     adaptive_grid --cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png
 //     adaptive_grid --cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg --png
@@ -35,7 +35,7 @@ using Segments = std::vector<std::array<Point2, 2>>;
 struct Section {
     std::vector<Square> cells;
     Segments cage, figure;
-    std::string image; // under all else
+    std::string image; // drawn below everything else
     bool y_up = false;
 };
 
@@ -49,7 +49,7 @@ struct Slice {
     }
 };
 
-/// "z=0.5"; empty where it is none.
+/// Parses "z=0.5"; empty if the text is not a plane.
 std::optional<Slice> parse_slice(const std::string& text) {
     Slice slice;
     if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') return std::nullopt;
@@ -63,7 +63,7 @@ std::string slice_fault(const std::string& text) {
                              : detail::quoted(text) + " is not a plane: write x=NUMBER, y=NUMBER or z=NUMBER";
 }
 
-/// Where a plane cuts a mesh.
+/// The segments in which a plane cuts a mesh.
 Segments cut(const std::vector<Point3>& vertices, const std::vector<std::array<std::uint32_t, 3>>& triangles,
              const Slice& slice) {
     Segments segments;
@@ -101,14 +101,15 @@ std::vector<cageform::GridCell<double, D>> cells_of(const ChosenCoordinates<doub
     std::cout << cells.size() << " cells inside the cage or on its boundary\n";
     if (report.solver.tree.finest_size > 0) std::cout << describe_grid(report.solver) << '\n';
     for (const auto& [size, count] : counts)
-        std::cout << text_of("%12.4g", size) << " wide: " << count.all << ", passed " << count.cut << '\n';
+        std::cout << text_of("%12.4g", size) << " wide: " << count.all << ", cut by the cage: " << count.cut
+                  << '\n';
     return cells;
 }
 
 std::string number(double x) {
     return text_of("%.9g", x);
 }
-/// " x=… y=… width=… height=…".
+/// The attributes x, y, width and height of an SVG element.
 std::string place(double x, double y, double width, double height) {
     return " x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" + number(width) + "\" height=\"" +
            number(height) + "\"";
@@ -175,7 +176,7 @@ Expected<Section> in_space(const Arguments& given) {
     return section;
 }
 
-/// As CSS has it.
+/// A colour in CSS notation.
 std::string name_of(const Colour& colour) {
     std::string name = "rgb(";
     for (const float channel : {colour.r, colour.g, colour.b})
@@ -194,7 +195,8 @@ std::string lines(const Segments& segments, double up, const char* colour, doubl
            "\" stroke-width=\"" + number(thickness) + "\"/>\n";
 }
 
-/// Each size in a colour, the finer the darker, beside a scale of sizes. Empty where no cell is seen.
+/// Draws each size of cells in one colour, finer cells darker, beside a scale of sizes. Empty if no cell is
+/// visible.
 std::string draw(const Section& section, const PlaneBox& box) {
     const double up = section.y_up ? -1 : 1, unit = section.cells.front().size;
     std::map<int, std::string> paths; // by the logarithm of the size
@@ -222,7 +224,7 @@ std::string draw(const Section& section, const PlaneBox& box) {
     std::string sizes;
     double row = 1.2 * letter;
     const int largest = paths.rbegin()->first, steps = std::max(largest - paths.begin()->first, 1);
-    for (auto path = paths.rbegin(); path != paths.rend(); ++path, row += 1.5 * letter) { // the largest first
+    for (auto path = paths.rbegin(); path != paths.rend(); ++path, row += 1.5 * letter) { // largest first
         const auto& [level, cells] = *path;
         const double size = std::ldexp(unit, level);
         const Colour colour = heat(-0.05 - 0.35 * double(largest - level) / steps);
@@ -239,9 +241,9 @@ std::string draw(const Section& section, const PlaneBox& box) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Draws the cells of the adaptive grid on which a cage's harmonic functions are solved, in the plane, "
-        "or cut by a plane in space; finer cells are darker. Prints the number of cells of each size.");
+    CommandLine line("Draws the cells of the adaptive grid for a cage's harmonic functions: in the plane all "
+                     "cells, in space the cells that a plane cuts. Finer cells are darker. Prints the number "
+                     "of cells of each size.");
     line.set_examples({"--cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png",
                        "--cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg"});
     Arguments given;

@@ -3,7 +3,8 @@
 //
 //     bezier_tables
 //
-// Each row is printed twice, ours above theirs. The largest difference of each table follows at the end.
+// Each row is printed twice: our values above the known values. The largest difference of each table follows
+// at the end.
 
 #include "cli/command_line.hpp"
 #include "io/messages.hpp"
@@ -30,7 +31,7 @@ using cageform::uniform_in_parameter;
 using cageform::uniform_in_time;
 using enum FitCondition;
 
-// ---- their numbers -------------------------------------------------------------------------------
+// ---- known numbers -------------------------------------------------------------------------------
 
 // clang-format off
 constexpr std::array<std::array<double, 6>, 10> captions{{
@@ -422,7 +423,7 @@ std::string curve_name(std::size_t c) {
     return "F" + std::to_string(c + 1);
 }
 
-/// The W12 error of a fit; ends the program where there is none.
+/// The W12 error of a fit; ends the program if the fit fails.
 double error_at(const BezierCurve& curve, const std::vector<double>& parameters, const FitOptions& options) {
     const auto fit = fit_pieces(curve, parameters, options);
     if (!fit) throw std::runtime_error(cageform::to_string(fit.status()));

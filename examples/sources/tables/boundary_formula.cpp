@@ -56,7 +56,7 @@ std::string formula(const CageFile& cage, const Edge& edge, std::size_t vertex) 
     const bool along_x = std::fabs(b.x - a.x) >= std::fabs(b.y - a.y);
     const std::string variable = along_x ? "x" : "y";
     const double from = along_x ? a.x : a.y, to = along_x ? b.x : b.y;
-    // Read from the end where the function is 0: the share of the way from there.
+    // The share of the way from the end at which the function is 0.
     const std::string part = falls ? share(variable, to, from) : share(variable, from, to);
     const std::string place = along_x && a.y == b.y    ? "(x, " + number(a.y) + ")"
                               : !along_x && a.x == b.x ? "(" + number(a.x) + ", y)"
@@ -67,7 +67,7 @@ std::string formula(const CageFile& cage, const Edge& edge, std::size_t vertex) 
            " <= " + variable + " <= " + number(std::fmax(from, to)) + "\n";
 }
 
-/// The place of an edge nearest to a point.
+/// The position on an edge that is nearest to a point.
 struct Nearest {
     Edge edge{};
     double t = 0, distance = HUGE_VAL;

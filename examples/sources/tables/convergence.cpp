@@ -1,7 +1,7 @@
-// Draws how harmonic coordinates converge. For cages in the plane it shows the error after each cycle of
-// the multigrid, and the error of the weights against the cells of the uniform grid, with and without
-// treatment of corners, and with the papers' sweeps. For oracles (weights known to many digits) it shows
-// the error against unknowns and seconds, on the uniform grid and on the adaptive one.
+// Draws how harmonic coordinates converge. For cages in the plane it shows the error after each cycle of the
+// multigrid. It also shows the error of the weights against the cells of the uniform grid: with and without
+// corner treatment, and by the papers' sweeps. For oracles (weights known to many digits) it shows the error
+// against unknowns and seconds, on the uniform grid and on the adaptive one.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
@@ -204,7 +204,7 @@ constexpr const char* oracle_format =
     "(.txt) beside its cage.obj with lines x,y,z;vertex:weight;vertex:weight;... for\n"
     "the weights that are not 0.\n";
 
-/// Throws what nlohmann's functions throw.
+/// Reads an oracle from JSON. Throws nlohmann's exceptions, and runtime_error if sizes differ.
 template <std::size_t D>
 Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
     Oracle<D> oracle;
@@ -238,7 +238,8 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
     if (oracle.weights.size() != oracle.points.size())
         throw std::runtime_error("points and rows of weights differ in number");
     for (const auto& row : oracle.weights) {
-        if (row.size() != vertices.size()) throw std::runtime_error("a weight of each vertex is missing");
+        if (row.size() != vertices.size())
+            throw std::runtime_error("vertices and weights of a point differ in number");
     }
     return oracle;
 }
@@ -387,7 +388,7 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
     const std::array ways{Way{},
                           Way{", corners untreated", "9 5", {.multigrid = {.corner_functions = false}}},
                           Way{.name = ", the papers' sweeps", .dashes = "2 4", .is_averaged = true}};
-    // A grid four times as fine as the finest shown.
+    // The reference: a grid four times as fine as the finest in the diagram.
     const auto exact = weights_of(*file, {}, 4 * finest);
     if (!exact) return path + ": " + cageform::to_string(exact.status());
     for (const Way& way : ways) {
@@ -434,8 +435,8 @@ std::string draw(const Diagrams& diagrams, std::size_t resolution) {
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Draws how harmonic coordinates converge: for cages in the plane against cycles and cells, for "
-        "oracles (known weights) against unknowns and seconds, on the uniform grid and the adaptive one.");
+        "Draws how harmonic coordinates converge. For cages in the plane: against cycles and cells. For "
+        "oracles (known weights): against unknowns and seconds, on the uniform and the adaptive grid.");
     line.set_examples({"--cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png",
                        "--oracle harmonic2d_cat.json -o errors.svg"});
     std::vector<std::string> cage_paths, oracle_paths;

@@ -95,7 +95,7 @@ Expected<Fitted> fitted(const Board& board, const Lattice& lattice) {
         cageform::bind(lattice, board.vertices, {.outside = cageform::OutsidePoints::keep_in_place});
     if (!bound) return FileError{cageform::to_string(bound.status())};
     std::vector<Point3> targets;
-    std::vector<double> weights; // the points in the lattice count
+    std::vector<double> weights; // 1 for points inside the lattice, 0 for others
     for (std::size_t i = 0; i < board.vertices.size(); ++i) {
         const Point3& p = board.vertices[i];
         targets.push_back({0, 0, relief(p[0], p[1])});
@@ -110,7 +110,7 @@ Expected<Fitted> fitted(const Board& board, const Lattice& lattice) {
     const auto status = cageform::clone(bound.value, result.pose, result.moved);
     if (status != cageform::Status::ok) return FileError{cageform::to_string(status)};
     std::cout << lattice.points(0) << " x " << lattice.points(1) << " x " << lattice.points(2)
-              << " points: the board misses the relief by " << result.report.rms << ", at most by "
+              << " points: distances of the board from the relief: rms " << result.report.rms << ", largest "
               << result.report.largest << '\n';
     return result;
 }

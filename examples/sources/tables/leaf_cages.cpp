@@ -131,8 +131,8 @@ std::string panel(const SvgDocument& document, const CageFile& cage, const ViewB
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws a figure in a cage of curves beside the polygon that does the same, and prints "
-                     "handles and seconds.");
+    CommandLine line(
+        "Draws a figure in a cage of curves beside the equivalent polygon, and prints handles and seconds.");
     line.set_examples({"leaf.svg --cage leaf_cage.svg --pose leaf_pose.svg -o leaf_cages.svg --png"});
     Arguments given;
     line.add("figure", given.figure, "the SVG file to deform").required();

@@ -126,8 +126,8 @@ std::string draw(const CageFile& cage, const PathBoundary& boundary, const Point
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws rays and Brownian paths from a point to the boundary of its cage, and prints the "
-                     "coordinates that are means over them beside the library's.");
+    CommandLine line("Draws rays and Brownian paths from a point to the boundary of its cage. Prints the "
+                     "coordinates as means over them, and those of the library.");
     line.set_examples({"--cage biped_cage.svg --point 150,600 -o paths.svg --png",
                        "--cage cat_cage.svg --point 500,400 -o paths.svg"});
     Arguments given;

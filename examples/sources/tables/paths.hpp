@@ -1,8 +1,8 @@
 #pragma once
 
-// Coordinates as means over paths from a point to the boundary: mean value ones by straight rays, harmonic
-// ones by Brownian paths (H: Joshi et al., Harmonic Coordinates for Character Articulation, 2007, section
-// 2, fig. 3).
+// Coordinates as means over paths from a point to the boundary: mean value coordinates by straight rays,
+// harmonic coordinates by Brownian paths (H: Joshi et al., Harmonic Coordinates for Character Articulation,
+// 2007, section 2, fig. 3).
 
 #include "svg/path.hpp"
 
@@ -18,7 +18,7 @@ namespace cageform_sources {
 
 using namespace cageform_support;
 
-/// Loops of a cage: points and, of each, the handles of its ends are its own and the next one's.
+/// The edges of a cage's loops, with the numbers of their vertices.
 class PathBoundary {
 public:
     /// A place on an edge: a share of the way from one vertex to another.
@@ -26,7 +26,7 @@ public:
         Point2 at;
         std::size_t from = 0, to = 0;
         double share = 0;
-        double distance = 0; ///< from where the path began, or of the nearest place
+        double distance = 0; ///< from the given point
     };
 
     explicit PathBoundary(std::span<const std::vector<Point2>> loops) {
@@ -43,7 +43,8 @@ public:
 
     std::size_t vertices() const { return vertices_; }
 
-    /// Where a ray meets the boundary, in no order. Every second one on the way leaves the inside.
+    /// The crossings of a ray with the boundary, unordered. From an inner point, the nearest crossing leaves
+    /// the inside, the second enters it again, and so on.
     std::vector<Place> crossings(const Point2& p, double angle) const {
         const Point2 along{std::cos(angle), std::sin(angle)};
         std::vector<Place> all;
@@ -87,9 +88,9 @@ private:
     std::size_t vertices_ = 0;
 };
 
-/// Mean value coordinates by rays: of the vertices' hat functions where a ray crosses the boundary,
-/// weighted by one over the distance, those where it comes in taken off. The error falls with the square of
-/// the number of rays.
+/// Mean value coordinates by rays: the mean of the vertices' hat functions at the crossings, weighted by one
+/// over the distance. Crossings at which a ray enters the inside have negative weights. The error falls with
+/// the square of the number of rays.
 ///
 ///   p      inside
 ///   cost   O(#rays · #edges)
@@ -112,11 +113,9 @@ inline std::vector<double> weights_by_rays(const PathBoundary& boundary, const P
     return weights;
 }
 
-/// A Brownian path from a point to the boundary: jumps to places on circles around it, each as large as
-/// fits inside and
-/// `longest` at most, until it is nearer than `near`. Where it ends is distributed as where a Brownian path
-/// does, but for
-/// `near` (Muller 1956, "walk on spheres").
+/// A Brownian path from a point to the boundary, by jumps to random points of circles ("walk on spheres",
+/// Muller 1956). Each circle is as large as fits inside, with a radius of at most `longest`. The path ends
+/// nearer than `near` to the boundary. The distribution of the ends is exact up to `near`.
 ///
 ///   visit   called with every place on the way
 template <class Visit>
@@ -137,11 +136,11 @@ struct PathWeights {
     std::vector<double> mean, error;
 };
 
-/// Harmonic coordinates by Brownian paths: the mean of the hat functions where they end. The errors fall
-/// with the root of their number.
+/// Harmonic coordinates by Brownian paths: the mean of the hat functions at their ends. The errors fall with
+/// the square root of the number of paths.
 ///
 ///   p      inside
-///   near   of a path's end to the boundary; 1e-4 of the cage's size biases the mean by no more than that
+///   near   largest distance of an end from the boundary; 1e-4 of the cage's size biases means by ≤ 1e-4
 ///   cost   O(#paths · log(1 / near) · #edges)
 inline PathWeights weights_by_brownian_paths(const PathBoundary& boundary, const Point2& p, std::size_t paths,
                                              double near, std::mt19937_64& random) {

@@ -3,9 +3,9 @@
 //     pin_poses cat.svg --cage cat_cage.svg --pinned "212,740 645,740 915,165:760,60" -o cat_pins_
 //     pin_poses character.obj --cage character_cage.obj --pinned "0 0,0.9,0 0.9,1.3,0:0.6,1.9,0.2" -o man_
 //
-// PoseSolver keeps the inside as rigid as possible. Least squares chooses, among all poses of the cage that
-// take the pins to their targets, the one with the smallest displacements of vertices, d = Wᵀ (W Wᵀ)⁻¹ (t − W
-// H). The program draws each pose by both methods, and prints the distortion of the inside.
+// PoseSolver keeps the inside as rigid as possible. Least squares considers all poses of the cage that take
+// the pins to their targets. It chooses the one with the smallest displacements of vertices, d = Wᵀ (W Wᵀ)⁻¹
+// (t − W H). The program draws each pose by both methods, and prints the distortion of the inside.
 
 #include "cli/auto_cage.hpp"
 #include "cli/mesh_cage.hpp"
@@ -33,7 +33,7 @@ using namespace cageform_support;
 
 struct Arguments {
     std::string figure, cage, out;
-    std::vector<std::string> poses; // of each the words of its pins
+    std::vector<std::string> poses; // the pins of each pose, as given
     CoordinatesChoice choice;
     PinChoice pins;
     ViewChoice view;
@@ -135,7 +135,7 @@ public:
     }
 
 private:
-    /// Draws a pose, and prints what becomes of the samples of the inside.
+    /// Draws a pose, and prints the distortion at the samples of the inside.
     std::string draw(const std::vector<Pin<2>>& pins, const std::vector<Point2>& pose,
                      const std::string& path, OutputFiles& outputs) {
         control_.poses = {pose};
@@ -202,13 +202,14 @@ int draw_in_space(const Arguments& given) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws poses of a figure by pins, beside those of the least moves of its cage that take "
-                     "the pins to the same targets.");
+    CommandLine line(
+        "Draws poses of a figure by pins. Beside each it draws the pose with the least moves of the "
+        "cage that take the pins to the same targets.");
     line.set_examples({"cat.svg --cage auto --pinned \"212,740 645,740 915,165:760,60\" -o cat_pins_"});
     Arguments given;
     line.add("figure", given.figure, "the SVG or OBJ file to deform").required();
     line.add("--cage", given.cage,
-             "its cage, an SVG or CSV file, of a mesh an OBJ file" + std::string(auto_cage_help))
+             "its cage: an SVG or CSV file, for a mesh an OBJ file" + std::string(auto_cage_help))
         .required();
     line.add_text(
             "--pinned", [&](const std::string& words) { given.poses.push_back(words); },
@@ -217,7 +218,7 @@ int run_program(int argc, char** argv) {
         .in_order()
         .required();
     line.add("-o,--output", given.out,
-             "what the names of the files begin with: 1.svg, 1_least.svg, 2.svg, …; of a mesh all.png, "
+             "the prefix of the output files: 1.svg, 1_least.svg, 2.svg, …; for a mesh all.png, "
              "all_least.png")
         .required();
     given.choice.in_plane = given.choice.in_space = true;

@@ -121,12 +121,12 @@ class CellFigure {
 public:
     std::string draw() {
         weights_ = weights_at(sites_);
-        circles("(a) Delaunay circles that hold p");
+        circles("(a) Delaunay circles that contain p");
         cells("(b) Voronoi cells before", sites_, false);
         auto with_p = sites_;
         with_p.push_back(p_);
         cells("(c) and with p", with_p, false);
-        overlap("(d) what p takes, u = share of its cell");
+        overlap("(d) area taken by p; u: its shares");
         cells("(e) both laid over each other", with_p, true);
         simplex("(f) degree 2: one inner point moved", false);
         simplex("(g) the corners moved too", true);
@@ -277,7 +277,7 @@ public:
     void caption(std::size_t column, std::size_t row, const std::string& words) {
         picture.text({left(column), top(row) - 12}, words, 1.7, {0.15f, 0.15f, 0.15f});
     }
-    /// Values at the centres of the tile's pixels; not a number: nothing there.
+    /// Draws values at the centres of the tile's pixels; NaN: not drawn.
     void map(std::size_t column, std::size_t row, const std::vector<double>& values) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (!std::isnan(values[i]))
@@ -472,7 +472,7 @@ Sites<2> three_rings() {
     }
     return sites;
 }
-/// Rings around an axis in close pairs, and an end.
+/// Close pairs of rings around an axis, a single ring, and a point at the end.
 Sites<3> finger() {
     Sites<3> sites{{0.5, 0.5, 1}};
     for (const double z : {0.0, 0.05, 0.3, 0.35, 0.6, 0.65, 0.9}) {

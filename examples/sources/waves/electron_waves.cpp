@@ -49,7 +49,7 @@ std::string parse_size(const std::string& text, WaveLattice& lattice) {
         return text + ": give columns and rows, such as 384x288";
     if (columns < 32 || rows < 32 || columns > 65536 || rows > 65536)
         return text + ": a lattice has from 32 to 65536 columns and rows";
-    if (rows % 4 != 0) return text + ": rows have to be a multiple of 4, so that up and down are alike";
+    if (rows % 4 != 0) return text + ": rows have to be a multiple of 4, for symmetry";
     lattice.columns = std::size_t(columns);
     lattice.rows = std::size_t(rows);
     return "";
@@ -59,8 +59,8 @@ std::string parse_size(const std::string& text, WaveLattice& lattice) {
 struct Recorded {
     std::string name;
     std::vector<std::vector<float>> frames; ///< densities at half the resolution
-    std::vector<std::vector<float>> passed; ///< shadow: their sums over the time up to then
-    std::vector<double> screen;             ///< what came by at `beyond`, by rows
+    std::vector<std::vector<float>> passed; ///< shadow: time integrals of the densities
+    std::vector<double> screen;             ///< time integral of the density at `beyond`, by rows
 };
 
 template <class T>
@@ -80,7 +80,7 @@ std::string fringes(const WaveScene& scene, const std::vector<double>& screen) {
     const std::size_t half = screen.size() / 2;
     const double mesh = scene.lattice.mesh;
     const auto from = std::size_t(scene.half / mesh);
-    std::vector<double> side; // from the square's side to the layer that absorbs
+    std::vector<double> side; // from the square's side to the absorbing layer
     for (std::size_t j = from; double(j) < 0.88 * double(half); ++j)
         side.push_back(screen[half + j] + screen[half - 1 - j]);
     std::string words;
@@ -131,7 +131,7 @@ Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settin
                 break;
             }
             const std::size_t part =
-                std::min<std::size_t>(next - done, 16); // the screen sees all that comes by
+                std::min<std::size_t>(next - done, 16); // samples the screen every 16 steps
             wave.advance(part);
             done += part;
             for (std::size_t j = 0; j < lattice.rows; ++j)
@@ -145,9 +145,9 @@ Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settin
     if (scene.half == 0) std::cout << "transmitted " << text_of("%.4g", through);
     const auto beam = beam_by_angle(wave, scene);
     if (scene.zeeman > 0)
-        std::cout << ", goes on at " << text_of("%.2f", beam_angle(wave, scene)) << " degrees, energy "
+        std::cout << ", direction " << text_of("%.2f", beam_angle(wave, scene)) << " degrees, energy "
                   << text_of("%.9f", first_energy)
-                  << text_of(", of what is transmitted %.6f", wave.energy(scene.beyond));
+                  << text_of(", of the transmitted part %.6f", wave.energy(scene.beyond));
     else if (scene.name == "slit")
         std::cout << ", half width " << text_of("%.1f", half_width(beam)) << " degrees";
     else if (scene.half > 0)
@@ -158,7 +158,7 @@ Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settin
         std::cout << "; norm off by at most " << text_of("%.1e", norm_off) << ", energy by "
                   << text_of("%.1e", energy_off);
     else
-        std::cout << "; norm left " << text_of("%.3g", norm);
+        std::cout << "; remaining norm " << text_of("%.3g", norm);
     std::cout << std::endl;
     return recorded;
 }
@@ -197,7 +197,7 @@ std::vector<Row> rows_of(const WaveScene& scene, const std::vector<Recorded>& ru
         rows.push_back(grey_row(scene, runs[k].name, runs[k].frames, scene.runs[k].terms, from, true));
     }
     for (std::size_t k = 0; k < runs.size() && scene.half > 0; ++k)
-        rows.push_back(grey_row(scene, runs[k].name + ": all that came by", runs[k].passed,
+        rows.push_back(grey_row(scene, runs[k].name + ": time-integrated density", runs[k].passed,
                                 scene.runs[k].terms, scene.exit, false));
     if (scene.name != "spin") return rows;
     const std::size_t width = scene.lattice.columns / 2;
@@ -271,7 +271,8 @@ double memory_of(const Settings& settings) {
     return double(settings.lattice.size()) * (point + 8.0 * (settings.frames + 1) * sizeof(float) / 4);
 }
 
-/// Steps per second for 512 x 1024 points in float, compared with reading and writing Φ once.
+/// Prints the steps per second for 1024 x 512 points in float, and compares a step with reading and writing Φ
+/// once.
 int benchmark(const Settings& settings) {
     using Clock = std::chrono::steady_clock;
     const auto seconds = [](const auto& body) { // the best of many
@@ -293,7 +294,7 @@ int benchmark(const Settings& settings) {
     const double once = seconds([&] {
         for (float& number : field) number = number * 0.999f + 0.001f;
     });
-    std::cout << text_of("%.1f", 1 / step) << " steps a second for 1024 x 512 points in float, on "
+    std::cout << text_of("%.1f", 1 / step) << " steps per second for 1024 x 512 points in float, on "
               << settings.threads << (settings.threads == 1 ? " thread" : " threads") << ": a step takes "
               << text_of("%.2f", 1e3 * step) << " ms, " << text_of("%.0f", step / once)
               << " times as long as reading and writing the field once (" << text_of("%.3f", 1e3 * once)
@@ -355,7 +356,7 @@ int tables() {
 
 int run_program(int argc, char** argv) {
     Settings settings;
-    CommandLine line("Plays electrons as waves on a lattice, and measures them.");
+    CommandLine line("Simulates electrons as waves on a lattice, and measures the waves.");
     line.set_examples({"--scene slit -o slit.png --csv slit.csv",
                        "--scene shadow --size 512x512 --gif shadow.gif",
                        "--scene spin --stills spin_ --frames 12", "--benchmark", "--tables"});
@@ -363,7 +364,7 @@ int run_program(int argc, char** argv) {
         .one_of(wave_scene_names())
         .show_default();
     line.add("-o,--output", settings.out, "the picture to write: four times of each run").ends_with({".png"});
-    line.add("--csv", settings.csv, "also write norm, energy, mean place and what is transmitted, by time")
+    line.add("--csv", settings.csv, "also write norm, energy, mean position and transmitted part over time")
         .ends_with({".csv"});
     line.add("--gif", settings.gif, "also write the frames as a GIF, if ffmpeg is installed")
         .ends_with({".gif"});
@@ -377,27 +378,29 @@ int run_program(int argc, char** argv) {
             WaveLattice lattice;
             return parse_size(text, lattice);
         });
-    line.add("--mesh", settings.lattice.mesh, "the distance of neighbours, in wavelengths")
+    line.add("--mesh", settings.lattice.mesh, "the distance between neighbours, in wavelengths")
         .range(0.01, 0.2)
         .show_default();
     line.add("--step", settings.step, "the step in time, in units of h/2 pi E_F; 0 means 4 mesh^2")
         .range(0.0, 10.0)
         .show_default();
-    line.add("--steps", settings.steps, "how many steps; 0 means until the wave has crossed the lattice")
+    line.add("--steps", settings.steps, "the number of steps; 0 means until the wave has crossed the lattice")
         .range(0, 100000000)
         .show_default();
     line.add("--walls", settings.walls,
-             "what the sides of the lattice do; they absorb in the scene shadow alone")
+             "the sides of the lattice: absorbing by default in the scene shadow, else reflecting")
         .one_of({"reflecting", "absorbing"});
     line.add("--threads", settings.threads, "the number of threads").range(1, 64).show_default();
-    line.add_flag("--float", settings.single, "compute in float: half the time, the norm to 0.0003");
-    line.add_flag("--benchmark", settings.benchmark, "print steps a second, and write nothing");
-    line.add_flag("--tables", settings.tables, "print how exact the method is on a line, and write nothing");
+    line.add_flag("--float", settings.single,
+                  "compute in float: half the time, errors of the norm up to 0.0003");
+    line.add_flag("--benchmark", settings.benchmark, "print steps per second, and write nothing");
+    line.add_flag("--tables", settings.tables,
+                  "print errors of the method in one dimension, and write nothing");
     if (const auto code = line.parse(argc, argv)) return *code;
     if (settings.benchmark) return benchmark(settings);
     if (settings.tables) return tables();
     if (settings.out.empty() && settings.csv.empty() && settings.gif.empty() && settings.stills.empty())
-        return fail("nothing is to be written: give -o, --csv, --gif or --stills");
+        return fail("nothing to write: give -o, --csv, --gif or --stills");
     std::vector<std::filesystem::path> paths{settings.out, settings.csv, settings.gif};
     if (!settings.stills.empty()) paths.emplace_back(settings.stills + "00.png");
     if (const auto fault = fault_of_outputs(paths)) return fail(*fault);
@@ -405,7 +408,7 @@ int run_program(int argc, char** argv) {
     const double wide = settings.lattice.width(), high = settings.lattice.height();
     if (wide < 12 || high < 9)
         return fail("--size with this --mesh is " + text_of("%.1f", wide) + text_of(" x %.1f", high) +
-                    " wavelengths: a scene takes 12 x 9 at least");
+                    " wavelengths: a scene needs at least 12 x 9");
     const double gigabyte = 1e9, memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
     if (const double needed = memory_of(settings); needed > 0.8 * memory)
         return fail("--size needs " + text_of("%.1f", needed / gigabyte) + " GB, and the machine has " +

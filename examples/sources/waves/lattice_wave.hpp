@@ -1,6 +1,6 @@
 #pragma once
 
-// A wave function on a lattice, moved on in time by a product formula of fourth order.
+// A wave function on a lattice. A product formula of fourth order advances it in time.
 
 #include <cageform/parallel/threads.hpp>
 
@@ -20,7 +20,7 @@ namespace cageform_sources {
 /// Points (i, j) · mesh, 0 ≤ i < columns, 0 ≤ j < rows; row 0 first. One row is a lattice of one dimension.
 struct WaveLattice {
     std::size_t columns = 0, rows = 1;
-    double mesh = 0.1; ///< the distance of neighbours, in wavelengths
+    double mesh = 0.1; ///< the distance between neighbours, in wavelengths
 
     std::size_t size() const { return columns * rows; }
     double x(std::size_t i) const { return mesh * double(i); }
@@ -29,23 +29,23 @@ struct WaveLattice {
     double height() const { return mesh * double(rows - 1); }
 };
 
-/// The terms of H that do not change in time; one value a point, or empty: zero everywhere.
+/// The terms of H that are constant in time: one value per point, or empty for 0.
 struct WaveTerms {
     std::vector<double> potential; ///< V
-    std::vector<double> bonds;     ///< ∫A from a point to that below it, in radians: a magnetic field
-    std::vector<double> losses;    ///< an absorbing wall: Φ shrinks by e^{−loss · time}
+    std::vector<double> bonds;     ///< magnetic field: ∫A from a point to the point below it, in radians
+    std::vector<double> losses;    ///< absorbing walls: Φ is multiplied by e^{−loss · time}
 };
 
 /// Φ in i ∂Φ/∂t = HΦ, H = −(1/4π²)∇² + V, in units of the Fermi wavelength, the Fermi energy E_F and ħ/E_F.
-/// A free electron of energy 1 has 2π radians a wavelength and moves at 1/π.
+/// The phase of a free electron of energy 1 changes by 2π per wavelength; its speed is 1/π.
 ///
 ///   T          float for pictures, double to measure
-///   outside    of the lattice Φ is 0: its walls reflect
+///   outside    Φ is 0 outside the lattice, so its sides reflect
 ///   Laplacian  of fourth order in the mesh, by the two nearest points on each side of each axis
 ///   time       S₄(τ) = S₂(pτ)² S₂((1 − 4p)τ) S₂(pτ)², of fourth order in the step τ. S₂ is a symmetric
-///              product of turns of pairs of points. Each turn keeps the norm, so it is stable at any τ.
-///   accuracy   the error grows like (τ‖H‖)⁴; ‖H‖ is near 4/(3π² mesh²) an axis, plus the largest V
-///   cost       some 80 passes over Φ a step, in blocks that stay in the cache
+///              product of rotations of pairs of points. Rotations keep the norm, so any τ is stable.
+///   accuracy   the error grows like (τ‖H‖)⁴; ‖H‖ is about 4/(3π² mesh²) per axis, plus the largest V
+///   cost       about 80 passes over Φ per step, in blocks that stay in the cache
 ///   threads    the result does not depend on them
 /// Suzuki, Physics Letters A 146 (1990), 319–323; De Raedt, Michielsen, Computers in Physics 8 (1994), 600.
 template <class T>
@@ -75,7 +75,7 @@ public:
     }
     double density(std::size_t n) const { return std::norm(value(n)) * cell(); }
 
-    /// Φ is a function of x and y, scaled to the norm 1.
+    /// Sets Φ to a function of x and y, scaled to norm 1.
     void start(const std::function<std::complex<double>(double, double)>& function) {
         std::vector<std::complex<double>> values(lattice_.size());
         double sum = 0;
@@ -97,7 +97,7 @@ public:
         factors_[between] = factor_between(p, p, step);
     }
 
-    /// Goes on by some steps.
+    /// Advances by `steps` steps.
     void advance(std::size_t steps) {
         if (steps == 0) return;
         constexpr std::array shares{p, p, 1 - 4 * p, p, p};
@@ -116,7 +116,7 @@ public:
         }
     }
 
-    /// One step of S₂, to compare with.
+    /// Advances by one step of S₂, for comparison.
     void advance_second_order() {
         factors_[first] = factor_between(0, 1);
         along_rows(0, first, 1);
@@ -154,7 +154,7 @@ public:
         for (std::size_t n = 0; n < lattice_.size(); ++n) sum += weight(n) * density(n);
         return sum;
     }
-    /// The mean energy of what is right of a place: of all by default.
+    /// The mean energy of the part with x ≥ `from`, by default of all; 0 if Φ is 0 there.
     double energy(double from = -1) const {
         double sum = 0, part = 0;
         for (std::size_t n = 0; n < lattice_.size(); ++n) {
@@ -171,7 +171,7 @@ private:
     typedef T Pack __attribute__((vector_size(lanes * sizeof(T))));
     enum Diagonal { inner, middle, first, last, between };
 
-    /// Complex numbers of size up to 1, one a point.
+    /// One complex factor per point.
     struct Factor {
         std::vector<T> re, im;
         void set(std::size_t place, double angle, double size) {
@@ -185,16 +185,17 @@ private:
     double coupling() const {
         return 1 / (4 * std::numbers::pi * std::numbers::pi * lattice_.mesh * lattice_.mesh);
     }
-    /// ∫A from a point to that one or two rows below.
+    /// ∫A from a point to the point `reach` rows below: 1 or 2.
     double bond(std::size_t n, std::size_t reach) const {
         return terms_.bonds[n] + (reach == 2 ? terms_.bonds[n + lattice_.columns] : 0.0);
     }
-    /// The cosine and sine of the turn of pairs one or two points apart, in a share of the step.
+    /// The cosine and sine of the rotation of pairs `reach` points apart (1 or 2), in a share of the step.
     std::array<T, 2> turn(std::size_t reach, double share) const {
         const double angle = step_ * share * coupling() * (reach == 1 ? -4.0 / 3 : 1.0 / 12);
         return {T(std::cos(angle)), T(std::sin(angle))};
     }
-    /// How much the turns of an S₂ make Φ grow away from the walls, since cosine and sine are rounded.
+    /// The relative growth of Φ in one S₂, because cosine and sine are rounded; for points away from the
+    /// sides.
     double growth(double share) const {
         const auto of = [&](std::size_t reach, double part) {
             const std::array<T, 2> rounded = turn(reach, part);
@@ -204,7 +205,7 @@ private:
         const double near = 4 * of(1, share / 2), far = of(2, share / 2);
         return near + 4 * far + (lattice_.rows > 1 ? near + 2 * far + of(2, share) : 0.0);
     }
-    /// The diagonals between two S₂, half of each: e^{−iτD}, which also takes back what the turns grow.
+    /// The diagonal factors e^{−iτD} between two S₂, half of each. They also cancel growth().
     Factor factor_between(double before, double after, double loss_time = 0) const {
         Factor factor{std::vector<T>(re_.size()), std::vector<T>(re_.size())};
         const double time = (before + after) / 2 * step_;
@@ -248,8 +249,8 @@ private:
         }
     }
 
-    /// Row by row, which stay in the cache: the second half of one S₂, the diagonals, the first half of the
-    /// next.
+    /// Processes row by row, so that rows stay in the cache: the second half of one S₂, the diagonals, the
+    /// first half of the next.
     void along_rows(double before, Diagonal diagonal, double after) {
         const std::size_t n = lattice_.columns;
         const auto groups = [n](T* re, T* im, std::size_t group, T c, T s) {
@@ -281,8 +282,8 @@ private:
         });
     }
 
-    /// Turns all pairs of rows of a group between two columns. With a field the turn is of a phase:
-    /// ⟨j|H|j + 1⟩ = a e^{−iθ}.
+    /// Turns all pairs of rows of a group between two columns. With a magnetic field the rotation has a
+    /// phase: ⟨j|H|j + 1⟩ = a e^{−iθ}.
     template <std::size_t Reach, bool Field>
     void turn_rows(std::size_t from, std::size_t left, std::size_t right, T c, T s) {
         for (std::size_t j = from; j + Reach < lattice_.rows; ++j) {
@@ -315,7 +316,8 @@ private:
         }
     }
 
-    /// Block of columns by block of columns, which stay in the cache: there and back.
+    /// Turns pairs of rows, in blocks of columns that stay in the cache. The order of the groups is
+    /// symmetric.
     template <bool Field>
     void down_columns_by(double share) {
         constexpr std::size_t block = 512 / sizeof(T);
@@ -345,7 +347,7 @@ private:
         terms_.bonds.empty() ? down_columns_by<false>(share) : down_columns_by<true>(share);
     }
 
-    /// Ranges that are worth a thread: each has some thousands of points.
+    /// Rows or blocks per task: about 16,384 points.
     static std::size_t grain(std::size_t points) { return std::max<std::size_t>(1, 16384 / points); }
 
     WaveLattice lattice_;

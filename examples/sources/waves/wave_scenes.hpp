@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes of electrons: walls with slits, a magnetised tip, the shadow of a square; how beams are measured.
+// Scenes of electrons: walls with slits, a magnetised tip, the shadow of a square; measurements of beams.
 
 #include "waves/lattice_wave.hpp"
 
@@ -19,17 +19,17 @@ struct WaveRun {
     std::function<Complex(double, double)> start;
 };
 
-/// Lengths are in wavelengths. Beams go right, from `exit` on, about the middle height.
+/// A scene; lengths are in wavelengths. Beams leave `exit` to the right, near the middle height.
 struct WaveScene {
     std::string name;
     WaveLattice lattice;
     std::vector<WaveRun> runs;
-    std::vector<double> field;              ///< the magnetic field, as a part of the largest; empty: none
-    double exit = 0;                        ///< where the wall ends
-    double beyond = 0;                      ///< "transmitted" is what is right of it
-    double distance = 0;                    ///< how far the middle of the packet goes
-    double source = 0, front = 0, half = 0; ///< shadow: the tip's end, the square's left side, half its side
-    double zeeman = 0;                      ///< spin: the difference of energy of the two spins
+    std::vector<double> field;              ///< magnetic field, relative to its maximum; empty: none
+    double exit = 0;                        ///< x of the right side of the wall
+    double beyond = 0;                      ///< the part of the wave right of this x is transmitted
+    double distance = 0;                    ///< path of the centre of the packet
+    double source = 0, front = 0, half = 0; ///< shadow: x of the tip's end and of the square; half its side
+    double zeeman = 0;                      ///< spin: energy difference between the spins, in E_F
 
     std::size_t steps(double step) const {
         return std::size_t(std::ceil(distance * std::numbers::pi / std::fabs(step)));
@@ -42,12 +42,13 @@ inline const std::vector<std::string>& wave_scene_names() {
     return names;
 }
 
-/// 1 between two places, 0 outside, ½ at both: a line one mesh wide between.
+/// 1 between `from` and `to`, 0 outside, ½ at both; linear over one mesh width.
 inline double inside(double at, double from, double to, double mesh) {
     return std::clamp(std::min(at - from, to - at) / mesh + 0.5, 0.0, 1.0);
 }
 
-/// A minimum-uncertainty packet of energy 1 that goes right; `wide` and `high` are the deviations of |Φ|².
+/// A minimum-uncertainty packet of energy 1 that moves right; `wide` and `high` are the standard deviations
+/// of |Φ|².
 inline auto packet(double x, double y, double wide, double high) {
     return [=](double at_x, double at_y) {
         const double u = (at_x - x) / (2 * wide), v = (at_y - y) / (2 * high);
@@ -58,9 +59,9 @@ inline auto packet(double x, double y, double wide, double high) {
 /// Makes one of the four scenes.
 ///
 ///   rows       a multiple of 4: pairs of rows are then symmetric about the middle
-///   absorbing  a layer at the sides of the lattice takes up what comes to it; else they reflect it
-/// Follows "Computer animation of electron motion in nanometre-scale devices", fig. 1–5; the measures are
-/// ours.
+///   absorbing  the sides of the lattice absorb the wave; otherwise they reflect it
+///
+/// Follows "Computer animation of electron motion in nanometre-scale devices", fig. 1–5; dimensions are ours.
 inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lattice, bool absorbing) {
     constexpr double metal = 6, pi = std::numbers::pi; // the height of walls, in E_F
     WaveScene scene{name, lattice, {}, {}, 0.35 * lattice.width(), 0, 0.58 * lattice.width()};
@@ -86,7 +87,7 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
         scene.runs.back().terms.potential = fill(potential);
         return scene.runs.back();
     };
-    // A wall one wavelength thick; `open` is how much of a hole there is at a height.
+    // A wall one wavelength thick; `open` is 1 in a hole and 0 in the wall.
     const auto wall = [&](double x, double open) {
         return metal * (1 - open) * inside(x, scene.exit - 1, scene.exit, mesh);
     };
@@ -107,8 +108,8 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
             "two slits", [=](double x, double y) { return wall(x, inside(std::fabs(y), 1.5, 2.5, mesh)); },
             wide);
     } else if (name == "spin") {
-        // B is even as far as two wavelengths beyond the wall, then falls to 0 within two. A is along y, and
-        // its integral over x; it is 0 where the packet starts.
+        // B is constant up to two wavelengths beyond the wall, then falls to 0 within two wavelengths. A
+        // points along y and is the integral of B over x. A is 0 where the packet starts.
         constexpr double strength = 0.18;
         const double edge = scene.exit + 2;
         const auto at = [=](double x) {
@@ -166,7 +167,8 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
     return scene;
 }
 
-/// |Φ|² by the angle at which it is seen from the middle of the exit, in degrees: at −90, −89, …, 90.
+/// |Φ|² by direction from the middle of the exit, at −90, −89, …, 90 degrees. Ignores points close to the
+/// exit.
 template <class T>
 std::vector<double> beam_by_angle(const LatticeWave<T>& wave, const WaveScene& scene) {
     const double least = 0.35 * (wave.lattice().width() - scene.exit);
@@ -185,7 +187,7 @@ std::vector<double> beam_by_angle(const LatticeWave<T>& wave, const WaveScene& s
     return beam;
 }
 
-/// Half the width of the beam where it has fallen to half its height, in degrees.
+/// Half the width of the beam at half of its maximum, in degrees.
 inline double half_width(const std::vector<double>& beam) {
     const auto peak = std::size_t(std::max_element(beam.begin(), beam.end()) - beam.begin());
     const auto edge = [&](std::ptrdiff_t way) {
@@ -199,8 +201,8 @@ inline double half_width(const std::vector<double>& beam) {
     return beam[peak] > 0 ? (edge(1) + edge(-1)) / 2 : 0;
 }
 
-/// Where values have local maxima that are the highest within a reach, and higher than a part of the highest
-/// of all; to parts of an index.
+/// Positions of local maxima, as fractional indices. A maximum is the largest value within `reach` indices,
+/// and larger than `least` times the largest of all.
 inline std::vector<double> maxima(const std::vector<double>& values, std::size_t reach, double least) {
     std::vector<double> places;
     if (values.size() <= 2 * reach) return places;
@@ -215,7 +217,7 @@ inline std::vector<double> maxima(const std::vector<double>& values, std::size_t
     return places;
 }
 
-/// The angle at which the middle of what is beyond goes on, in degrees.
+/// The direction of the mean position right of `scene.beyond`, from the exit, in degrees.
 template <class T>
 double beam_angle(const LatticeWave<T>& wave, const WaveScene& scene) {
     double x = 0, y = 0;
@@ -228,7 +230,8 @@ double beam_angle(const LatticeWave<T>& wave, const WaveScene& scene) {
     return std::atan2(y, x) * 180 / std::numbers::pi;
 }
 
-/// Where the k-th bright fringe beside the shadow is, from the middle: Fresnel's integral at a straight edge.
+/// The distance of the k-th bright fringe (k ≥ 1) from the middle of the shadow: Fresnel's integral at a
+/// straight edge.
 inline double fresnel_fringe(const WaveScene& scene, int k) {
     const double a = scene.front - scene.source, b = scene.beyond - scene.front;
     const double place = std::sqrt(2 * (k - 1) + 0.75) * std::sqrt(2.0); // 1.22, 2.35, …

@@ -1,6 +1,6 @@
 #pragma once
 
-// How exact the product formula is in one dimension: against the exact exponential, a free packet and plane
+// Errors of the product formula in one dimension, against the exact exponential, a free packet, and plane
 // waves at a barrier.
 
 #include "waves/wave_scenes.hpp"
@@ -9,11 +9,12 @@ namespace cageform_sources {
 
 using namespace cageform_support;
 
-/// A packet of energy 1 on a line, with a wall of a height between two places; σ is the deviation of |Φ|².
+/// A packet of energy 1 on a line, and a wall of `height` between `from` and `to`; `sigma` is the standard
+/// deviation of |Φ|².
 struct WaveLine {
     double length = 0, mesh = 0.1, middle = 0, sigma = 1;
     double height = 0, from = 0, to = 0;
-    double step = 0; ///< 0: 4 mesh², with which errors in time are below those in space
+    double step = 0; ///< 0: 4 mesh², for which errors in time are below errors in space
 };
 
 inline LatticeWave<double> wave_on_line(const WaveLine& line) {
@@ -27,7 +28,7 @@ inline LatticeWave<double> wave_on_line(const WaveLine& line) {
     return wave;
 }
 
-/// e^{−iHt}Φ by Taylor's series over times so short that it is exact to rounding.
+/// e^{−iHt}Φ by Taylor series over short steps, exact up to rounding.
 inline std::vector<Complex> exact_wave(LatticeWave<double> wave, double time, double largest_energy) {
     const std::size_t size = wave.lattice().size(), parts = std::size_t(std::ceil(time * largest_energy));
     std::vector<Complex> sum(size), term(size);
@@ -43,7 +44,7 @@ inline std::vector<Complex> exact_wave(LatticeWave<double> wave, double time, do
     return sum;
 }
 
-/// √∑|Φ − other|², scaled as the norm is.
+/// √∑|Φ − other|², scaled like the norm.
 inline double wave_distance(const LatticeWave<double>& wave, const std::vector<Complex>& other) {
     double sum = 0;
     for (std::size_t n = 0; n < other.size(); ++n) sum += std::norm(wave.value(n) - other[n]);
@@ -67,7 +68,7 @@ inline WaveMoments free_packet(const WaveLine& line, double time) {
             line.sigma * std::hypot(1.0, time / (4 * pi * pi * line.sigma * line.sigma))};
 }
 
-/// How much of a packet goes through a wall: plane waves, averaged over its energies.
+/// The share of a packet that a wall transmits: plane waves, averaged over the energies of the packet.
 inline double transmitted_of_plane_waves(const WaveLine& line) {
     const double pi = std::numbers::pi, deviation = 1 / (4 * pi * line.sigma); // of k/2π
     double sum = 0, weights = 0;

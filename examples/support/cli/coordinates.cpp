@@ -256,7 +256,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
     distance << "; the largest distance from the boundary is " << largest;
     if (!coordinates.takes_sites) distance << ", and the tolerance " << coordinates.boundary_tolerance();
     if (some && word == "refuse")
-        return {found + "; use --outside to choose what they do" + distance.str(), {}};
+        return {found + "; use --outside to choose their treatment" + distance.str(), {}};
     if (some && word == "extend" && !coordinates.has_extension())
         return {found + "; these coordinates are not defined outside" +
                     (coordinates.takes_sites ? "" : " the cage"),
@@ -270,7 +270,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
     }
     if (!some || word != "auto" || cage_is_made || falloff > 0) return {};
     if (!of_part && 2 * report.outside.size() > report.points && !coordinates.takes_sites)
-        return {found + ": does this cage belong to another figure? Use --outside to choose what they do" +
+        return {found + ": does this cage belong to another figure? Use --outside to choose their treatment" +
                     distance.str(),
                 {}};
     const auto done = bind_options(coordinates).outside;

@@ -44,7 +44,7 @@ Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::sp
 Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const Point3> places) {
     if (given.pose.empty() && !given.pins.is_given()) return FileError{"--pose is required for points"};
     if (given.pins.is_given() && !given.of_sites.weights.empty())
-        return FileError{"--weights: pins cannot be solved for where points have weights"};
+        return FileError{"--weights: pins do not support points with weights"};
     const std::string& path = given.pose.empty() ? given.cage : given.pose;
     auto posed =
         load_posed_sites<3>(given.cage, path, given.of_sites, [&]() -> Expected<std::vector<Point3>> {
