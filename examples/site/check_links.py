@@ -1,8 +1,8 @@
 """Usage: python3 examples/site/check_links.py FOLDER
 
-Follows every link and every picture in the HTML files of a folder, and the addresses that the search and
-the menu know. Prints the number of pages, their bytes and the broken links. Fails where one is broken, leads
-out of the folder, or to a place on a page that is not there. Addresses of the network are only counted.
+Checks all links and pictures in the HTML files of a folder, and the addresses in the data of the search and
+the menu. Prints the number of pages, their size and the broken links. Fails if a link is broken, leads
+out of the folder, or refers to a missing anchor. Network addresses are only counted.
 """
 import html.parser
 import os
@@ -33,7 +33,7 @@ def main(folder):
         for name in names:
             path = os.path.join(base, name)
             size += os.path.getsize(path)
-            if name.endswith(".html") and name != "cageform.html":  # the page to play with has no links
+            if name.endswith(".html") and name != "cageform.html":  # the interactive page has no links
                 with open(path, encoding="utf-8") as file:
                     pages[os.path.normpath(path)] = Page(file.read())
     links = [(path, link) for path, page in pages.items() for link in page.links]

@@ -1,9 +1,9 @@
 """Usage: python3 examples/site/pages.py FOLDER
           python3 examples/site/pages.py --finish FOLDER
 
-Writes what Doxygen reads into FOLDER: the public headers with their comments in Doxygen's words, the pages of
-this folder, a page a lesson, the gallery, the README of each room, and the layout of the menu.
---finish: goes over the HTML that Doxygen has made.
+Writes the input of Doxygen to FOLDER: the public headers with comments in Doxygen's syntax, the pages of
+this folder, a page per lesson, the gallery, the README of each room, and the layout of the menu.
+--finish: edits the HTML output of Doxygen.
 """
 import os
 import re
@@ -16,22 +16,22 @@ ROOMS = {
     "core": "points, views, handles, statuses",
     "parallel": "threads, progress and cancellation",
     "adapt": "points of Eigen and GLM",
-    "cage": "polygons, meshes, cells inside, control points, and their checks",
+    "cage": "polygons, meshes, cells inside, control points; checks of cages",
     "grid": "the Laplace equation on lattices and adaptive trees",
-    "coordinates": "one header a coordinate type",
+    "coordinates": "one header per coordinate type",
     "binding": "bind, pack, unpack",
     "figure": "bindings and packed figures at run time; open",
-    "clone": "what runs every frame",
-    "animate": "key frames to cubic pieces",
+    "clone": "the functions of every frame",
+    "animate": "conversion of key frames to cubic pieces",
     "clip": "the motion of a cage at run time",
     "enclose": "a cage for any figure",
     "pose": "pins on the figure move the cage",
     "fields": "the same solvers for your own data",
-    "exchange": "curves of other programs",
-    "skeleton": "bones found in any sequence of meshes",
+    "exchange": "animation curves of other programs",
+    "skeleton": "bones fitted to a sequence of meshes",
 }
-SOLVERS = ("grid/",)  # what their public headers need of their machinery is no user's concern
-# Other languages and programs in the order of the menu: the page, its name there, and the README that it shows.
+SOLVERS = ("grid/",)  # internal headers of these rooms are not shown, except types/
+# Other languages and programs in the order of the menu: the page, its name in the menu, and its README.
 LANGUAGES = [
     ("c", "C", "include/cageform/c/README.md"), ("python", "Python", "examples/bindings/python/README.md"),
     ("npm", "JavaScript", "examples/bindings/npm/README.md"), ("csharp", "C#", "examples/bindings/csharp/README.md"),
@@ -50,7 +50,7 @@ def files(folder, ending):
 
 
 def types():
-    """The headers of coordinate types, which are the names of their pages too, with the titles of these."""
+    """Returns the headers of coordinate types, which are also the names of their pages, and the titles of the pages."""
     headers = re.findall(r"#include <cageform/coordinates/(\w+)\.hpp>", read("include/cageform/coordinates/types.hpp"))
     return [(header, re.match(r"# (.*)", read("%s/%s.md" % (SITE, header)))[1].replace(" coordinates", "")) for header in headers]
 
@@ -58,19 +58,19 @@ def types():
 # ---- headers -----------------------------------------------------------------------------------
 
 def escaped(text):
-    """Text of a comment, for Doxygen: `code` stays, all else stands for itself."""
+    """Escapes the text of a comment for Doxygen, except `code`."""
     parts = re.split(r"(`[^`]*`)", text)
     for n in range(0, len(parts), 2):
         parts[n] = re.sub(r"([\\@<]|(?<!\w)\*(?!\w[\w -]*\*)|(?<=\s)\*)", r"\\\1", parts[n])
         parts[n] = re.sub(r"#(?=\w)", r"\\#", parts[n])
-        # No end of a sentence; and letters that are part of no word for Doxygen.
+        # Abbreviations that do not end a sentence; letters outside ASCII, which Doxygen does not treat as letters.
         parts[n] = re.sub(r"\b(al|sec|eq|fig|Adv|Comput|Math|Trans)\. ", r"\1.\\ ", parts[n])
         parts[n] = re.sub(r"(?<=[^\x00-\x7f])_|_(?=[^\x00-\x7f])", r"\\_", parts[n])
     return "".join(parts)
 
 
 def definition_table(lines):
-    """Lines "name  what it is", with further ones indented to what it is; None where they are none."""
+    """Converts lines "name  description", with indented continuation lines, to HTML; None for other lines."""
     rows = []
     for line in lines:
         entry = re.match(r"(\S+(?: \S+)*)(?:  +(\S.*))?$", line)
@@ -81,7 +81,7 @@ def definition_table(lines):
     first = rows[0]
     if not first[1] or " = " in first[0] or "," == first[0][-1] or lines[0].startswith(("#", "|")):
         return None
-    # A line without what it is goes on with the one before.
+    # A line without a description continues the previous entry.
     merged = []
     for name, text in rows:
         if text or not merged:
@@ -93,7 +93,7 @@ def definition_table(lines):
 
 
 def comment(lines):
-    """The lines of a comment without their slashes, in Doxygen's words."""
+    """Converts the lines of a comment, without their slashes, to Doxygen's syntax."""
     out = []
     n = 0
     while n < len(lines):
@@ -119,7 +119,7 @@ def comment(lines):
 
 
 def in_room(text, room):
-    """Makes the declarations of a header a part of its room."""
+    """Adds the declarations of a header to the Doxygen group of its room."""
     begin = "\n/// \\addtogroup room_%s\n/// @{\n" % room
     text = text.replace("namespace cageform::inline CAGEFORM_ABI", "namespace cageform")
     text = re.sub(r"^namespace [\w:]+ \{$", lambda m: m[0] + begin, text, flags=re.M)
@@ -127,7 +127,7 @@ def in_room(text, room):
 
 
 def enumerators(text):
-    """The enumerators that a macro lists, with what the list says of them."""
+    """Replaces macros that list enumerators by the enumerators, with the texts of the list as comments."""
     macros = dict(re.findall(r"#define (CAGEFORM_\w+)\(X\)(.*?)// clang-format on", text, flags=re.S))
 
     def body(found):
@@ -139,7 +139,7 @@ def enumerators(text):
 
 
 def without_machinery(text):
-    """Without what no user calls: namespaces detail, and overloads that are there to name an error."""
+    """Removes what users do not call: namespaces detail, private members, and deleted overloads."""
     for name in ("detail", "cageform::inline CAGEFORM_ABI::detail"):
         whole = r"^namespace %s \{\n.*?^} // namespace [^\n]*detail\n" % name
         text = re.sub(whole, "", text, flags=re.M | re.S)
@@ -187,7 +187,7 @@ def doxygen_header(path):
 
 
 def public_headers():
-    """Those that a user includes, and those of the machinery that declare names in them."""
+    """Returns the headers that users include, and the internal headers that declare public names."""
     public = files("include/cageform", ".hpp")
     for room in ROOMS:
         public += [room + "/" + name for name in files("include/cageform/" + room, ".hpp")]
@@ -213,18 +213,18 @@ def public_headers():
 # ---- pages -------------------------------------------------------------------------------------
 
 def check_paths(name, text):
-    """Ends the run where a page names a header or a file that is not there; Changes names old ones too."""
+    """Fails if a page names a missing header or file; the page Changes may name old ones."""
     text = re.sub(r"^\|[^|]*\|", "", text, flags=re.M) if name == "CHANGELOG.md" else text
     for path in re.findall(r"`(?:cageform/)?((?:%s)/[\w/]+\.hpp)`" % "|".join(ROOMS), text):
         if path == path.lower() and not os.path.exists(os.path.join(ROOT, "include/cageform", path)):
-            sys.exit("%s: there is no header %s" % (name, path))
+            sys.exit("%s: no header %s" % (name, path))
     for path in re.findall(r"`((?:tests|examples|bench|cmake)/[\w./]+)`", text):
         if not os.path.exists(os.path.join(ROOT, path)):
-            sys.exit("%s: there is no %s" % (name, path))
+            sys.exit("%s: no file %s" % (name, path))
 
 
 def label_of(path):
-    """The name of the page that a file of the repository becomes; none where it becomes none."""
+    """Returns the name of the page of a file of the repository; None if it has no page."""
     room = re.match(r"include/cageform/(\w+)(?:/README\.md)?$", path)
     if room and room[1] in ROOMS:
         return "room_" + room[1]
@@ -245,7 +245,7 @@ def label_of(path):
 
 
 def relinked(text, folder, headers):
-    """Links between files of the repository become links between pages; others become their text."""
+    """Converts links between files of the repository to links between pages; removes links to other files."""
     def link(found):
         bang, words, target = found[1], found[2], found[3]
         if re.match(r"[a-z]+:|#", target):
@@ -273,7 +273,7 @@ def relinked(text, folder, headers):
 
 
 def readme_code():
-    """The README's first program and what it prints."""
+    """Returns the README's first program and its output."""
     text = read("README.md")
     code = re.search(r"```cpp\n.*?```", text, flags=re.S)[0]
     printed = re.search(r"```text\n.*?```", text[text.index(code):], flags=re.S)[0]
@@ -281,7 +281,7 @@ def readme_code():
 
 
 def type_table():
-    """The README's table of coordinate types, with links to their pages."""
+    """Returns the README's table of coordinate types, with links to their pages."""
     table = re.search(r"\| type \| cage \|.*?\n\n", read("README.md"), flags=re.S)[0]
     for header, title in types():
         name = "`%sCoordinates`" % "".join(word.capitalize() for word in header.split("_"))
@@ -292,16 +292,16 @@ def type_table():
 
 
 def play():
-    """The page to play with where it has been built; else its picture."""
+    """Returns the interactive page if it has been built; else its picture."""
     if os.path.exists(os.path.join(ROOT, "out/cageform.html")):
         frame = "<iframe class=\"play\" src=\"cageform.html\" title=\"Play\"></iframe>"
-        return "\\htmlonly %s\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>." % frame
-    return ("![The cat, dragged by pins on its head, a paw, its tail](page.png)\n\nThis site was made without the "
-            "page: `sh examples/site/run.sh --with-page` builds it first, in some minutes.")
+        return "\\htmlonly %s\\endhtmlonly\n\n<a href=\"cageform.html\">Open it in a separate tab</a>." % frame
+    return ("![The cat, dragged by pins on its head, a paw, its tail](page.png)\n\nThis site was built without the "
+            "page: `sh examples/site/run.sh --with-page` builds the page first, in some minutes.")
 
 
 def header_table(room, public):
-    """The headers of a room that a user includes, each with the first sentence of its comment."""
+    """Returns a table of the headers of a room that users include, each with the first sentence of its comment."""
     rows = []
     for path in public:
         if path.startswith(room + "/"):
@@ -312,7 +312,7 @@ def header_table(room, public):
                 words.append(line[3:])
             sentence = re.match(r".*?(?:\.(?= |$)|:(?= |$)|$)", " ".join(words))[0].rstrip(":.")
             rows.append("| \\ref cageform/%s \"%s\" | %s |" % (path, path.split("/")[1], escaped(sentence)))
-    return "\n\n<h2>Headers</h2>\n\n| header | what it holds |\n|---|---|\n" + "\n".join(rows) + "\n"
+    return "\n\n<h2>Headers</h2>\n\n| header | contents |\n|---|---|\n" + "\n".join(rows) + "\n"
 
 
 def lesson_page(name, before, after):
@@ -334,7 +334,7 @@ def lesson_page(name, before, after):
     if tail:
         page += " ".join(tail) + "\n\n"
     if printed:
-        page += "It prints\n\n```text\n%s\n```\n\n" % "\n".join(printed)
+        page += "Output:\n\n```text\n%s\n```\n\n" % "\n".join(printed)
     page += "The source is `examples/lessons/%s`.\n\n" % name
     turn = ["\\ref %s \"← before\"" % before] if before else []
     turn += ["\\ref lessons \"all lessons\""]
@@ -345,25 +345,26 @@ def lesson_page(name, before, after):
 
 LESSONS = """# Lessons
 
-Each lesson is a program under 80 lines with one new idea, in the order of the data flow; what it prints is
-tested. `sh examples/run.sh --build-only` builds them into `build/examples/`.
+Each lesson is a program of about 80 lines or fewer with one new idea, in the order of the data flow. The
+printed output is tested. `sh examples/run.sh --build-only` builds them into `build/examples/`.
 
 %s
 """
 ROOMS_PAGE = """# Rooms
 
-A game includes the rooms of run time; all other rooms prepare data for them. Includes only point left:
+A game includes the rooms of run time; all other rooms prepare data for them. A room includes only rooms to its
+left:
 
 ```text
 run time     core → clip → figure → clone → pose
 before       core, parallel → cage → grid → coordinates → binding     grid → fields     grid → enclose     clip → animate
 ```
 
-| room | what it holds |
+| room | contents |
 |---|---|
 %s
 
-Every class and function stands on the page of its room, with the header to include.
+Every class and function is on the page of its room, with the header to include.
 """
 LAYOUT = """<doxygenlayout version="1.0"><navindex>%s</navindex>
 <group><briefdescription visible="no"/><detaileddescription title=""/>
@@ -384,7 +385,7 @@ LAYOUT = """<doxygenlayout version="1.0"><navindex>%s</navindex>
 
 
 def layout(lessons):
-    """The menu, and what stands first on the pages of rooms and classes."""
+    """Writes the menu and the order of sections on the pages of rooms and classes."""
     def tabs(entries):
         tab = "<tab type=\"user\" url=\"@ref %s\" title=\"%s\"/>"
         return "".join(tab % (url, title.replace("&", "&amp;")) for url, title in entries)
@@ -407,7 +408,7 @@ def main(out):
     os.makedirs(out)
 
     def write_page(label, text):
-        """Markdown that begins with "# title", as a comment: Doxygen would list Markdown as a header."""
+        """Writes Markdown that begins with "# title" as a comment, because Doxygen would list a Markdown file as a header."""
         command = "\\mainpage" if label == "index" else "\\page " + label
         text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n\n*(?=([^\n])?)", lambda m: "%s %s\n\n%s" % (
             command, m[1], "\\details " if (m[2] or " ").isalnum() else ""), text)
@@ -468,7 +469,7 @@ KIND = r" (Class|Struct|Concept|Namespace|File|Union)( Template)? Reference"
 
 
 def finished(name, text):
-    """A page of Doxygen's: its titles are no longer than they must be, and the project's name leads home."""
+    """Edits a page of Doxygen: shortens titles, and links the project's name to the main page."""
     def title(found):
         return "<title>%s</title>" % ("cageform" if found[1] == "cageform" else found[1] + " · cageform")
 
@@ -486,14 +487,14 @@ def finished(name, text):
                   r"<li class=\"navelem\">\1</li>", text)
     if re.match(r"[a-z]", name) and not re.match(r"(class|struct|group_|namespace|concept|\w+_8hpp)", name):
         text = re.sub(r"(<div class=\"textblock\">\s*)<p *>", r"\1<p class='lead'>", text, count=1)
-    # In programs Doxygen takes a variable for any other of its name.
+    # In programs Doxygen links variables to any other variable with the same name.
     linked = r"<a class=\"code hl_(?:enumvalue|variable%s)\"[^>]*>(%s)</a>"
     text = re.sub(linked % ("|function", "out|points|figure|pose|value|size|[a-z]"), r"\1", text)
     return re.sub(linked % ("", r"[a-z_]\w*"), r"\1", text)
 
 
 def finish(folder):
-    """Goes over all pages; those go that nothing leads to, or that list the members of a class once more."""
+    """Edits all pages; deletes pages without links to them, and pages that repeat the members of a class."""
     for name in sorted(os.listdir(folder)):
         path = os.path.join(folder, name)
         if not name.endswith(".html"):
@@ -506,7 +507,7 @@ def finish(folder):
             continue
         with open(path, "w", encoding="utf-8") as file:
             file.write(finished(name, text))
-    # Files that hold pages alone are not found by the search.
+    # The search does not list files that contain only pages.
     for name in os.listdir(os.path.join(folder, "search")):
         if name.endswith(".js"):
             path = os.path.join(folder, "search", name)
@@ -514,7 +515,7 @@ def finish(folder):
                 lines = [line for line in file if "_8dox.html" not in line]
             with open(path, "w", encoding="utf-8") as file:
                 file.writelines(lines)
-    # The window of search results is a page of its own, with a style sheet of its own.
+    # The window of search results is a separate page with a separate style sheet.
     with open(os.path.join(folder, "search", "search.css"), "a", encoding="utf-8") as file:
         file.write(read(SITE + "/style.css"))
 

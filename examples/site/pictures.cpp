@@ -1,5 +1,5 @@
 // Usage: pictures FOLDER
-// Draws the pictures of the site's pages about coordinate types: weights as colours, poses as grids.
+// Draws the pictures for the site's pages of coordinate types: weights as colours, poses as grids.
 #include <cageform/cageform.hpp>
 
 #include <cmath>
@@ -14,7 +14,7 @@ using Point = std::array<double, 2>;
 using Points = std::vector<Point>;
 using Binding = cageform::Binding<double, 2>;
 
-/// One SVG file of panels side by side, each a square of 300 units that shows the same square of the plane.
+/// An SVG file of panels side by side. Each panel is 300 units wide and shows the same square of the plane.
 class Sheet {
 public:
     Sheet(Point lower, double side, std::size_t panels)
@@ -34,7 +34,7 @@ public:
             310 * panel_ + 15, title);
     }
 
-    /// Draws `value` at the middles of small squares, -1 in blue and 1 in orange; NaN stays white.
+    /// Draws `value` at the centres of small squares, -1 in blue and 1 in orange; NaN stays white.
     template <class Value>
     void field(const Value& value) {
         constexpr int count = 100;
@@ -58,7 +58,7 @@ public:
                   mix(level < 0 ? 90 : 92), mix(level < 0 ? 190 : 20), path.c_str());
         }
     }
-    /// The places of `field`, row by row.
+    /// Returns the points at which `field` draws values, row by row.
     Points places() const {
         Points result;
         for (int n = 0; n < 10000; ++n)
@@ -67,7 +67,7 @@ public:
         return result;
     }
 
-    /// A line through the points, or one for each stretch of finite ones.
+    /// Draws a line through the points; points that are not finite interrupt it.
     void line(const Points& points, const char* style, bool closed = false) {
         std::string path;
         bool drawing = false;
@@ -117,7 +117,7 @@ private:
     std::string text_;
 };
 
-/// The binding of points, and which of them have weights.
+/// A binding of points, with flags for the points that have weights.
 struct Bound {
     Binding binding;
     std::vector<bool> is_there;
@@ -135,7 +135,7 @@ Bound bind_points(const Coordinates& coordinates, const Points& points, Shown sh
     return bound;
 }
 
-/// The sum of the weights of handles first … last − 1.
+/// Draws the sum of the weights of handles first … last − 1.
 template <class Coordinates>
 void draw_weights(Sheet& sheet, const Coordinates& coordinates, std::size_t first, std::size_t last) {
     const auto [binding, is_there] = bind_points(coordinates, sheet.places(), Shown::inside);
@@ -147,7 +147,7 @@ void draw_weights(Sheet& sheet, const Coordinates& coordinates, std::size_t firs
     });
 }
 
-/// A grid of lines over the square, those parts that are bound, moved to a pose of all handles.
+/// Draws a grid of lines over the square, moved by a pose of all handles; omits parts without weights.
 template <class Coordinates>
 void draw_grid(Sheet& sheet, const Coordinates& coordinates, const Points& pose,
                Shown shown = Shown::inside) {
@@ -204,8 +204,8 @@ void draw_mean_value(const std::string& folder) {
     sheet.write(folder + "/coordinates_mean_value.svg");
 }
 
-/// Weights in a plane below the twisted lid of a cube: by the fan about the mean of the lid's corners, and by
-/// cuts along both diagonals.
+/// Draws weights in a plane below the twisted lid of a cube: for the fan around the mean of the lid's
+/// corners, and for cuts along both diagonals.
 void draw_fans(const std::string& folder) {
     std::vector<std::array<double, 3>> vertices;
     for (const double z : {-1.0, 1.0}) {
@@ -328,7 +328,7 @@ void draw_curved_green(const std::string& folder) {
     draw_weights(sheet, leaf, 1, 2);
     draw_cage(sheet, pose);
     sheet.dot(pose[1], true);
-    sheet.panel("an end turned with its control points");
+    sheet.panel("an end rotated with its control points");
     pose[2] = {2.6, 1.2};
     pose[3] = {4.6, 4.4};
     pose[4] = {2.4, 5.2};
@@ -362,7 +362,7 @@ void draw_sibson(const std::string& folder) {
     sheet.panel("a pose, degree 1: a crease at the points");
     draw_grid(sheet, once, pose);
     draw_sites(pose);
-    sheet.panel("a pose, degree 3: smooth there too");
+    sheet.panel("a pose, degree 3: smooth at the points, too");
     draw_grid(sheet, smooth, pose);
     draw_sites(pose);
     sheet.write(folder + "/coordinates_sibson.svg");
@@ -395,7 +395,7 @@ void draw_lattice(const std::string& folder) {
     draw_weights(sheet, lattice, 21, 22);
     draw_lines(sheet, rest);
     sheet.dot(rest[21], true);
-    sheet.panel("a corner moves: outside, all fades");
+    sheet.panel("a corner moves: displacements fade outside");
     Points pose = handles_of(fading);
     for (const std::size_t i : {28u, 29u, 34u, 35u}) pose[i] = {pose[i][0] + 0.3, pose[i][1] + 0.4};
     draw_grid(sheet, fading, pose, Shown::everywhere);

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Usage: sh examples/site/run.sh [--with-page] [--test]
-# Installs what the site needs (Debian) and makes the reference site in out/site: open out/site/index.html, no
-# server and no network needed. Warnings of Doxygen in public headers, and broken links, are errors.
-#   --with-page  builds the page to play with where it is missing (examples/page/run.sh, some minutes)
-#   --test       opens all pages in a headless Chromium, which is installed; pictures go to out/site_*.png
+# Installs Debian packages and builds the reference site in out/site. Open out/site/index.html; no
+# server and no network is needed. Warnings of Doxygen about public headers, and broken links, are errors.
+#   --with-page  builds the interactive page if it is missing (examples/page/run.sh, some minutes)
+#   --test       opens pages in a headless Chromium, which is installed; saves pictures to out/site_*.png
 set -eu
 cd "$(dirname "$0")/../.."
 sh cmake/install_packages.sh doxygen python3 g++ libeigen3-dev
@@ -17,7 +17,7 @@ for option in "$@"; do
   case $option in
     --with-page) [ -f out/cageform.html ] || sh examples/page/run.sh ;;
     --test) test=yes ;;
-    *) echo "no option $option" >&2; exit 2 ;;
+    *) echo "unknown option $option" >&2; exit 2 ;;
   esac
 done
 export PYTHONDONTWRITEBYTECODE=1
@@ -29,7 +29,7 @@ mkdir -p $work/pictures
 $work/draw $work/pictures
 python3 $site/pages.py $work/input
 
-# The site appears as a whole, when it is whole.
+# Replaces the site only when the new one is complete.
 rm -rf $work/html
 mkdir -p $work/html
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' include/cageform/version.hpp)
@@ -47,7 +47,7 @@ version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' include/cageform/version.hpp
 } >$work/Doxyfile
 doxygen $work/Doxyfile || { sed "s|$PWD/||" $work/warnings.txt >&2; exit 1; }
 python3 $site/pages.py --finish $work/html
-cp -n examples/pictures/* $work/html/ # those that pages link to without showing them
+cp -n examples/pictures/* $work/html/ # pictures that pages link to without showing them
 if [ -f out/cageform.html ]; then cp out/cageform.html $work/html/; fi
 python3 $site/check_links.py $work/html
 rm -rf $out

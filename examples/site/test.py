@@ -1,8 +1,8 @@
 """Usage: python3 examples/site/test.py SITE FOLDER
 
-Opens the pages of the site in a headless Chromium, 1440 and 390 pixels wide: none is wider than the window,
-none complains or asks the network for anything, all pictures are there. Then searches, opens the menu of a
-phone, and takes pictures of some pages into FOLDER (site_*.png).
+Opens the pages of the site in a headless Chromium, 1440 and 390 pixels wide. Checks that no page is wider than
+the window, reports an error or sends a network request, and that all pictures load. Then searches, opens the menu on a
+phone, and saves pictures of some pages to FOLDER (site_*.png).
 """
 import os
 import re
@@ -24,7 +24,7 @@ WIDE = '''(() => {
 
 
 def results(browser):
-    """Returns the results of the search: a page of its own in a frame, for files one of another origin."""
+    """Returns the results of the search, a page in a frame. For local files this page has another origin."""
     for frame in browser.call('Page.getFrameTree')['frameTree'].get('childFrames', []):
         world = browser.call('Page.createIsolatedWorld', {'frameId': frame['frame']['id']})
         return browser.call('Runtime.evaluate', {
@@ -46,13 +46,13 @@ def main(site, out):
         browser.call('Page.navigate', {'url': 'file://' + os.path.abspath(os.path.join(site, page))})
         browser.wait("document.readyState === 'complete' && location.href.includes('%s')" % page)
 
-    # Doxygen makes many pages alike: every fifth is opened.
+    # Many pages of Doxygen are similar: opens every fifth.
     alike = [page for page in pages if re.match(r'class|struct|concept|\w+_8hpp', page)]
     for page in [page for page in pages if page not in alike] + alike[::5]:
         browser.resize(*DESKTOP)
         show(page)
         for size in (DESKTOP, PHONE):
-            browser.resize(*size, phone=False)  # a phone would zoom out where a page is too wide
+            browser.resize(*size, phone=False)  # a phone would zoom out on a page that is too wide
             wide, lacking = browser.run(WIDE)
             if wide > 0:
                 failures.append('%s is %d pixels wider than %d' % (page, wide, size[0]))
@@ -84,7 +84,7 @@ def main(site, out):
     browser.click('.main-menu-btn')
     time.sleep(0.5)
     if not browser.run("document.querySelector('#main-menu').offsetHeight > 200"):
-        failures.append('the menu of a phone does not open')
+        failures.append('the menu on a phone does not open')
     browser.picture(os.path.join(out, 'site_menu.png'))
 
     for name, size in (('desktop', DESKTOP), ('phone', PHONE)):
