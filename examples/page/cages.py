@@ -313,7 +313,7 @@ def test_lattice(page, folder):
     said = [refusal(page, folder, *file) for file in (('a.lattice.json', '{"format": "lattice/1"}'), ('b.lattice.json', '{'),
             ('c.lattice.json', json.dumps({**box, 'axes': [{'points': 1, 'degree': 1}, {'points': 4, 'degree': 3}]})),
             ('d.lattice.json', json.dumps({**box, 'frame_columns': [[1, 2], [2, 4]]})))]
-    check('is no lattice' in said[0] and 'is no JSON' in said[1] and 'degree' in said[2] and said[3], 'files that are no lattices are refused: ' + ' | '.join(said))
+    check('is not a lattice' in said[0] and 'is not JSON' in said[1] and 'degree' in said[2] and said[3], 'invalid lattice files are errors: ' + ' | '.join(said))
     page.click('#no-clip')
     page.click('#weights')
     page.drag_vertex(9, 1, 1)

@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// Makes mean value coordinates of triangles. All 3D coordinates would add 40 % to the module.
+/// Makes mean value coordinates of triangle meshes. All 3D coordinates would enlarge the module by 40 %.
 template <>
 inline cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordinates_options&,
                                       AnyCoordinates<float, 3>& made) {
@@ -80,7 +80,7 @@ cageform_status page_weights(const cageform_binding* binding, std::size_t handle
     });
 }
 
-/// Writes the normals of vertices, not of unit length: sums of those of the triangles, weighted by area.
+/// Writes vertex normals, not normalised: sums of the normals of the triangles, weighted by area.
 PAGE_EXPORT(page_normals)
 void page_normals(const cageform::Vec<float, 3>* places, std::size_t count, const std::uint32_t* faces,
                   std::size_t corners, cageform::Vec<float, 3>* normals) {
@@ -91,7 +91,7 @@ void page_normals(const cageform::Vec<float, 3>* places, std::size_t count, cons
     }
 }
 
-/// Makes a skin: `influences` weights (float) for each point, then as many joints (16 bits).
+/// Makes a skin: `influences` weights (float) per point, then as many joints (16 bits) per point.
 PAGE_EXPORT(page_skin)
 cageform_status page_skin(const cageform_binding* binding, std::size_t influences, cageform_bytes** made) {
     return c::with(binding->figure, [&](const auto& figure) {
@@ -137,7 +137,7 @@ cageform_status page_compile(const double* keys, std::size_t count, double toler
     return c::make_bytes(std::move(made), pieces);
 }
 
-// ---- pins, which move the cage by the figure. Poses are of all points of the cage ----
+// ---- pins. A pose has all points of the cage ----
 
 PAGE_EXPORT(page_pins_create)
 cageform_status page_pins_create(const cageform_coordinates* coordinates, const cageform_samples* samples,
@@ -150,9 +150,9 @@ cageform_status page_pins_create(const cageform_coordinates* coordinates, const 
         });
     });
 }
-/// Sets pins by their places at rest, which of them rotate (or null: none), and the points that are held.
+/// Sets pins by their rest points, flags of those that rotate (null: none), and the held points of the cage.
 ///
-///   culprit  out: the pin that is refused
+///   culprit  out: the invalid pin
 PAGE_EXPORT(page_pins_set)
 cageform_status page_pins_set(page_pins* pins, const cageform_coordinates* coordinates, const double* places,
                               std::size_t count, const std::uint8_t* turned, const std::uint32_t* held,
@@ -165,15 +165,15 @@ cageform_status page_pins_set(page_pins* pins, const cageform_coordinates* coord
         return c::code_of(status);
     });
 }
-/// Starts from a pose.
+/// Sets the initial pose of the solver.
 PAGE_EXPORT(page_pins_begin)
 cageform_status page_pins_begin(page_pins* pins, const double* pose, std::size_t count) {
     return c::with(pins->pins, [&](auto& its) { return c::code_of(its.begin(pose, count)); });
 }
 /// Moves a pose towards the targets.
 ///
-///   turns  of pins that rotate, an angle, or in 3D the axis times the angle; or null
-///   told   out: whether the pose has settled, the largest miss, the iterations, how many clusters are folded
+///   turns  of pins that rotate: 2D an angle, 3D the axis times the angle, in radians; or null
+///   told   out: 1 if the pose has settled, the largest miss, the iterations, the number of inverted clusters
 PAGE_EXPORT(page_pins_solve)
 cageform_status page_pins_solve(page_pins* pins, const double* targets, const double* turns, double* pose,
                                 std::size_t count, double* told) {
@@ -185,14 +185,14 @@ cageform_status page_pins_solve(page_pins* pins, const double* targets, const do
         return c::code_of(report.status);
     });
 }
-/// Writes for each pin its place in a pose, and the matrix of the pose there, column after column.
+/// Writes the position of each pin in a pose, and the Jacobian of the pose there, column-major.
 PAGE_EXPORT(page_pins_locate)
 cageform_status page_pins_locate(page_pins* pins, const double* pose, std::size_t count, double* places) {
     return c::with(pins->pins, [&](auto& its) { return c::code_of(its.locate(pose, count, places)); });
 }
 /// Finds the rest point that a pose in 2D moves to a place.
 ///
-///   ends   where to start, and the place
+///   ends   the start point and the place
 ///   found  out: the rest point, and its distance from the place in the pose
 PAGE_EXPORT(page_pins_find)
 cageform_status page_pins_find(page_pins* pins, const cageform_coordinates* coordinates, const double* ends,

@@ -15,9 +15,9 @@
 
 namespace cageform_page {
 
-/// The pose of the points alone that comes nearest to a pose of all handles, for cages with vectors: those of
-/// Green's coordinates follow the points, while a PoseSolver moves them by themselves. Near is by the energy
-/// of the samples, with the pins and the held points. Vectors in the plane are linear in the points.
+/// Finds the pose of the points that is nearest to a pose of all handles, for cages with vectors. With Green
+/// coordinates the vectors depend on the points, but PoseSolver moves vectors independently. The distance is
+/// the energy of the samples, with the pins and the held points. In 2D vectors are linear in the points.
 class NearestPoints {
 public:
     template <class B>
@@ -54,7 +54,7 @@ public:
     }
     bool is_needed() const { return points_.size() * 2 < std::size_t(pull_.cols()); }
 
-    /// Sets the pins, by the rows of their weights (#rows × #handles), and the points that are held.
+    /// Sets the pins by the rows of their weights (#rows × #handles), and the held points.
     void set(const Eigen::MatrixXd& rows, std::span<const std::uint32_t> held) {
         rows_ = Eigen::MatrixXd(2 * rows.rows(), matrix_.cols());
         for (Index r = 0; r < rows.rows(); ++r) {
@@ -73,10 +73,10 @@ public:
         }
         factor_.compute(matrix);
     }
-    /// Changes the points of a pose of all handles. Lengths are those of the samples: offsets, and
-    /// displacements of handles from rest.
+    /// Updates the points of a pose of all handles. Offsets and displacements are in the units of the
+    /// samples.
     ///
-    ///   offsets  of the pins' targets from rest, 2 a row
+    ///   offsets  of the pins' targets from rest, 2 numbers per row
     void solve(const Eigen::VectorXd& offsets, std::span<const cageform::Vec<double, 2>> rest,
                std::span<cageform::Vec<double, 2>> handles) const {
         Eigen::VectorXd moved(pull_.cols());
@@ -100,15 +100,15 @@ private:
     using Index = Eigen::Index;
     static constexpr double pin_weight = 1e6, held_weight = 1e8;
 
-    std::vector<std::size_t> points_; // the handles that are points
-    std::vector<std::size_t> held_;   // of these
+    std::vector<std::size_t> points_; // handles that are points
+    std::vector<std::size_t> held_;   // held ones of these
     double size_ = 0, proximity_ = 0;
-    Eigen::MatrixXd handles_of_; // of all handles by the points
+    Eigen::MatrixXd handles_of_; // matrix from the points to all handles
     Eigen::MatrixXd pull_, matrix_, rows_;
     Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
-/// Returns points from numbers in a row.
+/// Returns points from a flat array of numbers.
 template <class T, std::size_t D>
 std::vector<cageform::Vec<T, D>> points_of(const double* numbers, std::size_t count) {
     std::vector<cageform::Vec<T, D>> points(count);
@@ -118,7 +118,7 @@ std::vector<cageform::Vec<T, D>> points_of(const double* numbers, std::size_t co
     return points;
 }
 
-/// The pins of one figure. Poses are of the points of the cage.
+/// The pins of one figure. A pose has the points of the cage.
 template <cageform::Scalar T, std::size_t D>
 class Pins {
 public:
@@ -127,7 +127,7 @@ public:
     using Coordinates = cageform::AnyCoordinates<T, D>;
     static constexpr std::size_t dimension = D;
 
-    /// Takes the samples of solved coordinates; there are no pins then.
+    /// Sets the samples of solved coordinates, and removes all pins.
     Status take(const Coordinates& coordinates, cageform::PoseSamples<T, D> samples) {
         solver_ = cageform::PoseSolver<T, D>(std::move(samples));
         if (solver_.status() != Status::ok) return solver_.status();
@@ -136,7 +136,7 @@ public:
         return set(coordinates, {}, {}, {});
     }
 
-    /// Sets the pins by their places at rest, which of them turn, and the points of the cage that are held.
+    /// Sets the pins by their rest points, the pins that turn, and the held points of the cage.
     Status set(const Coordinates& coordinates, std::span<const double> numbers,
                std::span<const std::uint8_t> turned, std::span<const std::uint32_t> held) {
         culprit_ = none;
@@ -145,7 +145,7 @@ public:
         auto [axes, axes_report] = cageform::bind_jacobians(coordinates, places);
         if (report.status != Status::ok) return report.status;
         for (const auto* left_out : {&report.not_finite, &report.unreached, &report.outside}) {
-            const bool counts = left_out != &report.outside || D == 2; // in the plane pins are inside
+            const bool counts = left_out != &report.outside || D == 2; // in 2D pins must be inside
             if (counts && !left_out->empty()) culprit_ = (*left_out)[0];
         }
         if (culprit_ != none) return Status::pin_without_weights;
@@ -167,12 +167,12 @@ public:
         return Status::ok;
     }
 
-    /// Starts from a pose.
+    /// Sets the initial pose.
     Status begin(const double* pose, std::size_t count) {
         const Status status = set_handles(pose, count);
         return status == Status::ok ? solver_.set_pose(handles_) : status;
     }
-    /// Moves a pose towards the targets, a frame.
+    /// Moves a pose towards the targets, once per frame.
     ///
     ///   turns  of pins that turn, or null
     cageform::PoseSolverReport solve(const double* targets, const double* turns, double* pose,
@@ -193,7 +193,7 @@ public:
         return report;
     }
 
-    /// Writes the place of each pin under a pose and its Jacobian, column after column.
+    /// Writes the position of each pin in a pose, and the Jacobian of the pose there, column-major.
     Status locate(const double* pose, std::size_t count, double* out) {
         Status status = set_handles(pose, count);
         if (status == Status::ok) status = locate(binding_, axes_);
@@ -207,10 +207,10 @@ public:
 
     struct Found {
         Point at;    ///< at rest
-        double miss; ///< how far off the goal the pose takes it
+        double miss; ///< distance of its posed position from the goal
     };
-    /// Finds the point at rest that a pose takes to `goal`, by Newton's method from `start`, in shorter steps
-    /// where whole ones do not come nearer or leave the cage.
+    /// Finds the rest point that a pose moves to `goal`: Newton's method from `start`, with shorter steps if
+    /// whole steps do not reduce the distance or leave the cage.
     ///
     ///   ends  the start and the goal
     Found find(const Coordinates& coordinates, const double* ends, const double* pose, std::size_t count)
@@ -253,7 +253,8 @@ private:
         handles_.resize(binding_.handle_count());
         return pose_handles(binding_, points_of<T, D>(pose, count), handles_).status;
     }
-    /// Returns the step at rest by which the point located moves so far; none where the pose turns it over.
+    /// Returns the step at rest that moves the located point by a given step; none if the pose is inverted
+    /// there.
     static Point newton_step(const T* j, const Point& off) {
         const double determinant = j[0] * j[3] - j[1] * j[2];
         if (!(determinant > 0)) return {};
@@ -270,8 +271,8 @@ private:
         return status == Status::ok ? clone_jacobians(axes, handles_, jacobians) : status;
     }
 
-    /// Returns the rows of weights of the pins and of the axes of those that turn, which have the lengths of
-    /// the samples.
+    /// Returns the rows of weights of the pins and of the axes of pins that turn, in the units of the
+    /// samples.
     Eigen::MatrixXd rows() const {
         const std::size_t handles = binding_.handle_count();
         Eigen::MatrixXd all(0, Eigen::Index(handles));

@@ -429,7 +429,7 @@ def test_apart(page):
     goal = drag_pin(page, 0, -60, 30)
     check(math.dist(page.run(ON_SCREEN)[0], goal) < 0.5 and farthest(page.run(ON_SCREEN)[1:], before[1:]) < 0.5,
           '400 points are sampled beside the page in %.0f ms, and %d pins are met' % (page.run('page.pinDrag.sampleTime'), count))
-    check('ready' in said or count > 5, 'a drag meanwhile is answered: ' + said)
+    check('prepared' in said or count > 5, 'a drag meanwhile shows a message: ' + said)
     page.click('[data-cage=polygon]')
 
 

@@ -13,7 +13,7 @@ class App {
     this.dragsFigure = false;
     this.pinDrag = new PinDrag(this, engine.planePins(() => this.leadType));
     this.history = new History(this);
-    this.sessions = new Map(); // of figures shown before, by name
+    this.sessions = new Map(); // states of figures shown before, by name
     this.timings = {}; // by coordinate type
     new ResizeObserver(() => this.redraw()).observe(document.getElementById('views'));
   }
@@ -25,7 +25,7 @@ class App {
     const { figure, cage, pose, pins, clip, kinds, window, history: { earlier, later } } = this;
     return { figure, cage, pose, pins, clip, kinds, window, earlier, later };
   }
-  /** Shows a figure in its cage, as new or from a session. Throws if it cannot be bound; then nothing changes. */
+  /** Shows a figure in its cage, new or from a session. Throws if it cannot be bound, and then changes nothing. */
   show({ figure, cage, pose = cage.rest.slice(), pins = null, clip = new Clip(), kinds = {}, window = null, earlier = [], later = [] }) {
     const before = [this.figure, this.cage, this.pose, this.clip];
     [this.figure, this.cage, this.pose, this.clip] = [figure, cage, pose, clip];
@@ -65,7 +65,7 @@ class App {
     this.redraw();
   }
   get types() { return kindOf(this.cage).types ?? this.chosenTypes ?? this.engine.polygonTypes.slice(0, 1); }
-  /** Makes the views of the types to show; returns false if they are there. */
+  /** Makes the views of the types to show; returns false if the views exist. */
   matchViews() {
     const { types } = this;
     if (types.join() === this.views.map(view => view.type).join()) return false;
@@ -87,7 +87,7 @@ class App {
     this.bound[type] = this.engine.bind(type, 0, this.figure.points);
     this.timings[type] = { bind: performance.now() - start, clone: 0, clones: 0 };
     this.fields[type] = null;
-    for (let k = 0; k < 20; ++k) this.cloneFigure(type, this.pose); // the browser's clock is coarse: a mean
+    for (let k = 0; k < 20; ++k) this.cloneFigure(type, this.pose); // mean of 20 calls, because the browser's clock is coarse
   }
   fieldOf(type) {
     if (!this.fields[type]) {
@@ -96,7 +96,7 @@ class App {
     }
     return this.fields[type];
   }
-  /** Binds again after the cage was edited. Throws the cage's fault; then nothing is bound. */
+  /** Binds again after the cage was edited. Throws if the cage is invalid; then nothing is bound. */
   rebind() {
     this.bound = {};
     for (const type of this.types) this.ensureBound(type);
@@ -148,7 +148,7 @@ class App {
 
   // ---- pins ----
 
-  /** The coordinate type by which pins move the cage: that of the view touched last. */
+  /** The coordinate type that pins use: that of the view touched last. */
   get leadType() { return this.types.includes(this.lead) ? this.lead : this.types[0]; }
   leadBy({ type }) { this.lead = type; }
   pinCage() {
@@ -159,13 +159,13 @@ class App {
     this.ensureBound(this.leadType);
     return this.bound[this.leadType];
   }
-  /** Returns the bound points that are inside of the cage at rest, a few thousand at most. */
+  /** Returns the bound points inside the cage at rest, at most a few thousand. */
   pinCandidates() {
     const { points } = this.figure, outline = kindOf(this.cage).outline(this.cage), step = Math.ceil(points.length / 8000);
     return allOf(Math.floor(points.length / 2 / step)).map(i => pointAt(points, i * step)).filter(p => isInside(outline.loops, outline.points, ...p));
   }
   startPins() { return START_PLACES[this.current] ?? innerPoints(this.pinCandidates()); }
-  /** Returns the points that poses leave at rest. */
+  /** Returns the points of the cage that poses do not move. */
   get fixedPoints() { return allOf(this.pose.length / 2).filter(i => kindOf(this.cage).isFixed(this.cage, i)); }
   drawPins() {
     const { pinDrag: drag } = this, isShown = this.dragsFigure && !this.isEditing && drag.readySoon();
@@ -192,9 +192,9 @@ class App {
     this.say(`${this.figure.name}: ${number.format(this.figure.points.length / 2)} points in ${kindOf(this.cage).describe(this.cage)}` +
              (this.selection.size > 0 ? `, ${this.selection.size} selected` : '') + tellPins(this.pinDrag) +
              (this.weightVertex >= 0 ? `; weights of vertex ${this.weightVertex}` : '') +
-             (this.isEditing ? '; the cage at rest is being edited' : ''), false);
+             (this.isEditing ? '; editing the rest cage' : ''), false);
   }
-  /** Writes a sentence below the views; a fault or a notice stays for some seconds. */
+  /** Writes a message below the views; errors and notices are shown for some seconds. */
   say(text, stays = true, isFault = false) {
     const place = document.getElementById('status');
     if (place.textContent !== text) place.textContent = text;
@@ -207,14 +207,14 @@ class App {
 
   // ---- changes ----
 
-  /** Selects vertices, but none that poses leave at rest. The box of a lattice is edited as a whole. */
+  /** Selects vertices, except those that poses do not move. The box of a lattice is edited as a whole. */
   select(vertices) {
     const isBox = this.isEditing && this.cage.kind === 'lattice', chosen = [...vertices];
     this.selection = new Set(isBox && chosen.length > 0 ? allOf(this.cage.rest.length / 2)
       : chosen.filter(i => isBox || !kindOf(this.cage).isFixed(this.cage, i)));
   }
-  /** Moves the selected vertices, and what follows them; f(x, y, i) returns the new position of each. Ends of curves are smooth
-   *  where they are at rest, unless `isBroken`. */
+  /** Moves the selected vertices and their tangents; f(x, y, i) returns the new position of each. Nodes of curves stay smooth
+   *  where they are smooth at rest, unless `isBroken`. */
   moveSelected(f, from = this.shownPose, isBroken = false) {
     const isBox = this.isEditing && this.cage.kind === 'lattice';
     this.setShownPose(isBox ? moveEach(this.cage, this.selection, f, from) : kindOf(this.cage).move(this.cage, this.selection, f, from, isBroken));
@@ -244,11 +244,11 @@ class App {
     } catch (error) {
       this.history.undo();
       this.history.later = [];
-      this.sayFault(new Error('That cage cannot be used: ' + error.message));
+      this.sayFault(new Error('This cage cannot be used: ' + error.message));
     }
     this.redraw();
   }
-  /** Replaces the cage and what it does; does not throw. */
+  /** Replaces the cage and its pose and bindings; does not throw. */
   replaceCage({ cage, pose, clip = this.clip, kinds = this.kinds }, selection = [], isStep = true) {
     if (isStep) this.history.remember();
     Object.assign(this, { cage, pose, clip, kinds });
@@ -262,7 +262,7 @@ class App {
     this.onClip?.();
     this.redraw();
   }
-  /** Returns this state in another cage, whose points follow those of this one by rows. Throws the cage's fault. */
+  /** Returns this state with another cage; `rows` map the points of this cage to its points. Throws if the cage is invalid. */
   followedBy(cage, rows, { cage: old, pose, clip } = this) {
     const settled = kindOf(cage).settled(this.engine, cage), moved = clip.copy();
     moved.follow(rows);
@@ -276,18 +276,18 @@ class App {
     const { cage, rows } = kindOf(this.cage).withoutPoints(this.cage, this.pose, this.selection);
     this.replaceCage(this.followedBy(cage, rows));
   }
-  /** Changes numbers of a lattice or a curved cage; the points keep their displacement, or follow by rows. */
+  /** Changes numbers of a lattice or a curved cage; the points keep their displacements, or `rows` map them. */
   changeCage(changes, isStep, rows = sameRows(this.cage.rest.length / 2)) {
     this.replaceCage(this.followedBy({ ...this.cage, ...changes }, rows), this.selection, isStep);
   }
-  /** Changes points and degree of a lattice; the pose is that of the lattice so far at the new points. */
+  /** Changes points and degree of a lattice; the new pose is the deformation of the old lattice at the new points. */
   changeAxes(axes) {
     if (JSON.stringify(axes) === JSON.stringify(this.cage.axes)) return;
-    this.selection.clear(); // of points that are no more
+    this.selection.clear(); // its points no longer exist
     this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeCoordinates('splines', { ...this.cage, axes })));
   }
 
-  /** Shows the figure in a cage of another kind, as it was left or as new; or in a given one, at rest. */
+  /** Shows the figure in a cage of another kind, with its last state or new; or in a given cage, at rest. */
   changeKind(name, given = null) {
     const { cage, pose, clip } = this, kind = cage.kind ?? 'polygon', kinds = { ...this.kinds, [kind]: { cage, pose, clip } };
     if (name === kind && !given) return;
@@ -374,5 +374,5 @@ class History {
 /** Shows the legend of the weights' colours, with the vertex they belong to; -1 if there is none yet. */
 function tellLegend(app, vertex) {
   document.getElementById('legend').hidden = !app.showsWeights;
-  document.getElementById('legend-vertex').textContent = vertex < 0 ? 'the vertex under the pointer or selected' : 'vertex ' + vertex;
+  document.getElementById('legend-vertex').textContent = vertex < 0 ? 'the vertex under the pointer, or the selected one' : 'vertex ' + vertex;
 }

@@ -1,6 +1,6 @@
-// A cage and its pose as files, and loops of vertices: flat arrays x, y, x, y, …
+// Files of cages and poses, and loops of vertices: flat arrays x, y, x, y, …
 
-/** Calls f(i, j) for every edge, by its vertices. */
+/** Calls f(i, j) for every edge; i and j are its vertices. */
 function forEachEdge(loops, f) {
   let begin = 0;
   for (const size of loops) {
@@ -36,7 +36,7 @@ function cageCsv(loops, places, heading) {
 // ---- files of cages ----
 
 const MOST_CAGE_POINTS = 4000;
-/** Reads a cage in a format of the programs; throws a sentence with the file's name. */
+/** Reads a cage in a format of the programs; throws a message with the file's name. */
 function readCage(text, name) {
   const refuse = why => { throw new Error(`${name}: ${why}`); };
   const cage = /\.json$/i.test(name) ? readLattice(text, refuse) : /\.csv$/i.test(name) ? readLoops(text, refuse) : readPath(text, refuse);
@@ -46,11 +46,11 @@ function readCage(text, name) {
 }
 function readLattice(text, refuse) {
   let json = null;
-  try { json = JSON.parse(text); } catch { refuse('is no JSON'); }
+  try { json = JSON.parse(text); } catch { refuse('is not JSON'); }
   const isNumbers = (list, size) => Array.isArray(list) && (size === undefined || list.length === size) && list.every(Number.isFinite);
   const { format, axes, frame_columns: columns, origin, falloff = 0 } = json ?? {};
   const isAxis = axis => [axis?.points, axis?.degree].every(n => Number.isInteger(n) && n >= 0) && isNumbers(axis.knots ?? []);
-  if (format !== 'lattice/1' || !Array.isArray(axes) || axes.length !== 2 || !axes.every(isAxis)) refuse('is no lattice of two axes');
+  if (format !== 'lattice/1' || !Array.isArray(axes) || axes.length !== 2 || !axes.every(isAxis)) refuse('is not a lattice with two axes');
   if (!isNumbers(origin, 2) || !Array.isArray(columns) || columns.length !== 2 || !columns.every(v => isNumbers(v, 2)) || !Number.isFinite(falloff))
     refuse('has no box');
   const own = axes.map(({ points, degree, knots }) => knots ? { points, degree, knots } : { points, degree });
@@ -67,7 +67,7 @@ function readLoops(text, refuse) {
 function readPath(text, refuse) {
   const element = parseSvg(text)?.querySelector('path,polygon');
   if (!element) refuse('has no path');
-  if (element.closest('[transform]')) refuse('its path has a transform, which a cage here may not have');
+  if (element.closest('[transform]')) refuse('its path has a transform, which this page does not support');
   const subpaths = element.localName === 'path' ? parsePath(element.getAttribute('d') ?? '', new PathBuilder(Math.PI / 4)) : outlineOf(element);
   if (subpaths.length === 0) refuse('its path is empty');
   const open = subpaths.findIndex(({ closed }) => !closed);
@@ -80,7 +80,7 @@ function readPath(text, refuse) {
       from = to;
       return edge;
     });
-    const last = edges[edges.length - 1]; // closes the path; what is within rounding is no edge
+    const last = edges[edges.length - 1]; // closes the path; an edge within rounding is omitted
     if (edges.length > 1 && last.length === 2 && distance(...last) <= 1e-9 * size) {
       edges.pop();
       const before = edges[edges.length - 1];

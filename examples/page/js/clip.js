@@ -1,9 +1,9 @@
-// Motions of a cage: tracks of key frames. Each track moves some vertices along directions of their own. The library compiles
-// a track to cubic pieces, and certifies their largest distance from the keys' curve.
+// Motions of a cage: tracks of key frames. A track moves some vertices, each along its direction. The library compiles
+// a track to cubic pieces and certifies their maximum distance from the curve of the keys.
 
 const KIND = { hold: 0, linear: 1, bezier: 4, automatic: 5 };
 const KIND_OF_WORD = { hold: KIND.hold, linear: KIND.linear, automatic: KIND.automatic, ease: KIND.bezier };
-const EASE = 0.42; // of an interval, as CSS has it
+const EASE = 0.42; // part of an interval, as in CSS
 
 /** Repeats the keys of a track until they cover a clip, plus one period at both ends, so that slopes agree there. */
 function repeatedKeys(track, length) {
@@ -13,7 +13,7 @@ function repeatedKeys(track, length) {
     const shift = p => p && [p[0] + turn * period, p[1]];
     keys.forEach((key, index) => all.push({ ...key, t: key.t + turn * period, in: shift(key.in), out: shift(key.out), index, turn }));
   }
-  all.forEach((key, i) => { // missing handles are level
+  all.forEach((key, i) => { // missing handles are horizontal
     const before = i > 0 ? key.t - all[i - 1].t : 0, after = i + 1 < all.length ? all[i + 1].t - key.t : 0;
     key.in ??= [key.t - EASE * before, key.v];
     key.out ??= [key.t + EASE * after, key.v];
@@ -60,7 +60,7 @@ class Clip {
   /** Returns the times of the key frames of poses. */
   get keyTimes() { return this.poseTracks[0]?.keys.map(key => key.t) ?? []; }
 
-  /** Returns the pieces of a track and their error; they are made at the first call. */
+  /** Returns the pieces of a track and their error; the first call computes them. */
   fitOf(track, engine) {
     if (!track.fitted || track.fitted.tolerance !== this.tolerance) {
       const keys = repeatedKeys(track, this.length);
@@ -91,7 +91,7 @@ class Clip {
     return pose;
   }
 
-  /** Makes a pose a key frame: the part of it that other tracks do not contribute. */
+  /** Sets a key frame of a pose, without the displacements of other tracks. */
   setKey(time, pose, rest, engine) {
     time = Math.min(time, this.length * (1 - 1e-6));
     const others = this.poseAt(time, rest, engine, this.tracks.filter(track => track.vertex === undefined));
@@ -138,7 +138,7 @@ class Clip {
     this.length = length;
   }
 
-  /** Moves the points of another cage: its point i as the old points of rows[i], a list of [point, share]. */
+  /** Converts the tracks to another cage: point i follows the old points of rows[i], a list of [point, share]. */
   follow(rows) {
     const own = (vertex, axis) => this.poseTracks.find(track => track.vertex === vertex && track.axis === axis), [first] = this.poseTracks;
     const others = this.tracks.filter(track => track.vertex === undefined).map(track => {
@@ -178,7 +178,7 @@ function poseTrack(vertex, axis, period, keys) {
   const name = `vertex ${vertex}, ${'xy'[axis]}`;
   return { name, vertex, axis, period, keys, targets: [[vertex, axis === 0 ? 1 : 0, axis]] };
 }
-/** Returns the tracks of a control, which moves by x and y and turns; small turns move along the tangent. */
+/** Returns the tracks of a control, which translates by x and y and rotates; small rotations move along the tangent. */
 function tracksOf(control, rest) {
   if (!control) return [];
   const { rows, pivot, shares } = control, period = rows[rows.length - 1].t - rows[0].t;

@@ -1,5 +1,5 @@
-// Calls of the library: by the npm package (`cageform`), and of the functions of page.cpp. Points, poses and places are arrays of
-// coordinates, one point after the other.
+// Calls of the library through the npm package (`cageform`), and of the functions of page.cpp. Points and poses are flat arrays of
+// coordinates.
 
 /** Returns the bytes of gzip data; null if there are more than `most`. */
 async function unpacked(packed, most = Infinity) {
@@ -14,22 +14,22 @@ async function unpacked(packed, most = Infinity) {
   }
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
-/** Returns the bytes of gzip data in base64. */
+/** Decodes base64 and unpacks the gzip data. */
 const unpack = text => unpacked(Uint8Array.from(atob(text), c => c.charCodeAt(0)));
 
 /** Returns the name of a coordinate type for readers. */
 const titleOf = type => type[0].toUpperCase() + type.slice(1).replaceAll('-', ' ');
 
-/** Coordinates, and points bound by them in batches: the figure's, and the nodes where weights are shown. */
+/** Coordinates and two batches of bound points: those of the figure, and the nodes where weights are shown. */
 class Bound {
-  /** The cage moves its first `count` points; the others stay at rest. */
+  /** The first `count` points of the cage move; the others stay at rest. */
   constructor(coordinates, count = coordinates.vertices) {
     coordinates.solve();
     Object.assign(this, { coordinates, count, rest: coordinates.rest(), batches: [] });
   }
-  /** Returns the points of the cage that move, at rest. */
+  /** Returns the movable points of the cage at rest. */
   get points() { return this.rest.slice(0, this.count * this.coordinates.dimension); }
-  /** Returns the numbers of the points that stay. */
+  /** Returns the indices of the fixed points. */
   get still() { return Array.from({ length: this.coordinates.vertices - this.count }, (x, i) => this.count + i); }
   /** Returns a pose of all points of the cage. */
   full(pose) {
@@ -46,7 +46,7 @@ class Bound {
     this.batches[batch] = this.coordinates.bind(points, hasWeightsOutside ? {} : { outside });
     return this.batches[batch].report;
   }
-  /** Returns the moved points of a batch; a view that the next call may change. */
+  /** Returns the moved points of a batch, a view that the next call may change. */
   clone(batch, pose) {
     const { figure } = this.batches[batch], all = this.full(pose);
     return figure.cloneView(figure.vertices < figure.handles ? figure.poseHandles(all) : all).points;
@@ -62,21 +62,21 @@ class Bound {
 }
 
 class Engine {
-  /** The library in an instance of its own; `onProgress` gets the fraction done of long computations. */
+  /** An instance of the library; `onProgress` receives the completed fraction of long computations. */
   static async start(module, onProgress = () => {}) {
     await cageform.start(module, null, true);
     return Object.assign(new Engine(), { library: cageform.started(), progress: onProgress, plane: new Map(), space: null });
   }
 
   bytes() { return this.library.buffer.byteLength; }
-  /** Returns the bytes that a function makes; `given` returns its arguments. */
+  /** Returns the bytes that a function creates; `given` returns its arguments. */
   made(name, given) {
     return this.library.scoped(scope => cageform.taken(this.library, scope, this.library.make(scope, name, given(scope)))).buffer;
   }
 
   // ---- 2D figures, by coordinate type ----
 
-  /** Returns the types that take any polygon. */
+  /** Returns the types that support any polygon. */
   get polygonTypes() {
     const cage = cageform.Cage.polygon([0, 0, 2, 1, 4, 0, 2, 4]); // not convex
     return cageform.Coordinates.kinds.filter(kind => {
@@ -88,7 +88,7 @@ class Engine {
       }
     });
   }
-  /** Makes coordinates of a type on a cage, and returns the points of the cage that move, at rest; throws the cage's fault. */
+  /** Makes coordinates of a type on a cage; returns the movable points of the cage at rest. Throws if the cage is invalid. */
   makeCoordinates(type, cage) {
     const { Cage, Coordinates } = cageform, scalar = 'float64';
     let made;
@@ -107,11 +107,11 @@ class Engine {
     this.plane.set(type, made);
     return made.points;
   }
-  /** Binds points; those outside stay (of points without a cage), or move with the boundary, as in the programs. */
+  /** Binds points. Points outside stay (Sibson) or move with the boundary, as in the programs. */
   bind(type, batch, points) {
     return this.plane.get(type).bind(batch, points, type.startsWith('sibson') && batch === 0 ? 'keep-in-place' : 'nearest-boundary');
   }
-  /** Returns the moved points of a batch; a view that the next call may change. */
+  /** Returns the moved points of a batch, a view that the next call may change. */
   clone(type, batch, pose) { return this.plane.get(type).clone(batch, pose); }
   weights(type, batch, vertex) { return this.weightsOf(this.plane.get(type).batches[batch], vertex); }
   weightsOf(binding, vertex) {
@@ -138,7 +138,7 @@ class Engine {
 
   // ---- the 3D mesh ----
 
-  /** Makes a cage for a mesh, which takes a second or two. */
+  /** Makes a cage for a mesh; takes a second or two. */
   makeShell(mesh, vertices) {
     const { cage, report } = cageform.makeCage(mesh.vertices, mesh.faces, { vertices, progress: this.progress });
     return { vertices: cage.vertices, faces: Uint32Array.from(cage.faces.flat()), clearance: report.clearance };
@@ -154,10 +154,10 @@ class Engine {
   }
   cloneMesh(pose) {
     const places = this.space.clone(0, pose);
-    this.placesAt = places.byteOffset; // which stays
+    this.placesAt = places.byteOffset; // this address does not change
     return places;
   }
-  /** Returns the normals of the mesh where cloneMesh() has moved it. */
+  /** Returns the normals of the mesh as moved by cloneMesh(). */
   meshNormals(faces) {
     const { library, placesAt, space: { batches: [{ points }] } } = this;
     return library.scoped(scope => {
@@ -177,10 +177,10 @@ class Engine {
 
   // ---- pins ----
 
-  /** Returns the calls that a PinDrag makes: of a 2D figure by coordinates of a type, or of the mesh. */
+  /** Returns the functions for a PinDrag: for a 2D figure with coordinates of a type, or for the mesh. */
   planePins(typeOf) { return new PinCalls(this.library, () => this.plane.get(typeOf()), 2, planeTurn); }
   spacePins() { return new PinCalls(this.library, () => this.space, 3, spaceTurn); }
-  /** Samples the inside of a cage for pins, of coordinates that are there or are made first. */
+  /** Samples the interior of a cage for pins. Makes the coordinates first if they do not exist. */
   samplePins({ type, cage, isMade }, samples) {
     if (!isMade && cage.faces) this.makeSpace(cage);
     else if (!isMade) this.makeCoordinates(type, cage);
@@ -193,13 +193,13 @@ class Engine {
   }
 }
 
-/** The library's calls for the pins of a figure. Pins, targets and places are arrays of coordinates. */
+/** The library's functions for the pins of a figure. Pins, targets and places are arrays of coordinates. */
 class PinCalls {
   constructor(library, boundOf, dimension, turnOf) {
     Object.assign(this, { library, boundOf, dimension, turnOf, at: 0, count: 0 });
     for (const name of ['set', 'begin', 'solve', 'locate', 'find']) cageform.CHANGING.add('page_pins_' + name);
   }
-  /** Calls a function with a pose; `given(scope)` are its other arguments, `size` numbers are read after it. */
+  /** Calls a function with a pose and the arguments `given(scope)`, and returns `size` result numbers. */
   call(name, pose, given, size) {
     return this.library.scoped(scope => {
       const full = Float64Array.from(this.boundOf().full(pose)), at = scope.array(full), out = scope.output(size, 1, Float64Array);
@@ -217,7 +217,7 @@ class PinCalls {
       made.free();
     }
   }
-  /** Returns the pin that no cage holds, -1 if all is well. */
+  /** Sets the pins and held points. Returns an invalid pin, -1 if all are valid. */
   set(points, turned, held) {
     const { library, at } = this, { coordinates, still } = this.boundOf();
     return library.scoped(scope => {
@@ -239,7 +239,7 @@ class PinCalls {
     const { numbers: [settled, miss, iterations, folded], pose: moved } = this.call('solve', pose, given, 4);
     return { settled: settled !== 0, miss, iterations, folded, pose: moved };
   }
-  /** Returns the place of each pin in a pose, and the matrix of the pose there. */
+  /** Returns the position of each pin in a pose, and the Jacobian matrix of the pose there. */
   locate(pose) {
     const each = this.dimension + this.dimension ** 2, numbers = Array.from(this.call('locate', pose, () => [], each * this.count).numbers);
     return Array.from({ length: this.count }, (x, i) => {
@@ -247,21 +247,21 @@ class PinCalls {
       return { place: own.slice(0, this.dimension), matrix: own.slice(this.dimension) };
     });
   }
-  /** Returns the point at rest that a pose takes to a place, and how far off the place that is. */
+  /** Returns the rest point that a pose moves to a place, and the remaining distance from the place. */
   find(start, place, pose) {
     const given = scope => [this.boundOf().coordinates._at, scope.array(Float64Array.from([...start, ...place]))];
     const [x, y, miss] = this.call('find', pose, given, 3).numbers;
     return { found: [x, y], miss };
   }
 }
-/** Returns the angle of the rotation nearest to a matrix, column after column. */
+/** Returns the angle of the rotation nearest to a column-major matrix. */
 const planeTurn = ([a, b, c, d]) => Math.atan2(b - c, a + d);
 
-/** Makes cages in its own thread, one at a time, so that the page stays responsive. */
+/** Makes cages in a worker, one at a time, so that the page stays responsive. */
 class CageMaker {
   constructor(module) { this.module = module; }
 
-  /** Calls makeCage() or makeShell() there; throws on a fault, or if it is stopped. */
+  /** Calls makeCage() or makeShell() in the worker; throws on an error or if stopped. */
   make(method, given, vertices, onProgress) {
     this.stop();
     const text = `${cageformPackage}\nconst cageform = cageformPackage();\n${Bound}\n${Engine}
@@ -278,7 +278,7 @@ class CageMaker {
     const start = performance.now();
     return new Promise((done, failed) => {
       this.stop = () => {
-        worker.onmessage = worker.onerror = null; // what it has sent already is another cage's news
+        worker.onmessage = worker.onerror = null; // messages in transit belong to the earlier cage
         worker.terminate();
         URL.revokeObjectURL(url);
         this.stop = () => {};

@@ -1,4 +1,4 @@
-// Draws the weights of a vertex inside the cage as colours with level lines, on triangles that move with the figure.
+// Draws the weights of a vertex inside the cage as colours with contour lines, on triangles that move with the figure.
 
 /** Returns the nodes of a grid inside loops and next to them, and the triangles between them. */
 function fieldMesh({ loops, points }, size) {
@@ -12,7 +12,7 @@ function fieldMesh({ loops, points }, size) {
     if (number[at] < 0) { number[at] = nodes.length / 2; nodes.push(x(i), y(j)); }
     return number[at];
   };
-  // Keeps all cells with a point inside, and one more layer, so that triangles cover the cage's edge.
+  // Keeps all cells with a point inside, and one more layer, so that triangles cover the cage's boundary.
   const near = (i, j) => {
     for (let v = Math.max(0, j - 1); v <= Math.min(ny - 1, j + 2); ++v)
       for (let u = Math.max(0, i - 1); u <= Math.min(nx - 1, i + 2); ++u) if (inside[v * nx + u]) return true;

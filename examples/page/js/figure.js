@@ -14,7 +14,7 @@ function svgElement(name, attributes = {}, parent = null) {
   return element;
 }
 
-/** Returns the shadow tree of an element, into which nothing of the page's style goes: a drawing has only its own. */
+/** Returns the shadow tree of an element. Resets the inherited styles of the page, so that a drawing has only its own. */
 function closedTree(host) {
   host.classList.add('closed');
   for (const name of document.styleSheets[0].cssRules[0].style) if (name.startsWith('--')) host.style.setProperty(name, 'initial'); // the page's own variables
@@ -42,7 +42,7 @@ function expandUses(root, trees) {
   }
 }
 const drawnUses = root => [...root.querySelectorAll('use')].filter(use => !use.closest(NOT_DRAWN));
-/** Returns a copy of the target of a `use`; a symbol becomes a nested picture, as large as the `use` says. */
+/** Returns a copy of the target of a `use`; a symbol becomes a nested svg with the size given by the `use`. */
 function usedCopy(use, target) {
   if (target.localName !== 'symbol' && target.localName !== 'svg') return document.importNode(target, true);
   const copy = svgElement('svg', { overflow: 'visible' });
@@ -77,7 +77,7 @@ const cubicAt = (p, s, t) => {
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 
 class Figure {
-  /** Reads the text of an SVG document; throws a sentence if it is not one, or draws nothing. */
+  /** Reads the text of an SVG document; throws a message if it is not SVG or draws nothing. */
   constructor(text, name) {
     const { root, css, trees } = readSafeSvg(text, name);
     this.name = name;
@@ -93,7 +93,7 @@ class Figure {
     } finally {
       shadow.replaceChildren();
     }
-    if (this.points.length === 0) throw new Error(name + ' draws nothing that a cage could enclose');
+    if (this.points.length === 0) throw new Error(name + ' draws nothing that a cage can enclose');
   }
 
   readShapes() {
@@ -216,7 +216,7 @@ function userSpaceGradients(root, shape, index) {
     const id = /^url\("?#([^")]*)"?\)/.exec(shape.paint[paint])?.[1];
     const element = id && root.querySelector('#' + CSS.escape(id));
     if (!element || !/^(linear|radial)Gradient$/.test(element.localName)) return [];
-    const inherited = name => { // attributes come from the gradients that it refers to
+    const inherited = name => { // attributes are inherited from referenced gradients
       for (let e = element, hops = 0; e && hops < 8; ++hops) {
         if (e.hasAttribute(name)) return e;
         const to = (e.getAttribute('href') ?? '').slice(1);
@@ -229,7 +229,7 @@ function userSpaceGradients(root, shape, index) {
     return [{ element, index, paint, base: m ? [m.a, m.b, m.c, m.d, m.e, m.f] : [1, 0, 0, 1, 0, 0] }];
   });
 }
-/** Returns the affine map that fits the motion of a shape's points best; for lines it keeps the size across. */
+/** Returns the affine map that fits the motion of a shape's points best; for lines it preserves lengths across the line. */
 function affineFit(shape, rest, places) {
   const begin = 2 * shape.begin, end = begin + 2 * shape.pieces.reduce((sum, n) => sum + 3 * n + 1, 0), count = (end - begin) / 2;
   const mean = points => [0, 1].map(axis => { let sum = 0; for (let k = begin + axis; k < end; k += 2) sum += points[k]; return sum / count; });
@@ -257,11 +257,11 @@ function boundsOf(points) {
 
 const polygonLength = (from, { c1, c2, to }) => distance(from, c1) + distance(c1, c2) + distance(c2, to);
 const pieceCount = (length, step) => Math.min(400, Math.max(1, Math.ceil(length / step)));
-/** Returns the longest allowed piece, which is larger if there were too many. Throws if even whole segments are too many. */
+/** Returns the maximum length of pieces, larger for figures with many pieces. Throws if even whole segments are too many. */
 function stepOf(shapes, step, name) {
   const lengths = shapes.flatMap(({ outline }) => outline ?? []).flatMap(({ start, segments }) =>
     segments.map((segment, k) => polygonLength(k === 0 ? start : segments[k - 1].to, segment)));
-  if (3 * lengths.length > MOST_POINTS) throw new Error(name + ' has more points than this page can move');
+  if (3 * lengths.length > MOST_POINTS) throw new Error(name + ' has too many points for this page');
   const count = () => lengths.reduce((sum, length) => sum + 3 * pieceCount(length, step), 0);
   for (let k = 0; k < 10 && count() > MANY_POINTS; ++k) step *= 2;
   return step;
@@ -293,7 +293,7 @@ function bindBox(shape, points) {
   return { ...shape, begin, back: inverted(shape.map), transform: shape.element.getAttribute('transform') ?? '' };
 }
 
-/** Returns the control points and the end of the cubic through the four points from the `at`th on, along one axis. */
+/** Returns control points and end of the cubic through the four points from index `at`, along one axis. */
 const controlsAt = (of, at) => {
   const p = of(at), q = of(at + 1), r = of(at + 2), s = of(at + 3);
   return [(-5 * p + 18 * q - 9 * r + 2 * s) / 6, (2 * p - 9 * q + 18 * r - 5 * s) / 6, s];
@@ -311,7 +311,7 @@ function writePath(shape, places, decimals, counts) {
   let at = shape.begin;
   counts.forEach((each, k) => {
     data.push('M', short(x(at)), short(y(at)));
-    for (const n of each) { // it leaves like the first of its pieces, and arrives like the last
+    for (const n of each) { // its start tangent is that of the first piece, its end tangent that of the last
       const [first, last] = [at, at + 3 * (n - 1)], xs = controlsAt(x, last), ys = controlsAt(y, last);
       data.push('C', short(controlsAt(x, first)[0]), short(controlsAt(y, first)[0]), short(xs[1]), short(ys[1]), short(xs[2]), short(ys[2]));
       at += 3 * n;
@@ -333,8 +333,8 @@ function markVertices(shape, target) {
   return path;
 }
 
-/** Each filtered element is { element, reach, map, back, inside, region }. `reach` is how far in the element's units a filter paints beyond what
- *  it is given, `inside` the shapes of the element; `region` is the filter element where its region is in user space, else null. */
+/** Returns the filtered elements as { element, reach, map, back, inside, region }. `reach` is the distance, in the element's units,
+ *  by which a filter extends the drawing. `inside` are the shapes of the element. `region` is a filter in user space, or null. */
 function filtersOf(root, shapes) {
   return [...root.querySelectorAll('*')].flatMap(element => {
     const value = element.closest(NOT_DRAWN) ? 'none' : getComputedStyle(element).filter;
@@ -352,7 +352,7 @@ function reachOf(primitive) {
   const most = (...names) => Math.max(0, ...names.flatMap(name => numbersIn(primitive.getAttribute(name) ?? '').map(Math.abs)));
   return 3 * most('stdDeviation') + most('dx', 'dy') + most('radius') + (primitive.localName === 'feDisplacementMap' ? most('scale') / 2 : 0);
 }
-/** Enlarges a region in user space so that it holds the moved element, as it held the one at rest. */
+/** Enlarges a region in user space so that it contains the moved element as it contained the element at rest. */
 function growRegion({ own, inside, back, reach, rest }, places) {
   const corners = inside.flatMap(shape => {
     const end = shape.begin + (shape.outline ? shape.pieces.reduce((sum, n) => sum + 3 * n + 1, 0) : 4), r = shape.radius ?? 0;
@@ -372,8 +372,8 @@ function boxMap(shape, places) {
   const [u0, v0, m0] = [half(1, 0, 3, 2, rest), half(2, 0, 3, 1, rest), middle(rest)];
   const [u, v, m] = [half(1, 0, 3, 2, p), half(2, 0, 3, 1, p), middle(p)];
   const back = inverted([...u0, ...v0, ...m0]), now = [...u, ...v, ...m];
-  const moved = product(now, back);                         // in the document's coordinates
-  return product(shape.back, product(moved, shape.map)); // in the element's
+  const moved = product(now, back);                         // in document coordinates
+  return product(shape.back, product(moved, shape.map)); // in element coordinates
 }
 function product([a, b, c, d, e, f], [g, h, i, j, k, l]) {
   return [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f];

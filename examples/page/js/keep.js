@@ -1,7 +1,7 @@
-// The work is kept in the browser's own store (IndexedDB), so that it is there after a reload: the texts of opened files, and the state
-// of each figure that was changed, with its last steps of undo. The page asks before it is left only while something is not written.
+// Stores the user's work in the browser (IndexedDB), so that it survives a reload: the texts of opened files, and the state of each
+// changed figure with its last undo steps. The page asks before it is closed only while something is not stored.
 
-const KEPT_STEPS = 50;  // of undo
+const KEPT_STEPS = 50;  // undo steps per figure
 const KEEP_AFTER = 300; // ms
 
 const answerOf = request => new Promise((done, failed) => {
@@ -19,7 +19,7 @@ class Keeper {
   }
   get isSaved() { return this.unsaved.size + this.writes === 0; }
 
-  /** Opens the store; returns what is in it: files and states by the keys of their figures, and the key of the figure that was shown. */
+  /** Opens the store. Returns its contents: files and states by the keys of their figures, and the key of the shown figure. */
   async open() {
     try {
       const request = indexedDB.open('cageform', 1);
@@ -32,27 +32,27 @@ class Keeper {
       this.filed = new Set(files.keys());
       return { files, states: all('state'), shown: all('shown').get('') };
     } catch {
-      this.store = null; // as in private windows of some browsers
+      this.store = null; // for instance in private windows
       return { files: new Map(), states: new Map() };
     }
   }
-  /** Puts values, [[kind, key], value] each, into the store, all or none; undefined takes one out. */
+  /** Writes values, [[kind, key], value] each, to the store, all or none; undefined deletes an entry. */
   async put(...entries) {
     const transaction = this.store.transaction('work', 'readwrite'), work = transaction.objectStore('work');
     try {
       for (const [key, value] of entries) if (value === undefined) work.delete(key); else work.put(value, key);
-    } catch (error) { // a value cannot be kept; those before it would stay
+    } catch (error) { // a value cannot be stored; without abort the earlier ones would stay
       transaction.abort();
       throw error;
     }
     await new Promise((done, failed) => {
       transaction.oncomplete = done;
       transaction.onabort = () => failed(transaction.error);
-      transaction.commit(); // even if the page ends now
+      transaction.commit(); // so that the values are stored even if the page is closed now
     });
   }
 
-  /** Notes that the figure shown has been drawn, and whether it has changed since; an animation changes nothing. */
+  /** Call after drawing: marks the figure as changed if its state differs from the last one. Animations change nothing. */
   look() {
     const { app } = this, { current: key, cage, pose, clip, kinds, history: { earlier, later } } = shownOwner(app);
     if (!app.files.has(key) && !DATA[key]) return;
@@ -60,11 +60,11 @@ class Keeper {
     const before = this.known.get(key), isPlaying = app.timeline.playing || app.mesh.dancing;
     const state = [isPlaying ? before?.[0] : pose, cage, clip, kinds, earlier.length, earlier.at(-1), later.length];
     this.known.set(key, state);
-    if (before && state.some((x, i) => x !== before[i] && before[i] !== undefined)) this.change(key); // else it is seen at rest for the first time
+    if (before && state.some((x, i) => x !== before[i] && before[i] !== undefined)) this.change(key); // the first drawing at rest is no change
   }
-  /** Has the state of a figure written soon. */
+  /** Schedules writing of the state of a figure. */
   change(key) {
-    if (!this.unsaved.has(key) && !this.store) this.app.say('This browser keeps no work: save files before you leave the page');
+    if (!this.unsaved.has(key) && !this.store) this.app.say('This browser cannot store your work: save files before you leave the page');
     this.unsaved.add(key);
     this.timer ??= setTimeout(() => this.write(), KEEP_AFTER);
   }
@@ -81,11 +81,11 @@ class Keeper {
     } catch (error) {
       this.store = null;
       for (const key of keys) this.unsaved.add(key);
-      app.sayFault(new Error(`This browser keeps no more work (${error.message}): save files before you leave the page`));
+      app.sayFault(new Error(`This browser can no longer store your work (${error.message}): save files before you leave the page`));
     }
     --this.writes;
   }
-  /** Returns what has to be kept of a figure: all but what its file has. */
+  /** Returns the state of a figure to store: everything that is not in its file. */
   stateOf(key) {
     const owner = ownerOf(this.app, key), { figure, mesh, dance, examplePose, ...state } = owner.current === key ? owner.session() : owner.sessions.get(key);
     return { ...state, earlier: state.earlier.slice(-KEPT_STEPS), later: state.later.slice(-KEPT_STEPS) };
@@ -98,10 +98,10 @@ class Keeper {
 }
 
 const shownOwner = app => isInSpace() ? app.mesh : app;
-/** Returns who has a figure that has been shown. */
+/** Returns the owner (App or MeshView) of a figure that has been shown. */
 const ownerOf = (app, key) => [app, app.mesh].find(({ current, sessions }) => current === key || sessions.has(key));
 
-/** Restores the class Clip, which the store does not keep. */
+/** Restores the class Clip, which the store does not preserve. */
 function withClips(state) {
   for (const part of [state, ...state.earlier, ...state.later])
     for (const { clip } of [part, ...Object.values(part.kinds ?? {})]) if (clip) Object.setPrototypeOf(clip, Clip.prototype);

@@ -1,7 +1,7 @@
-// The kinds of cages in the plane: a polygon; a lattice, whose points stand in rows and columns; and loops of curves, posed as
-// cubics. All have points at rest, `rest`, in the order of a pose. A lattice also has `axes`, `frame` (origin and columns of its
+// The kinds of 2D cages: a polygon; a lattice, whose points are in rows and columns; and loops of curves, posed as
+// cubics. All have points at rest, `rest`, in the order of a pose. A lattice also has `axes`, `frame` (origin and edges of its
 // box), `falloff` and the number of `frozen` layers; a curved cage has `curves` (loops of edges, each of 2 to 4 points), `loops`
-// (the numbers of their points, 3 an edge) and `disk`, the radius of the smallest disk as a part of that used, 0 for none.
+// (points per loop, 3 per edge) and `disk`: radius of the smallest disk / radius of the used disk, 0 for none.
 
 const kindOf = cage => KINDS[cage?.kind ?? 'polygon'];
 const pointAt = (points, i) => [points[2 * i], points[2 * i + 1]];
@@ -19,7 +19,7 @@ const sameRows = count => allOf(count).map(i => [[i, 1]]);
 
 const KINDS = {
   polygon: {
-    types: null, // those chosen
+    types: null, // the chosen types
     mark: () => 'circle',
     shownPoints: () => () => true,
     isFixed: () => false,
@@ -66,7 +66,7 @@ const KINDS = {
       return { loops: [4], points: Float64Array.from(corners.flatMap(i => pointAt(cage.rest, i))) };
     },
     move(cage, selection, f, from) { return moveEach(cage, [...selection].filter(i => !isFrozen(cage, i)), f, from); },
-    /** Returns the lattice in the box that its moved corners span. */
+    /** Returns the lattice in the box spanned by its moved corners. */
     reshaped(cage) {
       const u = cage.axes[0].points, v = cage.axes[1].points, [o, a, b] = [0, u - 1, u * (v - 1)].map(i => pointAt(cage.rest, i));
       return { ...cage, frame: [...o, a[0] - o[0], a[1] - o[1], b[0] - o[0], b[1] - o[1]] };
@@ -82,7 +82,7 @@ const KINDS = {
     mark: i => i % 3 === 0 ? 'rect' : 'circle',
     shownPoints: shownOfCurves,
     isFixed: () => false,
-    describe: cage => `a cage of ${cage.rest.length / 6} curves` + (cage.disk ? `, by a disk of radius ${diskOf(cage)[2].toPrecision(4)}` : ''),
+    describe: cage => `a cage of ${cage.rest.length / 6} curves` + (cage.disk ? `, with a disk of radius ${diskOf(cage)[2].toPrecision(4)}` : ''),
     path: curvesPath,
     outline(cage) {
       const points = [], loops = cage.loops.map(size => size / 3 * CURVE_STEPS);
@@ -109,27 +109,27 @@ function moveEach(cage, points, f, from) {
 
 // ---- lattices ----
 
-function refuseToEdit() { throw new Error('The numbers of columns and rows add and remove points of a lattice'); }
+function refuseToEdit() { throw new Error('To add or remove points of a lattice, change its columns and rows'); }
 const countsOf = cage => cage.axes.map(({ points }) => points);
 /** Returns the rows of a lattice, then its columns, each as a list of points. */
 function linesOf(cage) {
   const [u, v] = countsOf(cage);
   return [...allOf(v).map(j => allOf(u).map(i => i + u * j)), ...allOf(u).map(i => allOf(v).map(j => i + u * j))];
 }
-/** Tests whether a point is in one of the layers that poses leave at rest. */
+/** Tests whether a point is in a frozen layer. */
 function isFrozen(cage, i) {
   const [u, v] = countsOf(cage), { frozen } = cage, isOuter = (at, count) => at < frozen || at + frozen >= count;
   return frozen > 0 && (isOuter(i % u, u) || isOuter(Math.floor(i / u), v));
 }
 const diagonalOf = frame => Math.hypot(...frame.slice(2));
 const degreeOf = (word, points) => word === 'bernstein' ? points - 1 : Math.min(Number(word), points - 1);
-/** Returns the axes of a lattice with so many columns and rows. */
+/** Returns the axes of a lattice with the given numbers of columns and rows. */
 const axesOf = (counts, word) => counts.map(points => ({ points, degree: degreeOf(word, points) }));
-/** Returns the degree as it is chosen, or an empty word if the axes have knots or degrees of their own. */
+/** Returns the value of the degree field; '' if the axes have knots or different degrees. */
 function degreeWord({ axes }) {
   return ['3', '2', '1', 'bernstein'].find(word => axes.every(({ points, degree, knots }) => !knots && degree === degreeOf(word, points))) ?? '';
 }
-/** Returns origin and sides of an axis-parallel box about segments (ax, ay, bx, by, radius each), with a margin as in the programs. */
+/** Returns origin and edges of an axis-parallel box around segments (ax, ay, bx, by, radius each), with the programs' margin. */
 function boxAround(segments) {
   const corners = allOf(segments.length / 5).flatMap(i => {
     const [ax, ay, bx, by, r] = segments.slice(5 * i, 5 * i + 5);
@@ -139,7 +139,7 @@ function boxAround(segments) {
   const wider = side => (side < 1e-3 * diagonal ? 0.021 : 0.02) * diagonal, [u, v] = [x1 - x0, y1 - y0].map(side => side + 2 * wider(side));
   return [x0 - wider(x1 - x0), y0 - wider(y1 - y0), u, 0, 0, v];
 }
-/** Returns for each point of a finer or coarser lattice the shares of the points of this one, by its weights. */
+/** Returns, for each point of a finer or coarser lattice, its weights with respect to the points of this lattice. */
 function latticeRows(engine, cage, rest) {
   engine.makeCoordinates('splines', cage);
   engine.bind('splines', 1, rest);
@@ -147,7 +147,7 @@ function latticeRows(engine, cage, rest) {
   for (let v = 0; 2 * v < cage.rest.length; ++v) engine.weights('splines', 1, v).forEach((w, i) => { if (w !== 0) rows[i].push([v, w]); });
   return rows;
 }
-/** Returns the line through a vertex that a pointer moves across rather than along: its row or its column. */
+/** Returns the row or the column through a vertex, whichever is more perpendicular to the motion of the pointer. */
 function lineAcross(cage, pose, vertex, from, to) {
   const move = [to[0] - from[0], to[1] - from[1]];
   const across = line => {
@@ -157,7 +157,7 @@ function lineAcross(cage, pose, vertex, from, to) {
   const [row, column] = linesOf(cage).filter(line => line.includes(vertex));
   return across(row) >= across(column) ? row : column;
 }
-/** Returns the row or column that passes by a place, null if none does. */
+/** Returns the row or column near a place, null if there is none. */
 function lineNear(cage, pose, place, reach) {
   let best = null, least = reach;
   for (const line of linesOf(cage)) {
@@ -171,10 +171,10 @@ function lineNear(cage, pose, place, reach) {
 
 // ---- curves ----
 
-const CURVE_STEPS = 16; // of a curve where it stands for a polygon
-const THIRDS = 1e-9;    // of the size: tangents as near to the thirds are those of a line
+const CURVE_STEPS = 16; // segments per curve, where a polygon is needed
+const THIRDS = 1e-9;    // relative to the size: control points this near to the thirds of an edge are those of a line
 
-/** Calls f(edge, number) for every edge, by its four points: end, tangents, end. */
+/** Calls f(edge, index) for every edge, given by its four points: end, tangents, end. */
 function forEachCurve(loops, f) {
   let begin = 0;
   for (const size of loops) {
@@ -182,7 +182,7 @@ function forEachCurve(loops, f) {
     begin += size;
   }
 }
-/** Returns the points of the edge that begins with an end, or has a tangent. */
+/** Returns the points of the edge that begins with a given end or has a given tangent. */
 function edgeOf(loops, point) {
   const { begin, loop } = loopOf(loops, point), first = point - point % 3;
   return [first, first + 1, first + 2, begin + (first + 3 - begin) % loops[loop]];
@@ -191,7 +191,7 @@ function edgeBefore(loops, node) {
   const { begin, loop } = loopOf(loops, node);
   return edgeOf(loops, node === begin ? begin + loops[loop] - 3 : node - 3);
 }
-/** Returns the points of the part before t and of the part after it, by de Casteljau's rule. */
+/** Returns the control points of the parts before and after t (de Casteljau). */
 function splitCurve(points, t) {
   const before = [points[0]], after = [points[points.length - 1]];
   for (let level = points; level.length > 1;) {
@@ -211,26 +211,26 @@ function sizeOf(points) {
   const [x0, y0, x1, y1] = boundsOf(pairs(points));
   return Math.hypot(x1 - x0, y1 - y0);
 }
-/** Returns the edges of the points at rest, of the lowest degree that they have; quadratics of before keep their point. */
+/** Returns the edges at rest with their lowest degree; unchanged quadratics keep their control point. */
 function curvesOf({ curves, loops, rest }) {
   const tolerance = THIRDS * sizeOf(rest), old = curves.flat(), all = [];
   forEachCurve(loops, (edge, e) => {
     const [a, b, c, d] = edge.map(i => pointAt(rest, i)), middle = old[e].length === 3 ? old[e][1] : null;
-    const p = between(a, b, 1.5), q = between(d, c, 1.5); // the point of a quadratic, by each tangent
+    const p = between(a, b, 1.5), q = between(d, c, 1.5); // the control point of a quadratic, computed from each tangent
     if (isLine([a, b, c, d], tolerance)) all.push([a, d]);
     else if (middle && distance(p, q) <= tolerance) all.push([a, distance(p, middle) <= tolerance ? middle : p, d]);
     else all.push([a, b, c, d]);
   });
   return loops.map(size => all.splice(0, size / 3));
 }
-/** Returns centre and radius of the disk of a curved cage, about the smallest one that holds its points; radius 0 for none. */
+/** Returns centre and radius of the disk of a curved cage, concentric with the smallest disk around its points; radius 0: none. */
 function diskOf({ curves, disk }) {
   if (!disk) return [0, 0, 0];
-  const margin = 1e-6; // so that no point lies on the circle
+  const margin = 1e-6; // keeps all points off the circle
   const [x, y, radius] = smallestDisk(curves.flat().flatMap(edge => cubicOf(edge).slice(1)));
   return [x, y, (1 + margin) * radius / disk];
 }
-/** Returns the smallest disk that holds points (Welzl 1991, point by point): its centre and radius. */
+/** Returns centre and radius of the smallest disk around points (Welzl 1991, point by point). */
 function smallestDisk(points) {
   const holds = ([x, y, r], p) => distance([x, y], p) <= r * (1 + 1e-12);
   const onTwo = (p, q) => [...between(p, q, 0.5), distance(p, q) / 2];
@@ -252,7 +252,7 @@ function smallestDisk(points) {
   });
   return disk;
 }
-/** Returns a curved cage with the edges of a polygon, and how its points follow the polygon's. */
+/** Returns a curved cage with the edges of a polygon, and the rows that map the polygon's points to its points. */
 function curvesOfPolygon({ loops, rest }) {
   const edges = [], rows = [];
   forEachEdge(loops, (i, j) => {
@@ -272,7 +272,7 @@ function curvesPath({ loops }, places) {
   return path;
 }
 
-/** Returns a test of whether a point is shown: all ends, and tangents where the edge is bent, or where something of it is selected. */
+/** Returns a test of whether a point is shown: all ends, and tangents of edges that are bent or have a selected point. */
 function shownOfCurves({ loops }, places, selection) {
   const tolerance = THIRDS * sizeOf(places), isShown = allOf(places.length / 2).map(i => i % 3 === 0);
   forEachCurve(loops, edge => {
@@ -280,7 +280,7 @@ function shownOfCurves({ loops }, places, selection) {
   });
   return i => isShown[i];
 }
-/** Returns the thin lines from tangents that are shown to their ends. */
+/** Returns the thin lines from shown tangents to their ends. */
 function tangentLines(cage, places, isShown) {
   let path = '';
   forEachCurve(cage.loops, edge => {
@@ -289,13 +289,13 @@ function tangentLines(cage, places, isShown) {
   });
   return path;
 }
-/** Tests whether the tangents of a node lie on one line at rest, within a degree. */
+/** Tests whether the tangents of a node are collinear at rest, within a degree. */
 function isSmooth({ rest }, before, node, after) {
   const [p, q, r] = [before, node, after].map(i => pointAt(rest, i)), u = [q[0] - p[0], q[1] - p[1]], v = [r[0] - q[0], r[1] - q[1]];
   return Math.hypot(...u) * Math.hypot(...v) > 0 && Math.abs(Math.atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])) <= Math.PI / 180;
 }
-/** Moves points by f(x, y, i). An end takes its tangents along, but lines stay lines; a tangent of a smooth node turns the other one,
- *  unless the node is to be broken. */
+/** Moves points by f(x, y, i). An end also moves its tangents, but lines stay lines. A tangent of a smooth node rotates the other
+ *  one, unless `isBroken`. */
 function moveCurves(cage, selection, f, from, isBroken = false) {
   const moved = from.slice(), chosen = new Set(selection), tolerance = THIRDS * sizeOf(from);
   const move = i => putPoint(moved, i, f(...pointAt(from, i), i));
@@ -320,7 +320,7 @@ function moveCurves(cage, selection, f, from, isBroken = false) {
   return moved;
 }
 
-/** Returns the edge nearest to a place, by its first end and how far along it is; null if none is within reach. */
+/** Returns the edge nearest to a place, by its first end and the parameter on it; null if none is within reach. */
 function nearestCurve(cage, pose, place, reach) {
   let best = null, least = reach;
   forEachCurve(cage.loops, edge => {
@@ -332,7 +332,7 @@ function nearestCurve(cage, pose, place, reach) {
   });
   return best;
 }
-/** Divides an edge; nothing moves by it, neither at rest nor posed. */
+/** Divides an edge without moving anything, at rest or posed. */
 function withNode(cage, vertex, t) {
   const [a, b, c, d] = edgeOf(cage.loops, vertex), { begin, loop } = loopOf(cage.loops, a), s = 1 - t;
   const rows = sameRows(cage.rest.length / 2);
@@ -342,12 +342,12 @@ function withNode(cage, vertex, t) {
     : edges.flatMap((edge, e) => begin + 3 * e === a ? splitCurve(edge, t) : [edge]));
   return { cage: { ...cage, curves }, rows, chosen: a + 3 };
 }
-/** Joins the edges at nodes; the outer tangents are left. Two lines become a line. */
+/** Joins the edges at nodes and keeps the outer tangents. Two lines become a line. */
 function withoutNodes(cage, pose, gone) {
   const nodes = [...gone].filter(i => i % 3 === 0);
-  if (nodes.length === 0) throw new Error('Select ends of curves, the squares, to delete them');
+  if (nodes.length === 0) throw new Error('Select ends of curves (squares) to delete them');
   let next = { cage, pose, rows: sameRows(cage.rest.length / 2) };
-  for (const node of nodes.sort((a, b) => b - a)) next = withoutNode(next, node); // from the last one, so that numbers hold
+  for (const node of nodes.sort((a, b) => b - a)) next = withoutNode(next, node); // from the last one, so that indices stay valid
   return next;
 }
 function withoutNode({ cage, pose, rows }, node) {
@@ -362,7 +362,7 @@ function withoutNode({ cage, pose, rows }, node) {
     [rows[before[1]], rows[after[2]]] = [mixed(1 / 3), mixed(2 / 3)];
     [pose[before[1]], pose[after[2]]] = thirdsOf(pose[a], pose[d]);
   }
-  if (isFirst) { // the loop begins at the next end
+  if (isFirst) { // the loop then begins at the next end
     edges.pop();
     edges.shift();
     edges.push(joined);

@@ -1,4 +1,4 @@
-// Buttons, keys, dropped files; and the start.
+// Buttons, keys, dropped files, and the start of the page.
 
 const byId = id => document.getElementById(id);
 
@@ -15,10 +15,10 @@ async function openFile(app, file) {
     const cage = await makeCage(app, 'makeCage', figure.drawnSegments(), wantedVertices());
     showFigure(app, key, { figure, cage });
     addFile(app, key, { name, text, isMesh: false });
-    app.say(`${name}: ${tellMade(cage, cage.rest.length / 2)}, ${cage.clearance.toPrecision(3)} from what is drawn at least${note}`);
+    app.say(`${name}: ${tellMade(cage, cage.rest.length / 2)}, at least ${cage.clearance.toPrecision(3)} from the drawing${note}`);
   });
 }
-/** Shows a mesh in a new cage: beside the others, or in place of what it is `key` of. */
+/** Shows a mesh in a new cage: in addition to the others, or in place of the figure `key`. */
 async function openMesh(app, name, mesh, note = '', key = crypto.randomUUID()) {
   const vertices = Math.max(8, Math.min(400, Math.round(Number(byId('mesh-count').value)) || 112));
   const cage = await makeCage(app, 'makeShell', mesh, vertices);
@@ -26,11 +26,11 @@ async function openMesh(app, name, mesh, note = '', key = crypto.randomUUID()) {
   addFile(app, key, { name, text: mesh.text, isMesh: true });
   app.say(`${name}: ${tellMade(cage, cage.vertices.length / 3)}${note}`);
 }
-/** Opens files one after the other, as make_cage makes one cage at a time. */
+/** Opens files one after the other, because make_cage makes one cage at a time. */
 function openFiles(app, files) {
   for (const file of files) app.opening = Promise.resolve(app.opening).then(() => openFile(app, file));
 }
-/** Gives an opened file a button, and keeps it. */
+/** Adds a button for an opened file, and stores the file. */
 function addFile(app, key, { name, text, isMesh }) {
   if (!app.files.has(key)) {
     const titles = [...app.files.values()].map(file => file.title), titleOf = n => n === 1 ? name : `${name} (${n})`;
@@ -49,7 +49,7 @@ function addFileButton(app, key) {
   button.onclick = () => chooseFigure(app, key);
   byId('files').append(button);
 }
-/** Closes the opened file that is shown. */
+/** Closes the shown file. */
 async function closeFile(app) {
   const { current: key, sessions, history: { earlier } } = shownOwner(app);
   if (earlier.length > 0 && !confirm(`Close ${app.files.get(key).title}? Its pose and undo are lost.`)) return;
@@ -65,7 +65,7 @@ const wantedVertices = () => Math.max(4, Math.min(80, Math.round(Number(byId('co
 const tellMade = ({ milliseconds }, count) =>
   `make_cage took ${milliseconds < 1000 ? milliseconds.toFixed(0) + ' ms' : (milliseconds / 1000).toFixed(1) + ' s'} for ${count} vertices`;
 
-/** Makes a cage with make_cage; shows a progress bar with a button to stop. A later one stops an earlier one and keeps the bar. */
+/** Makes a cage with make_cage; shows a progress bar with a stop button. A later call stops an earlier one and keeps the bar. */
 async function makeCage(app, method, given, vertices) {
   const work = app.work = {};
   byId('work').hidden = false;
@@ -81,7 +81,7 @@ async function makeCage(app, method, given, vertices) {
   }
 }
 
-/** Shows a new figure in the plane; the previous one keeps its state for later. */
+/** Shows a new 2D figure; stores the state of the previous one. */
 function showFigure(app, name, session) {
   app.pause();
   if (app.current && app.current !== name) app.sessions.set(app.current, app.session());
@@ -111,7 +111,7 @@ function showPlane(app) {
   markFigure(app);
   app.redraw();
 }
-/** Shows a mesh: as new if a session is given, otherwise as it was left. */
+/** Shows a mesh: new if a session is given, otherwise with its last state. */
 function showSpace(app, name, session) {
   app.pause();
   dance(app, false);
@@ -124,7 +124,7 @@ function dance(app, isOn) {
   byId('mesh-dance').setAttribute('aria-pressed', isOn);
   app.mesh.toggleDance(isOn);
 }
-/** Shows a figure as it was left, also before the page was loaded again; the project's own figures have their own cages. */
+/** Shows a figure with its last state, also from before a reload; the sample figures have their own cages. */
 async function chooseFigure(app, key) {
   await attempt(app, async () => {
     const file = app.files.get(key), kept = app.kept.get(key);
@@ -165,7 +165,7 @@ function markKind(app) {
   for (const button of document.querySelectorAll('#cages button')) button.classList.toggle('chosen', button.dataset.cage === kind);
   for (const button of document.querySelectorAll('#types button')) button.disabled = kind !== 'polygon';
   byId('walk').disabled = app.current !== 'cat' || kind !== 'polygon';
-  byId('edit').title = kind === 'lattice' ? "E: move, turn and scale the lattice's box; the figure is bound again"
+  byId('edit').title = kind === 'lattice' ? "E: move, rotate and scale the lattice's box; the figure is bound again"
     : 'E: drag vertices of the rest cage; the figure is bound again';
   if (kind === 'lattice') {
     [byId('columns').value, byId('rows').value] = countsOf(cage);
@@ -186,13 +186,13 @@ function connectKinds(app) {
   byId('frozen').onchange = event => change(() => {
     const frozen = Math.max(0, Math.min(9, Math.round(Number(event.target.value)) || 0)), cage = { ...app.cage, frozen };
     const rows = sameRows(cage.rest.length / 2).map((row, i) => isFrozen(cage, i) ? [] : row);
-    if (rows.every(row => row.length === 0)) { markKind(app); throw new Error(`${frozen} still layers leave no point of the lattice to move`); }
+    if (rows.every(row => row.length === 0)) { markKind(app); throw new Error(`With ${frozen} frozen layers the lattice has no movable points`); }
     app.changeCage({ frozen }, true, rows);
   });
   connectSlider(app, 'falloff', share => ({ falloff: share * diagonalOf(app.cage.frame) }));
   connectSlider(app, 'disk', disk => ({ disk }));
 }
-/** Changes the cage while a slider moves, as one step of undo. */
+/** Changes the cage while a slider moves, as one undo step. */
 function connectSlider(app, id, changes) {
   let isMoving = false;
   byId(id).oninput = event => attempt(app, () => {
@@ -202,7 +202,7 @@ function connectSlider(app, id, changes) {
   });
   byId(id).onchange = () => { isMoving = false; };
 }
-/** Chooses what a drag moves: the figure, by pins, or the cage. */
+/** Chooses what a drag moves: the figure (with pins) or the cage. */
 function setMode(app, name) {
   app.dragsFigure = name === 'figure';
   document.body.dataset.mode = name;
@@ -217,7 +217,7 @@ function setMode(app, name) {
   app.redraw();
   app.mesh.redraw();
 }
-/** A button that is on or off. */
+/** A toggle button. */
 function toggle(app, id, name) {
   app[name] = !app[name];
   byId(id).setAttribute('aria-pressed', app[name]);
@@ -225,7 +225,7 @@ function toggle(app, id, name) {
   app.mesh.redraw();
 }
 
-/** Adds a button for each coordinate type, with a number, which is its key. */
+/** Adds a button for each coordinate type, with a number that is also its key. */
 function addTypes(app) {
   [...app.engine.polygonTypes, 'all'].forEach((type, i) => {
     const button = document.createElement('button');
@@ -303,7 +303,7 @@ function toggleMesh(app) {
   app.mesh.redraw();
 }
 
-/** Moves, turns or scales the selection by a key, as one step of undo. */
+/** Moves, rotates or scales the selection by a key, as one undo step. */
 function nudge(app, f) {
   if (app.selection.size === 0) return;
   app.pause();
@@ -324,7 +324,7 @@ function connectKeys(app) {
   addEventListener('keydown', event => {
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, plane = !isInSpace();
-    const isPress = /^(BUTTON|SUMMARY)$/.test(event.target.tagName) && key === ' '; // the button's own key
+    const isPress = /^(BUTTON|SUMMARY)$/.test(event.target.tagName) && key === ' '; // the key presses the button itself
     if (isPress || event.altKey) return;
     if (event.ctrlKey || event.metaKey) {
       if (key !== 'z' && key !== 'y') return;
@@ -344,7 +344,7 @@ function connectKeys(app) {
     event.preventDefault();
   });
 }
-/** Selects the row of the vertex selected last; again, its column. */
+/** Selects the row of the last selected vertex; a second call selects its column. */
 function selectLine(app) {
   const last = [...app.selection].pop(), isAll = line => line.every(i => app.selection.has(i) || isFrozen(app.cage, i));
   if (last === undefined) return app.say('Select a point of the lattice first');
@@ -352,7 +352,7 @@ function selectLine(app) {
   app.select([...line.filter(i => i !== last), last]);
   app.redraw();
 }
-/** Handles a key for a figure in the plane; returns false if it has no effect. */
+/** Handles a key for a 2D figure; returns false if it has no effect. */
 function pressInPlane(app, key, event) {
   const step = app.figure.size / 400 * (event.shiftKey ? 10 : 1);
   if (ARROWS[key]) {
@@ -388,7 +388,7 @@ function pressInPlane(app, key, event) {
   }
   return true;
 }
-/** Handles a key in space; returns false if it has no effect. */
+/** Handles a key for a mesh; returns false if it has no effect. */
 function pressInSpace(mesh, key, event) {
   if (ARROWS[key]) {
     const [dx, dy] = ARROWS[key], step = event.shiftKey ? 20 : 2;
@@ -420,14 +420,14 @@ function connectDrops(app) {
   byId('open').onchange = event => { openFiles(app, event.target.files); event.target.value = ''; };
 }
 
-/** Moves the first scene until the user touches anything; does nothing for users who prefer less motion. */
+/** Animates the first scene until the first input; does nothing if the user prefers reduced motion. */
 function playFirstScene(app) {
   if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
   byId('walk').click();
   app.history.set([], []);
   const stop = event => {
     for (const kind of ['pointerdown', 'keydown']) removeEventListener(kind, stop, true);
-    const isPlay = event.target.id === 'play' || event.key === ' '; // these stop it themselves
+    const isPlay = event.target.id === 'play' || event.key === ' '; // these stop the motion themselves
     if (!isPlay) app.pause();
   };
   for (const kind of ['pointerdown', 'keydown']) addEventListener(kind, stop, true);
@@ -449,7 +449,7 @@ async function startPage() {
   app.files = new Map([...files].sort(([, a], [, b]) => a.opened - b.opened));
   app.kept = states;
   for (const key of app.files.keys()) addFileButton(app, key);
-  app.hinted = 0; // how many hints have been followed
+  app.hinted = 0; // number of hints followed
   app.pinDrag.onMoved = app.mesh.pinDrag.onMoved = () => { ++app.hinted; };
   addTypes(app);
   connectButtons(app);
@@ -459,9 +459,9 @@ async function startPage() {
   chooseTypes(app, 'harmonic');
   setMode(app, 'figure');
   await chooseFigure(app, 'cat');
-  if (!app.figure) await chooseFigure(app, 'cat'); // without what was kept
+  if (!app.figure) await chooseFigure(app, 'cat'); // no stored work
   if (shown) {
-    await app.keeper.put([['shown', '']]).catch(() => {}); // a figure that the browser cannot bear is not shown again
+    await app.keeper.put([['shown', '']]).catch(() => {}); // a figure that crashes the page is not shown again
     await chooseFigure(app, shown);
   }
   app.draw();

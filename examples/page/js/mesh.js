@@ -1,7 +1,7 @@
-// The character in space. The user orbits the view and drags vertices of the cage. The mesh is cloned by WebAssembly, or on
+// The 3D character. The user orbits the view and drags vertices of the cage. The mesh is cloned by WebAssembly, or on
 // the graphics card by the library's GLSL.
 
-/** Reads vertices and triangles of an OBJ text; larger faces become fans. Throws if there are none. */
+/** Reads the vertices and triangles of an OBJ text; larger faces become fans. Throws if there are no faces. */
 function parseObj(text, name) {
   const vertices = [], faces = [];
   for (const line of text.split('\n')) {
@@ -16,7 +16,7 @@ function parseObj(text, name) {
   return { text, vertices: Float64Array.from(vertices), faces: Uint32Array.from(faces) };
 }
 
-/** A dance of the cage: its poses over time (support/files/clip_file.hpp, poses in space). */
+/** A dance of the cage: its poses over time (support/files/clip_file.hpp, 3D poses). */
 class Dance {
   constructor(text) {
     this.keys = [];
@@ -27,7 +27,7 @@ class Dance {
       else this.keys[this.keys.length - 1].places.push(...line.split(',').map(Number));
     }
   }
-  /** Returns the pose at a time, by cubics through the keys with the slopes of parabolas. */
+  /** Returns the pose at a time: cubics through the keys, with slopes from parabolas. */
   poseAt(time) {
     const { keys, length } = this, count = keys.length;
     const at = time % length, k = keys.findLastIndex(key => key.time <= at);
@@ -51,7 +51,7 @@ in vec3 at, normal;
 out vec4 colour;
 uniform float smooth_normals, shows_weights;
 in float w;
-/// Colours weights as in the plane: blue where negative, from white by pink to plum, with a line every tenth.
+/// Colours weights as in 2D: blue where negative, else from white over pink to plum, with a contour line every 0.1.
 vec3 weight_colour() {
   float size = clamp(abs(w), 0.0, 1.0), change = max(fwidth(w), 1e-9), level = 10.0 * w;
   vec3 c = w < 0.0 ? vec3(0.1, 0.32, 0.8) : mix(vec3(0.95, 0.42, 0.66), vec3(0.5, 0.02, 0.36), smoothstep(0.35, 1.0, size));
@@ -108,7 +108,7 @@ function perspective(aspect, near, far) {
   return new Float32Array([f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0]);
 }
 
-/** The project's own character: its mesh and cage, a pose and a dance. */
+/** The sample character: its mesh and cage, a pose and a dance. */
 async function readCharacter(data) {
   const [mesh, cage, pose, dance] = await Promise.all([data.mesh, data.cage, data.pose, data.dance].map(async packed =>
     new TextDecoder().decode(await unpack(packed))));
@@ -125,12 +125,12 @@ class MeshView {
     this.history = new History(this);
     this.pinDrag = new PinDrag(this, app.engine.spacePins());
     this.pinMarks = new PinMarks(document.getElementById('mesh-pins'), this.pinDrag);
-    this.sessions = new Map(); // of meshes shown before, by name
+    this.sessions = new Map(); // states of meshes shown before, by name
     attachOrbit(this);
     new ResizeObserver(() => this.redraw()).observe(this.canvas);
   }
 
-  /** Shows a mesh, as new or as it was left; the previous one is kept. */
+  /** Shows a mesh, new or with its last state; stores the state of the previous one. */
   leave(current, session) {
     if (this.current && this.current !== current) this.sessions.set(this.current, this.session());
     this.show(session);
@@ -184,7 +184,7 @@ class MeshView {
   pinCage() { return { cage: { vertices: this.cage.vertices, faces: this.cage.faces } }; }
   boundFor() { return this.bound; }
   get fixedPoints() { return []; }
-  /** Returns vertices of the mesh at rest, a few thousand at most. */
+  /** Returns vertices of the mesh at rest, at most a few thousand. */
   pinCandidates() {
     const { vertices } = this.mesh, step = Math.ceil(vertices.length / 12000);
     return allOf(Math.floor(vertices.length / 3 / step)).map(i => Array.from(vertices.subarray(3 * i * step, 3 * i * step + 3)));
@@ -195,7 +195,7 @@ class MeshView {
   }
   sayFault(error) { this.app.sayFault(error); }
   say(text) { this.app.say(text); }
-  /** Sets a pin where there is none far about. */
+  /** Sets a pin far from all other pins. */
   addFarPin() {
     this.pinDrag.prepare();
     const points = spreadPoints(this.pinCandidates(), this.pins.points, 1);
@@ -220,7 +220,7 @@ class MeshView {
     this.near = this.selected;
     this.redraw();
   }
-  /** Moves the selected vertex by pixels, as one step of undo. */
+  /** Moves the selected vertex by pixels, as one undo step. */
   nudge(dx, dy) {
     this.history.remember();
     dragMeshVertex(this, this.selected)(dx, dy);
@@ -231,7 +231,7 @@ class MeshView {
     this.dancing = 0;
     if (!isOn || !this.dance) return;
     this.history.remember();
-    let begin = null; // by the clock of frames, which is later than performance.now()
+    let begin = null; // in the time of animation frames, which differs from performance.now()
     const step = now => {
       if (!this.dance || !document.body.classList.contains('in-space')) return;
       begin ??= now;
@@ -305,7 +305,7 @@ class MeshView {
     this.app.keeper.look();
   }
 
-  /** Returns the matrices of an orbit about the character. */
+  /** Returns the matrices of an orbit around the character. */
   aim(aspect) {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)], [cr, sr] = [Math.cos(this.rise), Math.sin(this.rise)];
     const [x, y, z] = this.middle, away = this.size * 1.35 * this.far * Math.max(1, 0.8 / aspect);
@@ -393,7 +393,7 @@ class MeshView {
     });
   }
   tell() {
-    const clone = this.onCard ? `displacements handed to the card in ${this.cloneTime.toFixed(2)} ms (skin of ${4 * this.skinSets} weights made in ${this.skinTime.toFixed(0)} ms)`
+    const clone = this.onCard ? `displacements uploaded in ${this.cloneTime.toFixed(2)} ms (skin of ${4 * this.skinSets} weights made in ${this.skinTime.toFixed(0)} ms)`
       : `cloned, with normals, in ${this.cloneTime.toFixed(2)} ms`;
     tellLegend(this.app, this.weightVertex);
     tellHint(this.app, this.pinDrag);
@@ -414,7 +414,7 @@ function uniqueEdges(faces) {
   return edges;
 }
 
-/** Handles pointers: one drags a vertex or turns the view; two zoom by moving apart, as the wheel does. */
+/** Handles pointers: one drags a vertex or rotates the view; two zoom by moving apart, like the wheel. */
 function attachOrbit(view) {
   const { canvas } = view, fingers = new Map();
   let gesture = null;
@@ -478,20 +478,20 @@ const orbit = view => (dx, dy) => {
   view.turn += dx * 0.008;
   view.rise = Math.max(-1.5, Math.min(1.5, view.rise + dy * 0.008));
 };
-/** Returns a shift on the screen by pixels, as one in space at a depth. */
+/** Converts a shift on the screen in pixels to a 3D shift at a depth. */
 function shiftOnScreen({ toEye: m, canvas }, depth, dx, dy) {
   const unit = depth * Math.tan(0.3) * 2 / canvas.clientHeight;
   return [0, 1, 2].map(k => unit * (dx * m[4 * k] - dy * m[4 * k + 1]));
 }
-/** Drags a vertex in the plane of the screen, at its depth. */
+/** Drags a vertex parallel to the screen, at its depth. */
 function dragMeshVertex(view, vertex) {
   return (dx, dy) => {
-    const pose = view.pose.slice(); // poses are kept by undo
+    const pose = view.pose.slice(); // a copy, because undo stores poses
     shiftOnScreen(view, view.places[vertex][2], dx, dy).forEach((x, k) => { pose[3 * vertex + k] += x; });
     view.pose = pose;
   };
 }
-/** Drags a vertex as one step of undo, and ends a dance. */
+/** Drags a vertex as one undo step, and stops a dance. */
 function rememberedDrag(view, vertex) {
   const drag = dragMeshVertex(view, vertex);
   let moved = false;

@@ -1,10 +1,10 @@
-// Pins in space: what is under the pointer, drags in the plane of the screen, turns about the line of sight.
+// 3D pins: the element under the pointer, drags parallel to the screen, rotations about the line of sight.
 
 const shifted = (place, by) => place.map((x, k) => x + by[k]);
 
 MeshView.prototype.depthOf = function (place) { return this.project(...place, 1, 1)[2]; };
 
-/** Returns the vertex of the mesh nearest to the pointer of the face under it; -1 if there is none. */
+/** Returns, of the face under the pointer, the mesh vertex nearest to the pointer; -1 if there is none. */
 function vertexUnder(view, [x, y]) {
   const { mesh: { vertices, faces }, pose, canvas: { clientWidth: width, clientHeight: height } } = view, count = vertices.length / 3;
   const places = view.app.engine.cloneMesh(pose), m = view.toClip, on = new Float32Array(3 * count);
@@ -30,7 +30,7 @@ function vertexUnder(view, [x, y]) {
 /** Starts the gesture of a press on the mesh; `nearest` finds a vertex of the cage. */
 function pressMesh(view, place, event, nearest) {
   const isTouch = event.pointerType === 'touch', reach = isTouch ? 24 : 11, slop = isTouch ? 7 : 3, drag = view.pinDrag;
-  view.onDrag?.(); // ends a dance
+  view.onDrag?.(); // stops a dance
   drag.prepare();
   const places = view.pinPlaces(), pin = nearestPin(places, place, reach);
   const targetFrom = depth => (to, from) => shifted(from, shiftOnScreen(view, depth, to[0] - place[0], to[1] - place[1]));
@@ -54,7 +54,7 @@ function hoverMesh(view, place, event) {
   if (!view.mesh || !view.pinDrag.isPrepared || !view.toClip) return;
   hoverPin(view.pinDrag, view.pinPlaces(), place, 1, event.pointerType === 'touch' ? 24 : 11);
 }
-/** Drags a vertex of the cage and holds it; a click lets it go. */
+/** Drags a vertex of the cage and fixes it; a click releases it. */
 function holdMeshVertex(view, vertex, place, slop) {
   const { pose: begin, pinDrag: drag } = view, depth = view.places[vertex][2];
   let moved = false;
@@ -85,9 +85,9 @@ function turnView(view, place) {
   return { kind: 'ground', move(to) { turn(to[0] - last[0], to[1] - last[1]); last = to; view.redraw(); }, end() {} };
 }
 
-// ---- turns in space: the axis times the angle ----
+// ---- 3D rotations: the axis times the angle ----
 
-/** Returns a turn, followed by one on the screen, clockwise, about the line of sight. */
+/** Returns a rotation followed by a clockwise rotation about the line of sight. */
 function turnedOnScreen({ toEye: m }, turn, angle) {
   return vectorOf(quaternionProduct(quaternionOf([-angle * m[2], -angle * m[6], -angle * m[10]]), quaternionOf(turn)));
 }
@@ -102,14 +102,14 @@ function vectorOf([w, ...v]) {
 function quaternionProduct([a, b, c, d], [e, f, g, h]) {
   return [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e];
 }
-/** Returns the turn nearest to a matrix, column after column, by Newton's method for the polar decomposition (Higham 1986). */
+/** Returns the rotation nearest to a column-major matrix: Newton's method for the polar decomposition (Higham 1986). */
 function spaceTurn(matrix) {
   let m = matrix;
   const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
   for (let n = 0; n < 30; ++n) {
     const [a, b, c] = [m.slice(0, 3), m.slice(3, 6), m.slice(6)], cofactors = [cross(b, c), cross(c, a), cross(a, b)].flat();
     const determinant = a.reduce((sum, x, k) => sum + x * cofactors[k], 0);
-    if (!(determinant > 0)) break; // turned inside out
+    if (!(determinant > 0)) break; // inverted
     m = m.map((x, k) => 0.5 * (x + cofactors[k] / determinant));
   }
   const trace = m[0] + m[4] + m[8], v = [m[5] - m[7], m[6] - m[2], m[1] - m[3]], sine = Math.hypot(...v);

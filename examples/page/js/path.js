@@ -1,5 +1,5 @@
-// Outlines of SVG shapes as subpaths of cubic segments, in the shape's own coordinates. Numbers are read from the
-// text, because the browser's own lists have single precision.
+// Outlines of SVG shapes as subpaths of cubic segments, in the shape's coordinates. Numbers are read from the
+// text, because the browser's lists have single precision.
 
 const NUMBERS = /[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?/gi;
 const numbersIn = text => (text.match(NUMBERS) ?? []).map(Number);
@@ -7,8 +7,8 @@ const numbersIn = text => (text.match(NUMBERS) ?? []).map(Number);
 const between = (a, b, t) => [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
 const lineSegment = (from, to) => ({ line: true, c1: between(from, to, 1 / 3), c2: between(from, to, 2 / 3), to });
 
-/** Collects subpaths: { start, segments: [{ line, c1, c2, to }], closed }; a quadratic segment also has its `control` point. Arcs become
- *  cubics of at most `widest`. */
+/** Collects subpaths { start, segments: [{ line, c1, c2, to }], closed }; a quadratic segment also has its `control` point. Arcs
+ *  become cubics of at most `widest` radians. */
 class PathBuilder {
   constructor(widest = Math.PI / 2) { this.subpaths = []; this.at = [0, 0]; this.widest = widest; }
   move(p) { this.current = null; this.at = p; }
@@ -59,7 +59,7 @@ class PathBuilder {
   }
 }
 
-/** Reads the numbers of arcs, whose flags need no space: "a1 1 0 01.5.5". */
+/** Reads the numbers of arcs, whose flags need no separators: "a1 1 0 01.5.5". */
 function arcNumbers(text) {
   const numbers = [];
   const token = /[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?/giy;
@@ -78,7 +78,7 @@ function arcNumbers(text) {
 
 const COMMAND_SIZE = { m: 2, l: 2, h: 1, v: 1, c: 6, s: 4, q: 4, t: 2, a: 7, z: 0 };
 
-/** Returns the subpaths of a path's data, up to the first fault, as SVG requires. */
+/** Returns the subpaths of a path's data, up to the first error, as SVG requires. */
 function parsePath(text, path = new PathBuilder()) {
   let smooth = null, last = ''; // the last control point, for S and T, and its command
   for (const [, letter, rest] of text.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {

@@ -1,24 +1,24 @@
-// Pins on the figure, which move the cage: the mode "Drag the figure", in the plane and in space.
+// Pins on the figure, which move the cage: the mode "Drag the figure", in 2D and 3D.
 //
-// An owner (App, MeshView) has `pose` and `pins`; both are replaced, never changed, so that undo only keeps them. Pins have
-// `points` at rest and `targets`, an array of coordinates each; `turns`, null for a pin that does not turn; `held`, the points of
-// the cage that stay where they are dragged; and `pose`, the pose that the targets were made for.
+// An owner (App, MeshView) has `pose` and `pins`; both are replaced, never modified, so that undo can store references. Pins have
+// `points` at rest and `targets`, an array of coordinates each; `turns`, null for pins without rotation; `held`, the fixed points of
+// the cage; and `pose`, the pose that belongs to the targets.
 
 const NO_PINS = { points: [], targets: [], turns: [], held: [], pose: null };
-const PLANE_SAMPLES = 1500; // more move the cat by less than 0.2 % of its size
+const PLANE_SAMPLES = 1500; // more samples move the cat by less than 0.2 % of its size
 const SPACE_SAMPLES = 2000;
-const SAMPLES_EACH = 10;   // at least, for a handle
-const MOST_AT_ONCE = 150;  // handles of a cage that is sampled in this thread
-const DOUBLE_CLICK = 350;  // ms in which a second click removes no pin
-const SETTLING = 300;      // frames after the last change, at most
-// Where the pins of the project's own figures are at first: in the body, so that any limb can be pulled.
+const SAMPLES_EACH = 10;   // at least, per handle
+const MOST_AT_ONCE = 150;  // handles; larger cages are sampled in a worker
+const DOUBLE_CLICK = 350;  // ms; within this time a second click does not remove the pin
+const SETTLING = 300;      // maximum number of frames after the last change
+// Initial pins of the sample figures: in the body, so that any limb can be pulled.
 const START_PLACES = {
   cat: [[231, 407], [705, 406]],
   biped: [[205, 150], [295, 150]],
   character: [[0, 1.25, 0.14], [-0.15, 0.95, 0.1], [0.15, 0.95, 0.1]],
 };
 
-/** Adds `count` of the candidates to places: each time the farthest from all that are there. */
+/** Adds `count` candidates to places, each the farthest from all previous places. */
 function spreadPoints(candidates, places, count) {
   const gap = (p, q) => p.reduce((sum, x, k) => sum + (x - q[k]) ** 2, 0), all = [...places];
   if (candidates.length === 0) return all;
@@ -33,7 +33,7 @@ function spreadPoints(candidates, places, count) {
   return all;
 }
 
-/** Returns pins for a figure that is new: as many as it has dimensions, in the fifth of its points nearest to their middle. */
+/** Returns pins for a new figure: one per dimension, among the fifth of its points nearest to their centre. */
 function innerPoints(points) {
   if (points.length === 0) return [];
   const middle = points[0].map((x, k) => points.reduce((sum, p) => sum + p[k], 0) / points.length);
@@ -41,20 +41,20 @@ function innerPoints(points) {
   return spreadPoints(sorted.slice(0, Math.max(3, Math.ceil(points.length / 5))), [], middle.length);
 }
 
-/** Moves the pose of an owner by its pins, frame by frame until it has settled. */
+/** Moves the pose of an owner by its pins, frame by frame, until it settles. */
 class PinDrag {
-  /** `calls` are those of Engine.planePins() or spacePins(). The owner's boundFor() is another object after each bind; its
-   *  startPins() are points of the figure at rest, and fixedPoints those of the cage that no pose moves. */
+  /** `calls` are those of Engine.planePins() or spacePins(). The owner's boundFor() returns a new object after each bind. Its
+   *  startPins() are points of the figure at rest, its fixedPoints those points of the cage that no pose moves. */
   constructor(owner, calls) {
     Object.assign(this, { owner, calls, running: 0, chosen: -1, hovered: -1, spin: 0, sampleTime: 0, frameTime: 0, folded: 0 });
   }
 
-  /** Makes ready for the cage and the pins as they are; throws the fault. */
+  /** Prepares the solver for the current cage and pins; throws on an error. */
   prepare() {
     const { owner } = this, bound = owner.boundFor();
     if (this.bound !== bound) {
       this.bound = this.given = this.begun = null;
-      if (!this.sample(bound)) throw new Error('The pins are being made ready');
+      if (!this.sample(bound)) throw new Error('The pins are being prepared');
     }
     if (!owner.pins) {
       const points = owner.startPins();
@@ -63,8 +63,8 @@ class PinDrag {
     this.give();
     if (owner.pins.pose !== owner.pose) this.refresh();
   }
-  /** Samples the inside of the cage, at once or, where that takes long, in a thread of its own; then returns false, and draws when it
-   *  is done. */
+  /** Samples the interior of the cage: at once, or for large cages in a worker. In a worker it returns false and draws when the
+   *  samples are complete. */
   sample(bound) {
     const { owner, calls } = this, handles = owner.pose.length / calls.dimension, given = owner.pinCage();
     const samples = Math.max(calls.dimension === 2 ? PLANE_SAMPLES : SPACE_SAMPLES, SAMPLES_EACH * handles), start = performance.now();
@@ -92,7 +92,7 @@ class PinDrag {
     return false;
   }
   get isPrepared() { return this.bound === this.owner.boundFor() && !!this.owner.pins; }
-  /** Returns whether pins can be shown; else makes ready once the browser has drawn, and draws again. */
+  /** Returns whether pins can be shown; otherwise prepares them after the browser has drawn, and draws again. */
   readySoon() {
     const { owner } = this;
     try {
@@ -119,7 +119,7 @@ class PinDrag {
     return false;
   }
 
-  /** Sets pins and held points in the library; pins that the cage does not hold are left out. */
+  /** Sets pins and held points in the library, without invalid pins. */
   give() {
     const { owner } = this;
     for (;;) {
@@ -134,25 +134,25 @@ class PinDrag {
       owner.pins = withoutPin(owner.pins, culprit);
     }
   }
-  /** Puts the targets to where the pose has the pins. */
+  /** Sets the targets to the positions of the pins in the pose. */
   refresh() {
     const { owner } = this, { points, turns } = owner.pins, there = this.calls.locate(owner.pose);
     owner.pins = { ...owner.pins, targets: there.map(({ place }) => place), pose: owner.pose,
       turns: points.map((p, i) => (turns[i] ?? null) === null ? null : this.calls.turnOf(there[i].matrix)) };
   }
-  /** Returns where the pins are in a pose. */
+  /** Returns the positions of the pins in a pose. */
   placesIn(pose) { return this.calls.locate(pose).map(({ place }) => place); }
 
-  // ---- changes; the caller remembers ----
+  // ---- changes; the caller stores the undo step ----
 
-  /** Adds a pin by its place at rest; it stays where the pose has it. Throws if the cage does not hold it. */
+  /** Adds a pin by its rest point; its target is its position in the pose. Throws if the pin is not inside the cage. */
   add(point) {
     const { owner } = this, { points, targets, turns } = owner.pins, before = owner.pins;
     owner.pins = { ...before, points: [...points, point], targets: [...targets, point], turns: [...turns, null] };
     this.give();
     if (owner.pins.points.length <= points.length) {
       owner.pins = before;
-      throw new Error('A pin has to be inside of the cage');
+      throw new Error('A pin must be inside the cage');
     }
     const [last] = this.calls.locate(owner.pose).slice(-1);
     owner.pins = { ...owner.pins, targets: [...targets, last.place], pose: owner.pose };
@@ -181,7 +181,7 @@ class PinDrag {
     return typeof turn === 'number' ? turn : this.spin;
   }
   turnAt(index) { return this.owner.pins.turns[index] ?? this.calls.turnOf(this.calls.locate(this.owner.pose)[index].matrix); }
-  /** Holds points of the cage, which the pose has to have already, or lets them go. */
+  /** Fixes points of the cage at their positions in the pose, or releases them. */
   hold(points, isHeld = true) {
     const { pins } = this.owner, others = pins.held.filter(i => !points.includes(i));
     this.owner.pins = { ...pins, held: isHeld ? [...others, ...points] : others };
@@ -209,10 +209,10 @@ class PinDrag {
     cancelAnimationFrame(this.running);
     this.running = this.folded = 0;
   }
-  /** Moves the pose a frame on and draws it; returns whether it goes on. */
+  /** Computes and draws the next frame; returns whether more frames are needed. */
   frame() {
     const { owner } = this, { pins } = owner;
-    if (!pins || pins.pose !== owner.pose || !this.isPrepared || pins.points.length + pins.held.length === 0) return false; // another pose was set
+    if (!pins || pins.pose !== owner.pose || !this.isPrepared || pins.points.length + pins.held.length === 0) return false; // the pose was set elsewhere
     const start = performance.now();
     let settled = true;
     try {
@@ -235,7 +235,7 @@ class PinDrag {
     if (document.activeElement?.matches('.pin')) document.activeElement.blur();
     this.owner.redraw();
   }
-  /** Chooses the next or the previous pin. */
+  /** Selects the next or the previous pin. */
   step(by) {
     const count = this.owner.pins?.points.length ?? 0;
     this.wantsFocus = true;
@@ -251,9 +251,9 @@ function withoutPin(pins, index) {
 // ---- marks ----
 
 const isCoarse = () => matchMedia('(pointer: coarse)').matches;
-const ringRadius = () => isCoarse() ? 42 : 28; // pixels; a drag that begins within it moves the pin
+const ringRadius = () => isCoarse() ? 42 : 28; // pixels; a drag from within this radius moves the pin
 
-/** Dots and the ring of the chosen pin, in an SVG; Tab goes from one dot to the next. */
+/** The dots of pins and the ring of the selected pin, in an SVG; Tab moves the focus to the next dot. */
 class PinMarks {
   constructor(parent, drag) {
     this.drag = drag;
@@ -262,7 +262,7 @@ class PinMarks {
     this.knob = svgElement('circle', { class: 'knob' }, this.group);
     this.dots = [];
   }
-  /** Draws pins at places; `unit` is a pixel. */
+  /** Draws pins at places; `unit` is the size of a pixel. */
   draw(places, unit, isLead = true, isBehind = () => false) {
     const { drag } = this, turns = drag.owner.pins?.turns ?? [], radius = (isCoarse() ? 9 : 7) * unit;
     while (this.dots.length > places.length) this.dots.pop().remove();
@@ -272,7 +272,7 @@ class PinMarks {
       this.dots.push(dot);
     }
     this.dots.forEach((dot, i) => putAttributes(dot, {
-      cx: places[i][0], cy: places[i][1], r: radius, 'aria-label': `Pin ${i + 1} of ${places.length}${turns[i] === null ? '' : ', turned'}; arrows move it, brackets turn it, Delete removes it`,
+      cx: places[i][0], cy: places[i][1], r: radius, 'aria-label': `Pin ${i + 1} of ${places.length}${turns[i] === null ? '' : ', rotated'}; arrows move it, brackets rotate it, Delete removes it`,
       class: ['pin', i === drag.chosen ? 'chosen' : '', i === drag.hovered ? 'near' : '', turns[i] === null ? '' : 'turned', isBehind(i) ? 'back' : ''].join(' ') }));
     if (isLead && drag.wantsFocus && this.dots[drag.chosen]) {
       drag.wantsFocus = false;
@@ -290,8 +290,8 @@ function putAttributes(element, values) { for (const [name, value] of Object.ent
 
 // ---- gestures: { kind, move(place, event), end(isCancelled) } ----
 
-/** Moves a pin by the pointer; `targetAt(place, from)` is where it is to go. A press may be on a `pin`, or `near` it, or have set a
- *  `new` one. A click removes the pin that it is on; near it, it does `onClick`. */
+/** Moves a pin with the pointer to `targetAt(place, from)`. A press is on a `pin`, `near` a pin, or has set a
+ *  `new` pin. A click on a pin removes it; a click near a pin calls `onClick`. */
 function dragPin(drag, kind, point, place, slop, targetAt, onClick = () => removeByClick(drag, point)) {
   const { owner } = drag, index = () => owner.pins.points.indexOf(point), from = owner.pins.targets[index()];
   let moved = false;
@@ -320,14 +320,14 @@ function dragPin(drag, kind, point, place, slop, targetAt, onClick = () => remov
     },
   };
 }
-/** Removes a pin, unless the click is the second of two that set it. */
+/** Removes a pin, unless the click is the second click of a double click that set the pin. */
 function removeByClick(drag, point) {
   const { owner, newest } = drag;
   if (newest?.point === point && performance.now() - newest.time < DOUBLE_CLICK) return;
   owner.history.remember();
   drag.remove(owner.pins.points.indexOf(point));
 }
-/** Sets a pin at a point at rest, as a step of undo; returns the point. */
+/** Sets a pin at a rest point, as one undo step; returns the point. */
 function setPin(drag, point) {
   const before = drag.owner.state();
   drag.add(point);
@@ -337,7 +337,7 @@ function setPin(drag, point) {
   return point;
 }
 
-/** Turns a pin by its ring; a click on the ring lets the pin turn freely again. `turnedBy(turn, angle)` adds an angle on the screen. */
+/** Rotates a pin by its ring; a click on the ring makes the rotation free again. `turnedBy(turn, angle)` adds a screen angle. */
 function turnPin(drag, index, centre, place, turnedBy) {
   const { owner } = drag, point = owner.pins.points[index], from = drag.turnAt(index), angleOf = p => Math.atan2(p[1] - centre[1], p[0] - centre[0]);
   let moved = false, angle = 0, last = angleOf(place);
@@ -367,12 +367,12 @@ function turnPin(drag, index, centre, place, turnedBy) {
   };
 }
 
-/** Follows pointers on an element, each with a gesture of its own; two that hold no pin zoom. */
+/** Handles several pointers on an element, each with its own gesture; two pointers without pins zoom. */
 class PinPointers {
   /** `on` has placeOf(event), press(place, event), hover(place, event) and pinch(fingers). */
   constructor(on) {
     this.on = on;
-    this.fingers = new Map();  // places on the screen, by pointer
+    this.fingers = new Map();  // positions on the screen, by pointer
     this.gestures = new Map();
   }
   press(event) {
@@ -403,18 +403,18 @@ class PinPointers {
   }
 }
 
-/** Returns the pin nearest to a place of those in `places`; -1 if none is within reach. */
+/** Returns the index of the pin in `places` nearest to a place; -1 if none is within reach. */
 function nearestPin(places, place, reach) {
   let best = -1, least = reach;
   places.forEach((p, i) => { const d = distance(p, place); if (d < least) { least = d; best = i; } });
   return best;
 }
-/** Tests whether a place is on the ring of the pin that has one; lengths are in pixels of `unit`. */
+/** Tests whether a place is on the ring of the selected pin; `unit` is the size of a pixel. */
 function isOnRing(drag, places, place, unit, reach) {
   const at = places[drag.ringed];
   return at !== undefined && Math.abs(distance(at, place) - ringRadius() * unit) < 0.6 * reach;
 }
-/** Marks the pin under the pointer; it stays marked as far as its ring. */
+/** Highlights the pin under the pointer, while the pointer is inside its ring. */
 function hoverPin(drag, places, place, unit, reach) {
   const near = nearestPin(places, place, reach), isAbout = drag.hovered >= 0 && distance(places[drag.hovered] ?? [Infinity, 0], place) < ringRadius() * unit + reach;
   const hovered = near >= 0 ? near : isAbout ? drag.hovered : -1;
@@ -425,7 +425,7 @@ function hoverPin(drag, places, place, unit, reach) {
 
 // ---- keys ----
 
-/** Moves the chosen pin by pixels; returns false if none is chosen. */
+/** Moves the selected pin by pixels; returns false if none is selected. */
 function nudgePin(drag, targetBy) {
   const { owner, chosen } = drag;
   if (!(chosen >= 0 && chosen < owner.pins.points.length)) return false;
@@ -435,7 +435,7 @@ function nudgePin(drag, targetBy) {
   drag.onMoved?.();
   return true;
 }
-/** Turns the chosen pin. */
+/** Rotates the selected pin. */
 function turnByKey(drag, turnedBy) {
   const { owner, chosen } = drag;
   if (!(chosen >= 0 && chosen < owner.pins.points.length)) return;
@@ -445,7 +445,7 @@ function turnByKey(drag, turnedBy) {
 }
 function removeChosenPin(drag) {
   const { owner, chosen } = drag;
-  if (!(chosen >= 0 && chosen < owner.pins?.points.length)) return owner.say('Choose a pin first: Tab goes from one to the next');
+  if (!(chosen >= 0 && chosen < owner.pins?.points.length)) return owner.say('Select a pin first: Tab selects the next one');
   drag.prepare();
   owner.history.remember();
   drag.remove(chosen);
@@ -465,13 +465,13 @@ function removeAllPins(drag) {
 // ---- words ----
 
 const tellPins = ({ owner, frameTime, folded }) => !owner.pins || !document.body.matches('[data-mode=figure]') ? ''
-  : `, ${owner.pins.points.length} pin${owner.pins.points.length === 1 ? '' : 's'}` + (owner.pins.held.length > 0 ? `, ${owner.pins.held.length} points of the cage held` : '') +
-    (frameTime ? `; a frame in ${frameTime.toFixed(2)} ms` : '') + (folded > 0 ? `; ${folded} places are turned inside out` : '');
-/** Says what to do first, then what else; nothing to who has done it. */
+  : `, ${owner.pins.points.length} pin${owner.pins.points.length === 1 ? '' : 's'}` + (owner.pins.held.length > 0 ? `, ${owner.pins.held.length} points of the cage fixed` : '') +
+    (frameTime ? `; ${frameTime.toFixed(2)} ms per frame` : '') + (folded > 0 ? `; ${folded} places are inverted` : '');
+/** Shows hints: first the basic gestures, then others; none for gestures that the user has made. */
 function tellHint(app, drag) {
   const count = drag.owner.pins?.points.length ?? 0, hint = document.getElementById('hint');
-  const text = !app.dragsFigure ? '' : count === 1 && app.hinted > 0 ? 'One pin moves all of the figure: click elsewhere to hold that place'
-    : ['Click the figure to set a pin, drag it', 'A second click removes a pin; the ring about it turns it'][app.hinted] ?? '';
+  const text = !app.dragsFigure ? '' : count === 1 && app.hinted > 0 ? 'A single pin moves the whole figure: click another place to hold it'
+    : ['Click the figure to set a pin, drag it', 'A click on a pin removes it; its ring rotates it'][app.hinted] ?? '';
   hint.hidden = text === '';
   if (hint.textContent !== text) hint.textContent = text;
 }

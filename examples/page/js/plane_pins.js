@@ -1,4 +1,4 @@
-// Pins in the plane: what is under the pointer.
+// 2D pins: the element under the pointer.
 
 /** Starts the gesture of a press on a view. */
 function pressFigure(app, view, place, event) {
@@ -31,7 +31,7 @@ function hoverFigure(app, view, place, event) {
   hoverPin(app.pinDrag, app.pinDrag.placesIn(app.pose), place, unit, (event.pointerType === 'touch' ? 26 : 12) * unit);
   view.div.style.cursor = app.pinDrag.hovered >= 0 || view.isOnFigure(event) ? 'pointer' : 'grab';
 }
-/** Returns the bound point that the pose has nearest to a place; -1 if none is within reach. */
+/** Returns the bound point whose posed position is nearest to a place; -1 if none is within reach. */
 function nearestPoint(app, type, [x, y], reach = Infinity) {
   const places = app.cloneFigure(type, app.pose);
   let best = -1, least = reach * reach;
@@ -41,13 +41,13 @@ function nearestPoint(app, type, [x, y], reach = Infinity) {
   }
   return best;
 }
-/** Returns the point at rest that the pose has at a place, or near it where nothing is there. */
+/** Returns the rest point that the pose moves to a place, or near it if there is none. */
 function pointUnder(app, type, place) {
   const { figure: { points, size }, pose } = app, nearest = pointAt(points, nearestPoint(app, type, place));
   const { found, miss } = app.pinDrag.calls.find(nearest, place, pose);
   return miss < 1e-3 * size ? found : nearest;
 }
-/** Drags a point of the cage, with what follows it, and holds them; a click lets them go. */
+/** Drags a point of the cage and its tangents, and fixes them; a click releases them. */
 function holdVertex(app, vertex, place, slop) {
   const { cage, pose: begin } = app, drag = app.pinDrag, moveBy = (dx, dy, from) => kindOf(cage).move(cage, [vertex], (x, y) => [x + dx, y + dy], from);
   const trial = moveBy(app.figure.size, 0, begin), held = allOf(begin.length / 2).filter(i => trial[2 * i] !== begin[2 * i]);
@@ -87,7 +87,7 @@ function moveView(app, view, event) {
     end() {},
   };
 }
-/** Sets a pin where there is none far about. */
+/** Sets a pin far from all other pins. */
 function addFarPin(app) {
   const { pinDrag: drag } = app;
   drag.prepare();

@@ -1,8 +1,8 @@
-// Pointers on a view: drag vertices, lasso, turn and scale a selection, zoom by the wheel or two fingers.
+// Pointers on a view: drag vertices, lasso, rotate and scale a selection, zoom with the wheel or two fingers.
 
 function attachPointer(view, app) {
   const { div } = view, fingers = new Map();
-  let gesture = null; // of the pressed pointer: { move(place, event), end() }
+  let gesture = null; // gesture of the pressed pointer: { move(place, event), end() }
   const pins = new PinPointers({
     placeOf: event => view.placeOf(event),
     press: (place, event) => pressFigure(app, view, place, event),
@@ -63,7 +63,7 @@ App.prototype.hover = function (vertex) {
   this.redraw();
 };
 
-/** Returns the vertex nearest to a place of those shown; -1 if none is within reach. Ends of curves come before tangents that lie on them. */
+/** Returns the shown vertex nearest to a place; -1 if none is within reach. Prefers ends of curves to tangents at the same place. */
 function nearestVertex(app, [x, y], reach) {
   const pose = app.shownPose, kind = kindOf(app.cage), isShown = kind.shownPoints(app.cage, pose, app.selection);
   let best = -1, least = reach;
@@ -73,13 +73,13 @@ function nearestVertex(app, [x, y], reach) {
   }
   return best;
 }
-/** Returns how far a place is from the line between two points, and where along it; `margin` is a share kept from the ends. */
+/** Returns the distance of a place from a segment and the parameter, which is between `margin` and 1 - `margin`. */
 function distanceToSide(p, q, [x, y], margin) {
   const [ux, uy] = [q[0] - p[0], q[1] - p[1]];
   const share = Math.max(margin, Math.min(1 - margin, ((x - p[0]) * ux + (y - p[1]) * uy) / (ux * ux + uy * uy) || 0));
   return { gap: Math.hypot(p[0] + share * ux - x, p[1] + share * uy - y), share };
 }
-/** Returns the side of a polygon nearest to a place, by its first vertex and how far along it is; null if none is within reach. */
+/** Returns the side of a polygon nearest to a place: its first vertex and the parameter; null if none is within reach. */
 function nearestSide(cage, pose, place, reach) {
   let best = null, least = reach;
   forEachEdge(cage.loops, (i, j) => {
@@ -123,7 +123,7 @@ function startGesture(app, view, place, reach, event) {
 function toggleSelected(app, vertex) {
   app.select(app.selection.has(vertex) ? [...app.selection].filter(i => i !== vertex) : [...app.selection, vertex]);
 }
-/** Drags the row of a lattice through a vertex, or the column: the one that the pointer first moves across. A click selects the vertex. */
+/** Drags the row or column of a lattice through a vertex: the one that the pointer first crosses. A click selects the vertex. */
 function dragLine(app, vertex, place, shift) {
   let drag = null;
   return {
@@ -163,7 +163,7 @@ function dragSelection(app, mapTo) {
   app.drag = true;
   return {
     move(place, event) {
-      if (app.selection.size === 0) return; // all are still
+      if (app.selection.size === 0) return; // all are frozen
       if (!moved) app.history.remember();
       moved = true;
       app.moveSelected(mapTo(place), begin, event.altKey);
@@ -192,7 +192,7 @@ function startLasso(app, view, place, adds) {
   };
 }
 
-/** Handles two fingers: the points under them stay there, except for turning. */
+/** Handles two fingers: the points under them stay under them, without rotation. */
 function startPinch(app, view, fingers) {
   const span = () => {
     const [a, b] = [...fingers.values()];

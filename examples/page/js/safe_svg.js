@@ -1,9 +1,9 @@
-// Makes a foreign document safe to show: it copies only parts that are known to be harmless, before any of them is in the
-// page. The copy holds no script, loads nothing, and does not expand to more than a browser can draw.
+// Makes an untrusted document safe to show: copies only parts that are known to be harmless, before any part is in the
+// page. The copy contains no script, loads nothing, and does not expand to more than a browser can draw.
 
 const SVG_NS = 'http://www.w3.org/2000/svg', XLINK_NS = 'http://www.w3.org/1999/xlink';
 const INKSCAPE_NS = 'http://www.inkscape.org/namespaces/inkscape', XML_NS = 'http://www.w3.org/XML/1998/namespace';
-const MOST_INSTANCES = 8000, DEEPEST = 200, MOST_PIXELS = 1e8; // the first counts instances beyond those in the text itself
+const MOST_INSTANCES = 8000, DEEPEST = 200, MOST_PIXELS = 1e8; // MOST_INSTANCES: limit of instances in addition to the elements of the text
 
 const SHAPES = 'path,rect,circle,ellipse,line,polyline,polygon';
 const words = text => new Set(text.trim().split(/\s+/));
@@ -12,7 +12,7 @@ const FILTER_PRIMITIVES = `feBlend feColorMatrix feComponentTransfer feComposite
   fePointLight feSpecularLighting feSpotLight feTile feTurbulence`;
 const SAFE_ELEMENTS = words(`svg g defs symbol use switch a text tspan textPath image linearGradient radialGradient stop clipPath mask
   pattern marker filter title desc metadata style ${SHAPES.replaceAll(',', ' ')} ${FILTER_PRIMITIVES}`);
-const PLAIN_TEXT = words('id class label groupmode role aria-label data-name lang space'); // no browser acts on their values
+const PLAIN_TEXT = words('id class label groupmode role aria-label data-name lang space'); // browsers do not interpret their values
 const SAFE_ATTRIBUTES = words(`viewBox preserveAspectRatio x y width height rx ry cx cy r fx fy fr x1 y1 x2 y2 dx dy d points pathLength
   offset gradientUnits gradientTransform spreadMethod patternUnits patternContentUnits patternTransform clipPathUnits maskUnits
   maskContentUnits mask-type markerUnits markerWidth markerHeight refX refY orient filterUnits primitiveUnits in in2 result mode type
@@ -20,7 +20,7 @@ const SAFE_ATTRIBUTES = words(`viewBox preserveAspectRatio x y width height rx r
   kernelUnitLength preserveAlpha surfaceScale diffuseConstant specularConstant specularExponent azimuth elevation z pointsAtX pointsAtY
   pointsAtZ limitingConeAngle scale xChannelSelector yChannelSelector stdDeviation radius baseFrequency numOctaves seed stitchTiles
   startOffset method spacing textLength lengthAdjust rotate systemLanguage requiredFeatures version`);
-// These are the properties of styles; most of them are attributes too.
+// The properties of styles; most of them are also attributes.
 const SAFE_PROPERTY = new RegExp(`^(--[\\w-]+|(fill|stroke|marker|mask|clip|flood|stop|color|font|text|transform|overflow)(-[a-z-]+)?|
   filter|lighting-color|opacity|visibility|display|letter-spacing|word-spacing|white-space(-collapse)?|line-height|direction|
   unicode-bidi|writing-mode|dominant-baseline|alignment-baseline|baseline-shift|rotate|scale|translate|shape-rendering|
@@ -29,19 +29,19 @@ const SAFE_FUNCTIONS = words(`url rgb rgba hsl hsla hwb lab lch oklab oklch colo
   translate translatex translatey scale scalex scaley rotate skew skewx skewy blur brightness contrast drop-shadow grayscale hue-rotate
   invert opacity saturate sepia circle ellipse inset polygon path rect`);
 
-/** Tests whether a value of a style or an attribute calls only known functions, and refers only to this document. */
+/** Tests whether the value of a style or an attribute uses only known functions and references into this document. */
 function isSafeValue(text) {
   if (/[\\{}@]/.test(text)) return false;
   for (const [, name] of text.matchAll(/([\w-]*)\s*\(/g)) if (name && !SAFE_FUNCTIONS.has(name.toLowerCase())) return false;
   return !/url\s*\(/i.test(text.replace(/url\(\s*(["']?)#[^"'()\s]+\1\s*\)/gi, ''));
 }
 
-/** Returns the safe declarations of a style: [name, value, priority]. Variables may not refer to anything, since they can be used anywhere. */
+/** Returns the safe declarations of a style: [name, value, priority]. Variables with references are omitted: any property may use them. */
 function safeDeclarations(style) {
   return Array.from(style, name => [name, style.getPropertyValue(name).trim(), style.getPropertyPriority(name)])
     .filter(([name, value]) => SAFE_PROPERTY.test(name) && isSafeValue(value) && !(name.startsWith('--') && /url\s*\(/i.test(value)));
 }
-/** Returns the safe parts of style rules, { media, selector, declarations } each; others (fonts, imports, animations) are left out. */
+/** Returns the safe parts of style rules as { media, selector, declarations }. Omits fonts, imports and animations. */
 function safeRules(rules, media = []) {
   return Array.from(rules).flatMap(rule => {
     if (rule instanceof CSSMediaRule) return safeRules(rule.cssRules, [...media, rule.conditionText]);
@@ -52,7 +52,7 @@ function safeRules(rules, media = []) {
 }
 const textOfRule = ({ media, selector, declarations }) => media.reduceRight((text, query) => `@media ${query} {\n${text}\n}`, `${selector} { ${declarations} }`);
 
-/** Splits a list of selectors at its commas, not at those in brackets or strings. */
+/** Splits a list of selectors at commas outside of brackets and strings. */
 function selectorsIn(list) {
   const all = [''];
   let depth = 0;
@@ -63,10 +63,10 @@ function selectorsIn(list) {
   return all.map(selector => selector.trim());
 }
 
-/** Returns the specificity of a selector as one number: of ids, then of classes, then of kinds. */
+/** Returns the specificity of a selector as one number: ids first, then classes, then element names. */
 function specificityOf(selector) {
   let text = selector.replace(/\\([0-9a-f]{1,6}\s?|.)/gi, 'x').replace(/\[("[^"]*"|[^"\]])*\]/g, '.x').replace(/[\w-*]*\|/g, '');
-  for (let before = ''; text !== before;) { // functions, the inner ones first
+  for (let before = ''; text !== before;) { // functions, innermost first
     before = text;
     text = text.replace(/:([\w-]+)\(([^()]*)\)/, (all, name, inside) => {
       const list = /^(is|not)$/.test(name) ? inside : /^nth-(last-)?child$/.test(name) ? /\sof\s(.*)/.exec(inside)?.[1] ?? '' : '';
@@ -78,14 +78,14 @@ function specificityOf(selector) {
   return 1e6 * count(/#/g) + 1e3 * (count(/\./g) + count(/(?<!:):(?!:)/g)) + count(/::/g) + count(/(?<=^|[\s>+~])[^\s.#:>+~*]/g);
 }
 
-/** Makes a style sheet from a text by script, so that no policy against styles in documents forbids it. */
+/** Makes a style sheet from a text by script, which content security policies allow. */
 function sheetOf(text) {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(text);
   return sheet;
 }
 
-/** Returns copies of the targets of `use`, by their names, each in a tree of its own, in which rules are matched. */
+/** Returns copies of the targets of `use` by their ids, each in a separate tree, in which rules are matched. */
 function useTrees(root) {
   const trees = new Map();
   for (const use of root.querySelectorAll('use')) {
@@ -96,8 +96,8 @@ function useTrees(root) {
   }
   return trees;
 }
-/** Returns the text of rules, of which each has a class of its own, which its elements in some trees get; they are in the order in which
- *  they win. So they go with their elements where these become other kinds, or have copies. Those of classes and ids alone do that anyway. */
+/** Converts rules so that each has its own class, and adds the classes to the matching elements of some trees. Returns the rules' text in
+ *  order of precedence. Rules then still apply to copies and to elements of another kind. Rules with only classes and ids do so anyway. */
 function textOfRules(trees, rules) {
   if (rules.every(({ selector }) => /^([.#][\w-]+)+$/.test(selector))) return rules.map(textOfRule).join('\n');
   const find = selector => trees.flatMap(tree => [...tree.querySelectorAll(selector)]);
@@ -113,7 +113,7 @@ function textOfRules(trees, rules) {
   return ordered.map(textOfRule).join('\n');
 }
 
-/** Returns a data URI of a picture with the type that its first bytes show; null if they show none, or the picture is too large. */
+/** Returns a data URI of a picture with the type given by its first bytes; null for an unknown type or a picture that is too large. */
 function pictureUri(text) {
   const found = /^\s*data:[^,]*?base64\s*,/i.exec(text);
   if (!found) return null;
@@ -121,7 +121,7 @@ function pictureUri(text) {
   try {
     head = atob(decodeURIComponent(text.slice(found[0].length, found[0].length + 400)).replace(/\s/g, '').slice(0, 64));
   } catch {
-    return null; // this is not base64
+    return null; // not base64
   }
   const byte = k => head.charCodeAt(k), type = head.startsWith('\x89PNG') ? 'png' : head.startsWith('\xff\xd8\xff') ? 'jpeg'
     : head.startsWith('GIF8') ? 'gif' : head.startsWith('RIFF') && head.slice(8, 12) === 'WEBP' ? 'webp' : null;
@@ -130,15 +130,15 @@ function pictureUri(text) {
   return type && pixels <= MOST_PIXELS ? `data:image/${type};base64,` + text.slice(found[0].length) : null;
 }
 
-/** Returns the target of an element's href: "#id" or a picture's data; null for anything else. */
+/** Returns the target of an element's href: "#id" or the data URI of a picture; null for anything else. */
 function safeReference(kind, text) {
   if (kind === 'a') return null;
   if (/^\s*#/.test(text)) return text.trim();
   return kind === 'image' || kind === 'feImage' ? pictureUri(text) : null;
 }
 
-const LARGEST = { radius: 200, numOctaves: 10, order: 30 }; // limits of filters, whose cost per pixel grows with them
-/** Tests whether a filter has a sensible number of pixels; its region may be given in widths of the filtered element. */
+const LARGEST = { radius: 200, numOctaves: 10, order: 30 }; // limits of filter parameters that determine the cost per pixel
+/** Tests whether a filter has an acceptable number of pixels; its region may be relative to the filtered element's size. */
 function isSmallEnough(element, name, value) {
   const most = LARGEST[name] ?? (element.localName === 'filter' && /^(x|y|width|height)$/.test(name) ?
     element.getAttribute('filterUnits') === 'userSpaceOnUse' ? 1e5 : /%/.test(value) ? 2000 : 20 : Infinity);
@@ -153,7 +153,7 @@ function copyAttributes(from, to) {
     } else if (space === XML_NS && (name === 'space' || name === 'lang')) {
       to.setAttributeNS(space, 'xml:' + name, value);
     } else if (space === INKSCAPE_NS && (name === 'label' || name === 'groupmode')) {
-      to.setAttributeNS(space, 'inkscape:' + name, value); // the names of layers
+      to.setAttributeNS(space, 'inkscape:' + name, value); // names of layers
     } else if (space === null && (PLAIN_TEXT.has(name) || (SAFE_ATTRIBUTES.has(name) || SAFE_PROPERTY.test(name)) &&
                isSafeValue(value) && isSmallEnough(from, name, value))) {
       to.setAttribute(name, value);
@@ -161,12 +161,12 @@ function copyAttributes(from, to) {
   }
   const style = from.getAttribute('cageform-style');
   if (!style) return;
-  const scratch = document.createElement('span').style; // parsed as if it were set, and belongs to nothing
+  const scratch = document.createElement('span').style; // parses declarations; belongs to no element
   scratch.cssText = style;
   for (const declaration of safeDeclarations(scratch)) to.style.setProperty(...declaration);
 }
 
-// A parser applies the page's policy even to styles and handlers of an inert text, and reports each. They are therefore read
+// A parser applies the page's policy even to styles and handlers of an inert document, and reports violations. It therefore reads them
 // under other names.
 const aside = text => text.replace(/(\s)(style|on\w+)(\s*=\s*["'])/gi, '$1cageform-$2$3').replace(/(<\/?(?:[\w-]+:)?)(style|base)(?=[\s>\/])/gi, '$1cageform-$2');
 const notAside = text => text.replaceAll('cageform-', '');
@@ -178,7 +178,7 @@ function copySafe(from, parent, rules, depth) {
   if (from.namespaceURI !== SVG_NS || !SAFE_ELEMENTS.has(kind)) return null;
   const isStyle = kind === 'style', to = (parent.ownerDocument ?? parent).createElementNS(SVG_NS, isStyle ? 'metadata' : kind);
   parent.append(to);
-  if (isStyle) { // an empty element keeps its place, for selectors that count
+  if (isStyle) { // an empty element keeps its position for selectors that count
     const media = from.getAttribute('media'), type = from.getAttribute('type');
     if (type && type !== 'text/css') return to;
     rules.push(...safeRules(sheetOf(media && isSafeValue(media) ? `@media ${media} {${from.textContent}}` : from.textContent).cssRules));
@@ -197,7 +197,7 @@ function copySafe(from, parent, rules, depth) {
 const referenced = text => [...text.matchAll(/url\(\s*["']?#([^"')]+)/gi)].map(([, id]) => id);
 /** How often the target of a property is drawn: with every shape, at every vertex, or once. */
 const multiplier = name => /^(fill|stroke)/.test(name) ? 'shapes' : name.startsWith('marker') ? 'vertices' : null;
-/** The cost of drawing an element, as a number of shapes; filters work on every pixel. */
+/** The cost of drawing an element, in shapes. The cost of filters depends on their pixels. */
 const ownCost = kind => /^fe(Turbulence|Morphology|ConvolveMatrix)$/.test(kind) ? 300 : kind === 'feGaussianBlur' || /Lighting$/.test(kind) ? 60
   : kind.startsWith('fe') || kind === 'mask' || kind === 'clipPath' || kind === 'pattern' ? 15 : 1;
 
@@ -207,7 +207,7 @@ class InstanceCount {
     this.ids = new Map();
     this.most = MOST_INSTANCES + 2 * root.querySelectorAll('*').length;
     for (const element of root.querySelectorAll('[id]')) if (!this.ids.has(element.id)) this.ids.set(element.id, element);
-    this.ruled = new Map(); // the targets of style rules, by element
+    this.ruled = new Map(); // targets referenced by style rules, by element
     const visit = rules => {
       for (const rule of rules) {
         if (rule instanceof CSSMediaRule) { visit(rule.cssRules); continue; }
@@ -222,7 +222,7 @@ class InstanceCount {
     this.active = new Set();
   }
 
-  /** Returns { all, shapes, vertices, height } of an element, with its children and targets. */
+  /** Returns { all, shapes, vertices, height } of an element, including its children and targets. */
   of(element, depth = 0) {
     const known = this.known.get(element);
     if (known && depth + known.height <= DEEPEST) return known;
@@ -273,7 +273,7 @@ function parseSvg(text) {
   return root.localName === 'svg' && root.namespaceURI === SVG_NS && !root.querySelector('parsererror') ? root : null;
 }
 
-/** Returns the safe part of an SVG document: { root, css, trees }, the last of the targets of `use`. Throws a sentence if it is not SVG, or draws too much. */
+/** Returns the safe part of an SVG document: { root, css, trees }; `trees` are the targets of `use`. Throws if it is not SVG or too costly. */
 function readSafeSvg(text, name) {
   const parsed = parseSvg(withNamespaces(text)) ?? parseSvg(text);
   if (!parsed) throw new Error(name + ' is not an SVG document');

@@ -8,8 +8,8 @@ function download(name, parts, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** The figure of the first view as it is at some poses: a copy of the document that shows the first, and where its points are in all of
- *  them. Its viewBox holds them all. */
+/** Returns the figure of the first view at some poses: a copy of the document at the first pose, and the points at all
+ *  poses. Its viewBox contains all poses. */
 function posedCopy(app, poses) {
   const copy = app.figure.makeCopy(), { figure } = app;
   app.ensureBound(app.types[0]);
@@ -29,11 +29,11 @@ function posedCopy(app, poses) {
   if (figure.css) {
     const style = svgElement('style');
     style.textContent = figure.css;
-    root.querySelector('metadata').replaceWith(style); // which keeps the place of one
+    root.querySelector('metadata').replaceWith(style); // the metadata element reserved the position
   }
   return { copy, all, width, height };
 }
-/** The posed figure as SVG text. */
+/** Returns the posed figure as SVG text. */
 function posedSvg(app) {
   const { copy, width, height } = posedCopy(app, [app.pose]);
   return { text: new XMLSerializer().serializeToString(copy.root), width, height };
@@ -54,7 +54,7 @@ async function savePng(app) {
   download(app.figure.name + '_posed.png', [blob], 'image/png');
 }
 
-/** Returns an SVG document of lines about points, which the programs read as a cage or a pose. */
+/** Returns an SVG document of lines around points, which the programs read as a cage or a pose. */
 function linesSvg(points, elements) {
   const [x0, y0, x1, y1] = boundsOf(pairs(points)), pad = 0.05 * Math.hypot(x1 - x0, y1 - y0), width = 0.05 * pad;
   const view = [x0 - pad, y0 - pad, x1 - x0 + 2 * pad, y1 - y0 + 2 * pad].map(x => +x.toPrecision(9)).join(' ');
@@ -68,7 +68,7 @@ function latticeSvg(cage, places) {
 function latticeJson({ axes, frame, falloff }) {
   return JSON.stringify({ format: 'lattice/1', axes, frame_columns: [frame.slice(2, 4), frame.slice(4)], origin: frame.slice(0, 2), falloff }, null, 2) + '\n';
 }
-/** Returns the path of the edges at rest, each of its own degree. */
+/** Returns the path of the edges at rest, each with its degree. */
 function curvesData(curves) {
   return curves.map(loop => 'M' + loop[0][0].join(' ') + loop.map(edge => ' LQC'[edge.length - 1] + edge.slice(1).flat().join(' ')).join('') + 'Z').join('');
 }
@@ -113,7 +113,7 @@ function animateMaps(element, name, maps, seconds, additive) {
   });
 }
 
-/** The animation as SVG text, which every browser plays: frames of outlines, between which the browser interpolates linearly. */
+/** Returns the animation as SVG text for browsers: frames of outlines, with linear interpolation between frames. */
 function animatedSvg(app, framesPerSecond = 15) {
   const { clip, figure, engine } = app, count = Math.max(2, Math.min(600, Math.round(framesPerSecond * clip.length)));
   const poses = Array.from({ length: count }, (x, k) => clip.poseAt(k * clip.length / count, app.cage.rest, engine));
@@ -133,12 +133,12 @@ function animatedSvg(app, framesPerSecond = 15) {
   return new XMLSerializer().serializeToString(copy.root);
 }
 function saveAnimation(app) {
-  if (app.clip.isEmpty) return app.say('There is nothing to save: set key frames (K) at two times');
+  if (app.clip.isEmpty) return app.say('Nothing to save: set key frames (K) at two times');
   download(app.figure.name + '_animated.svg', [animatedSvg(app), '\n'], 'image/svg+xml');
 }
 
 const WORD_OF_KIND = Object.fromEntries(Object.entries(KIND_OF_WORD).map(([word, kind]) => [kind, word]));
-/** Returns the rows time, value, kind of a track, including the row at which it starts again. Curves with handles become many rows. */
+/** Returns the rows (time, value, kind) of a track, including the row of its next period. Curves with handles become many rows. */
 function rowsOf(track, clip, engine) {
   const { keys, period } = track, [first] = keys;
   const rows = keys.some(key => key.in || key.out)
@@ -160,13 +160,13 @@ function clipCsv(clip, engine, heading) {
   return lines.join('\n') + '\n';
 }
 function saveClip(app) {
-  if (app.clip.isEmpty) return app.say('There is nothing to save: set key frames (K) at two times');
+  if (app.clip.isEmpty) return app.say('Nothing to save: set key frames (K) at two times');
   download(app.figure.name + '_clip.csv', [clipCsv(app.clip, app.engine, `an animation of the cage of ${app.figure.name}`)], 'text/csv');
 }
 
-// ---- in space ----
+// ---- 3D ----
 
-/** Returns the posed mesh as OBJ: the original text with new positions, and without normals, which have changed. */
+/** Returns the posed mesh as OBJ: the original text with new positions and without normals. */
 function objText(mesh, places) {
   let at = 0;
   return mesh.text.split('\n').filter(line => !/^\s*vn\s/.test(line)).map(line => {

@@ -1,10 +1,10 @@
-// The clip's panel: time, key frames, play; and the curve editor.
+// The panel of the clip: time, key frames, playback, and the graph editor.
 
 class Timeline {
   constructor(app) {
     this.app = app;
     this.time = 0;
-    this.chosen = null; // of the curve's keys
+    this.chosen = null; // the selected key of the curve
     app.pause = () => this.pause();
     app.onSelect = vertex => this.showVertex(vertex);
     app.onClip = () => { this.chosen = null; this.update(); };
@@ -29,9 +29,9 @@ class Timeline {
 
   toggle() {
     if (this.playing) return this.pause();
-    if (this.app.clip.isEmpty) return this.app.say('There is nothing to play: set key frames (K) at two times, or let the cat walk');
+    if (this.app.clip.isEmpty) return this.app.say('Nothing to play: set key frames (K) at two times, or load the cat walk');
     this.app.isEditing = false;
-    let begin = null; // by the clock of frames, which is later than performance.now()
+    let begin = null; // in the time of animation frames, which differs from performance.now()
     const step = now => {
       begin ??= now - 1000 * this.time;
       this.setTime(((now - begin) / 1000) % this.app.clip.length);
@@ -85,7 +85,7 @@ class Timeline {
   }
   removeKey() {
     this.change(() => {
-      if (!this.app.clip.removeKey(this.time, this.app.clip.length / 100)) this.app.say('There is no key frame of a pose at this time');
+      if (!this.app.clip.removeKey(this.time, this.app.clip.length / 100)) this.app.say('No key frame of a pose at this time');
     });
   }
 
@@ -94,7 +94,7 @@ class Timeline {
     const { time } = this, times = this.app.clip.keyTimes.filter(t => isNext ? t > time + 1e-6 : t < time - 1e-6);
     if (times.length > 0) this.setTime(isNext ? times[0] : times[times.length - 1]);
   }
-  /** Handles an arrow key: on the time line it moves the time, or with Shift the key frame; in the chart it chooses a key or moves its value. */
+  /** Handles an arrow key. On the time line it moves the time, with Shift the key frame. In the chart it selects a key or moves it. */
   pressArrow({ target, shiftKey }, dx, dy) {
     const { app } = this, to = this.time + dx * app.clip.length / 48;
     if (target === this.strip) {
@@ -121,7 +121,7 @@ class Timeline {
     return true;
   }
 
-  // ---- the strip ----
+  // ---- the time line ----
 
   timeAt(event) {
     const box = this.strip.getBoundingClientRect();
@@ -162,7 +162,7 @@ class Timeline {
 
   get track() { return this.app.clip.tracks[document.getElementById('track').value] ?? this.app.clip.tracks[0]; }
 
-  /** Chooses the curve of the selected vertex. */
+  /** Selects the curve of the selected vertex. */
   showVertex(vertex) {
     const index = this.app.clip.tracks.findIndex(track => track.vertex === vertex);
     const menu = document.getElementById('track');
@@ -186,7 +186,7 @@ class Timeline {
     this.drawChart();
   }
 
-  /** Maps time and value to pixels of the chart, and back. */
+  /** Returns the maps from time and value to pixels of the chart, and back. */
   chartFrame() {
     const { clip } = this.app, keys = repeatedKeys(this.track, clip.length);
     const values = this.track.keys.map(key => key.v);
@@ -206,7 +206,7 @@ class Timeline {
     document.getElementById('fit').textContent = '';
     if (!document.getElementById('curves').open || !chart.clientWidth) return;
     if (!this.track) {
-      svgElement('text', { x: 20, y: 40, fill: 'currentColor' }, chart).textContent = 'There are no key frames: set some (K), or let the cat walk.';
+      svgElement('text', { x: 20, y: 40, fill: 'currentColor' }, chart).textContent = 'No key frames: set some (K), or load the cat walk.';
       return;
     }
     const f = this.chartFrame(), { length } = app.clip;
@@ -239,7 +239,7 @@ class Timeline {
       svgElement('line', { x1: f.x(begin), x2: f.x(begin), y1: f.y(c0) - 5, y2: f.y(c0) + 5, stroke: '#5d6878' }, parent);
     }
     document.getElementById('fit').textContent =
-      `${shown} cubic pieces; off the keys' curve by ${error === 0 ? '0' : error.toPrecision(2)} at most (certified), ${+app.clip.tolerance.toPrecision(3)} allowed`;
+      `${shown} cubic pieces; certified error at most ${error === 0 ? '0' : error.toPrecision(2)}, tolerance ${+app.clip.tolerance.toPrecision(3)}`;
   }
   drawKeys(chart, f) {
     for (const key of f.keys) {
@@ -289,7 +289,7 @@ class Timeline {
     const own = this.track.keys[index];
     moveKey(own, own.t, v);
   }
-  /** A handle stays between its key and the next, so that the curve is a function of time. */
+  /** Limits a handle to the interval between its key and the next, so that the curve is a function of time. */
   dragHandle([side, { index, turn }], t, v) {
     const keys = repeatedKeys(this.track, this.app.clip.length), i = keys.findIndex(k => k.index === index && k.turn === turn);
     const own = this.track.keys[index], shift = turn * this.track.period;
@@ -300,7 +300,7 @@ class Timeline {
   }
   setKind(kind) {
     const key = this.track?.keys[this.chosen];
-    if (!key) return this.app.say('Choose a key on the curve first');
+    if (!key) return this.app.say('Select a key on the curve first');
     this.change(() => {
       Object.assign(key, { kind, in: null, out: null });
       this.track.fitted = undefined;

@@ -1,5 +1,5 @@
-// One picture of the posed figure by one coordinate type: the figure as SVG in a shadow tree of its own (so that its styles
-// and names stay there), weights on a canvas, the cage over both.
+// A view of the posed figure with one coordinate type: the figure as SVG in its own shadow tree (so that its styles
+// and ids stay separate), weights on a canvas, and the cage on top.
 
 class View {
   constructor(app, type) {
@@ -85,7 +85,7 @@ class View {
     parts.lasso.setAttribute('d', app.lasso?.view === this ? loopsPath([app.lasso.points.length / 2], app.lasso.points) : '');
   }
   drawPins(places) { this.parts.pins.draw(places, 1 / this.frame().scale, this.type === this.app.leadType); }
-  /** Tests whether something of the figure is drawn under the pointer. */
+  /** Tests whether the figure is drawn under the pointer. */
   isOnFigure({ clientX, clientY }) {
     return this.shadow.elementsFromPoint(clientX, clientY).some(e => e !== this.copy.root && this.copy.root.contains(e));
   }
@@ -120,7 +120,7 @@ class View {
     context.clearRect(0, 0, width, height);
     if (!picture) return;
     context.save();
-    if (app.cage.kind !== 'lattice') { // whose outline bends between its points
+    if (app.cage.kind !== 'lattice') { // the outline of a lattice bends between its points
       const clip = new Path2D(kindOf(app.cage).path(app.cage, pose.map((v, k) => v * frame.scale + (k % 2 ? frame.y : frame.x))));
       context.clip(clip, 'evenodd');
     }
