@@ -1,4 +1,4 @@
-"""A headless Chromium, driven over a pipe by its DevTools protocol. Standard library alone."""
+"""Control of a headless Chromium over a pipe with the DevTools protocol. Uses only the standard library."""
 
 import base64
 import json
@@ -14,12 +14,12 @@ class Browser:
     def __init__(self, size=(1280, 900)):
         program = shutil.which('chromium') or shutil.which('chromium-browser') or shutil.which('google-chrome')
         if not program:
-            raise SystemExit('no chromium here')
+            raise SystemExit('chromium is not installed')
         self.folder = tempfile.mkdtemp()
         to_browser, self.write_end = os.pipe()
         self.read_end, from_browser = os.pipe()
 
-        def take_pipes():  # the browser reads 3 and writes 4
+        def take_pipes():  # the browser reads file descriptor 3 and writes 4
             low, high = os.dup(to_browser), os.dup(from_browser)
             while low in (3, 4):
                 low = os.dup(low)
@@ -46,7 +46,7 @@ class Browser:
         try:
             self.call('Browser.close', session=None)
             self.process.wait(10)
-        except Exception:  # it has gone already
+        except Exception:  # it has ended already
             self.process.kill()
         shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -77,7 +77,7 @@ class Browser:
             self.events.append(answer)
 
     def run(self, script):
-        """The value of an expression in the page; promises are awaited."""
+        """Returns the value of an expression in the page; awaits promises."""
         result = self.call('Runtime.evaluate', {'expression': script, 'awaitPromise': True, 'returnByValue': True,
                                                 'userGesture': True})
         if 'exceptionDetails' in result:
@@ -106,7 +106,7 @@ class Browser:
         self.call('Emulation.setTouchEmulationEnabled', {'enabled': phone})
 
     def still(self):
-        """As for who has asked for less motion."""
+        """Emulates the preference for reduced motion."""
         self.call('Emulation.setEmulatedMedia', {'features': [{'name': 'prefers-reduced-motion', 'value': 'reduce'}]})
 
     def mouse(self, kind, x, y, held=True, **more):
@@ -154,13 +154,13 @@ class Browser:
             file.write(base64.b64decode(shot['data']))
 
     def heap(self):
-        """Bytes that JavaScript holds after a collection."""
+        """Returns the bytes of the JavaScript heap after garbage collection."""
         self.call('HeapProfiler.enable')
         self.call('HeapProfiler.collectGarbage')
         return self.call('Runtime.getHeapUsage')['usedSize']
 
     def faults(self):
-        """Returns the complaints of the page."""
+        """Returns the errors of the page."""
         texts = []
         for event in self.events:
             parameters = event.get('params', {})

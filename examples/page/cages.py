@@ -18,14 +18,14 @@ def rest_of(page):
 
 
 def places(page):
-    """Returns the bound points, and where the pose takes them."""
+    """Returns the bound points and their posed positions."""
     page.frames()
     flat = page.run('[Array.from(page.figure.points), Array.from(page.cloneFigure(page.types[0], page.pose))]')
     return [pairs(points) for points in flat]
 
 
 def pose_by(page, f):
-    """Poses all points by a map of the plane, and says how far the figure is off it."""
+    """Poses all points by a map of the plane, and returns the deviation of the figure from the map."""
     pose = [x for p in pairs(rest_of(page)) for x in f(*p)]
     page.run('page.pose = Float64Array.from(%s); page.redraw()' % pose)
     rest, moved = places(page)
@@ -33,7 +33,7 @@ def pose_by(page, f):
 
 
 def set_value(page, name, value):
-    """Gives a field or slider a value as a user does, by its events."""
+    """Sets the value of a field or slider with the events of a user."""
     page.run('(() => { const field = document.getElementById(%r); field.value = %r;'
              "for (const kind of ['input', 'change']) field.dispatchEvent(new Event(kind)); })()" % (name, str(value)))
     page.frames()
@@ -54,11 +54,11 @@ def refusal(page, folder, name, text):
     before = rest_of(page)
     open_cage(page, path)
     page.wait("document.getElementById('status').classList.contains('fault')")
-    return page.run(STATUS) if rest_of(page) == before else 'but the cage is another one'
+    return page.run(STATUS) if rest_of(page) == before else 'but the cage has changed'
 
 
 def off_animation(page, folder, cage, shown, *options):
-    """Returns how far a point of the body is off that of animate_svg, half-way through the key frames saved."""
+    """Returns the distance of a point of the body from that of animate_svg, half-way through the saved key frames."""
     clip, prefix = page.saved('#save-clip', 'cat_clip.csv'), os.path.join(folder, 'stills_')
     subprocess.run([PROGRAMS + 'animate_svg', DATA + 'cat.svg', '--cage', cage, '--clip', clip, '-o', prefix + '.svg', '--stills', prefix, '--still-count', '2',
                     *options], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -68,7 +68,7 @@ def off_animation(page, folder, cage, shown, *options):
 
 
 def test_kinds(page):
-    """Kinds of cages keep their poses; undo goes from one to another."""
+    """Each kind of cage keeps its pose; undo switches between kinds."""
     page.click('[data-figure=cat]')
     page.click('[data-cage=polygon]')
     page.click('#rest')
@@ -77,20 +77,20 @@ def test_kinds(page):
     page.run("page.ensureBound('green')")
     green = pairs(page.run('Array.from(page.cloneFigure(\'green\', page.pose))'))
     page.click('[data-cage=curved]')
-    check(len(page.pose()) == 3 * len(polygon) and page.pose()[0::6] == polygon[0::2], 'a polygon becomes curves, in its pose')
+    check(len(page.pose()) == 3 * len(polygon) and page.pose()[0::6] == polygon[0::2], 'curves start with the pose of the polygon')
     error = farthest(places(page)[1], green)
-    check(error < 1e-9, 'which is that of Green coordinates: %.1e off' % error)
+    check(error < 1e-9, 'and deform as Green coordinates: error %.1e' % error)
     page.click('[data-cage=lattice]')
-    check(page.pose() == rest_of(page) and places(page)[0] == places(page)[1], 'a lattice begins at rest, to the bit')
+    check(page.pose() == rest_of(page) and places(page)[0] == places(page)[1], 'a lattice starts at rest, bitwise')
     page.drag_vertex(5, 30, 40)
     lattice = page.pose()
     page.click('[data-cage=polygon]')
-    check(page.pose() == polygon, 'the polygon is as it was left')
+    check(page.pose() == polygon, 'the polygon keeps its pose')
     page.click('[data-cage=lattice]')
     check(page.pose() == lattice, 'so is the lattice')
     for _ in range(2):
         page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == lattice and page.run('page.types[0]') == 'splines', 'undo goes back through the kinds')
+    check(page.pose() == lattice and page.run('page.types[0]') == 'splines', 'undo switches the kind of cage')
     page.key('z', 'KeyZ', modifiers=2)
     page.key('z', 'KeyZ', modifiers=2)
     check(page.run("page.cage.kind === 'curved' && document.body.dataset.cage === 'curved'"), 'to the curves')
@@ -98,9 +98,9 @@ def test_kinds(page):
     check(page.pose() == polygon and page.run("page.types[0] === document.querySelector('#types .chosen').dataset.type"), 'and to the polygon')
     for _ in range(2):
         page.key('y', 'KeyY', modifiers=2)
-    check(page.run('page.cage.kind') == 'lattice', 'redo goes on')
+    check(page.run('page.cage.kind') == 'lattice', 'redo switches it again')
     page.click('[data-figure=biped]')
-    check(page.run('page.cage.kind') is None, 'another figure has its polygon')
+    check(page.run('page.cage.kind') is None, 'another figure keeps its polygon')
     page.click('[data-figure=cat]')
     check(page.run("page.cage.kind === 'lattice' && page.views[0].type === 'splines'"), 'and the cat its lattice again')
 
@@ -153,7 +153,7 @@ ANY_ORDER = '''(seed => {
 
 
 def test_any_order(page, first):
-    """A user changes cages in any order; undo leads back to the beginning."""
+    """Random changes of cages; undo restores the initial state."""
     page.click('[data-figure=cat]')
     page.click('[data-cage=polygon]')
     faults = []
@@ -188,7 +188,7 @@ def take_cage_pictures(page, out):
 # ---- lattices ----
 
 def native_lattice(page, folder):
-    """Returns the figure moved by the weights that cage_weights has for the lattice saved."""
+    """Returns the figure moved with the weights of cage_weights for the saved lattice."""
     cage, pose, (points, _) = page.saved('#save-cage', 'cat.lattice.json'), pairs(page.pose()), places(page)
     table, out = os.path.join(folder, 'points.csv'), os.path.join(folder, 'weights.csv')
     write_points(table, points)
@@ -196,7 +196,7 @@ def native_lattice(page, folder):
     rest = pairs(rest_of(page))
     with open(out) as file:
         rows = [[float(w) for w in row[1:]] for row in list(csv.reader(file))[1:]]
-    still = len(rows[0]) - len(rest)  # at the end, where there is a falloff
+    still = len(rows[0]) - len(rest)  # number of additional weights with a falloff, at the end
     assert still in (0, 3)
     return [tuple(p[k] + sum(w * (m[k] - h[k]) for w, m, h in zip(row, pose, rest)) for k in (0, 1)) for p, row in zip(points, rows)]
 
@@ -212,8 +212,8 @@ def test_lattice(page, folder):
     with open(made) as file:
         box = json.load(file)
     error = max(abs(a - b) for a, b in zip(page.run('Array.from(page.cage.frame)'), box['origin'] + sum(box['frame_columns'], [])))
-    check(error < 2e-3 * page.run('page.figure.size'), "the lattice's box is that of make_cage, but for %.3f units" % error)
-    check(page.run("[...document.querySelectorAll('#types button')].every(b => b.disabled)"), 'types of polygons are not to be chosen')
+    check(error < 2e-3 * page.run('page.figure.size'), "the lattice's box differs from that of make_cage by %.3f units" % error)
+    check(page.run("[...document.querySelectorAll('#types button')].every(b => b.disabled)"), 'polygon types are disabled')
 
     page.drag_vertex(5, 20, 10)
     changed = {k // 2 for k, (a, b) in enumerate(zip(rest, page.pose())) if a != b}
@@ -223,38 +223,38 @@ def test_lattice(page, folder):
     moves = [(x - a) * scale for x, a in zip(pose, rest)]
     check(all(math.dist(moves[2 * i:2 * i + 2], (5, -60)) < 1e-6 for i in (4, 6, 7)) and
           math.dist(moves[10:12], (25, -50)) < 1e-6 and all(m == 0 for k, m in enumerate(moves) if k // 2 not in (4, 5, 6, 7)),
-          'with Shift its row does, where the pointer moves across it')
+          'with Shift its row follows, if the pointer crosses the row')
     page.drag_vertex(9, 30, 4, modifiers=8)
     changed = {k // 2 for k, (a, b) in enumerate(zip(pose, page.pose())) if a != b}
     check(changed == {1, 5, 9, 13}, 'or its column')
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == pose, 'as one step of undo')
+    check(page.pose() == pose, 'as one undo step')
     middle = [round((a + b) / 2) for a, b in zip(page.vertex(13), page.vertex(14))]
     page.drag(middle, (middle[0], middle[1] + 20), modifiers=8)
     changed = {k // 2 for k, (a, b) in enumerate(zip(pose, page.pose())) if a != b}
-    check(changed == {12, 13, 14, 15}, 'and the line itself, dragged between its points')
+    check(changed == {12, 13, 14, 15}, 'and the line, if dragged between its points')
     page.key('Escape')
     page.key('n', 'KeyN')
     page.key('l', 'KeyL')
     row = page.run('[...page.selection].sort((a, b) => a - b)')
     page.key('l', 'KeyL')
-    check((row, page.run('[...page.selection].sort((a, b) => a - b)')) == ([0, 1, 2, 3], [0, 4, 8, 12]), 'L selects the row, again the column')
+    check((row, page.run('[...page.selection].sort((a, b) => a - b)')) == ([0, 1, 2, 3], [0, 4, 8, 12]), 'L selects the row, a second L the column')
     page.key('n', 'KeyN')
     page.key('Insert')
-    check(page.run('page.pose.length') == 32 and 'columns and rows' in page.run(STATUS), 'a point alone is not added: ' + page.run(STATUS))
+    check(page.run('page.pose.length') == 32 and 'columns and rows' in page.run(STATUS), 'a single point cannot be added: ' + page.run(STATUS))
     page.key('Escape')
 
     error = farthest(places(page)[1], native_lattice(page, folder))
-    check(error < 1e-9, 'the figure is where cage_weights has it: %.1e off' % error)
+    check(error < 1e-9, 'the figure agrees with cage_weights: error %.1e' % error)
     mine = open(page.saved('#save-svg', 'cat_posed.svg')).read()
     saved = {name: page.saved(button, name) for button, name in (('#save-cage', 'cat.lattice.json'), ('#save-pose', 'cat_pose.svg'))}
     native = os.path.join(folder, 'native.svg')
     subprocess.run([PROGRAMS + 'deform_svg', DATA + 'cat.svg', '--cage', saved['cat.lattice.json'], '--pose', saved['cat_pose.svg'], '-o', native],
                    check=True, stderr=subprocess.DEVNULL)
     difference = compare_pictures(page, mine, open(native).read(), same_view=True)
-    check(difference < 0.002, 'deform_svg with the lattice and pose saved draws the same: %.5f of the colours differ' % difference)
+    check(difference < 0.002, 'deform_svg with the lattice and pose saved draws the same: colour difference %.5f' % difference)
     error = pose_by(page, lambda x, y: (1.1 * x - 0.4 * y + 30, 0.3 * x + 0.8 * y - 50))
-    check(error < 1e-11 * page.run('page.figure.size'), 'an affine pose is exact: %.1e off' % error)
+    check(error < 1e-11 * page.run('page.figure.size'), 'an affine pose is exact: error %.1e' % error)
 
     affine = places(page)[1]
     page.click('#key')
@@ -263,24 +263,24 @@ def test_lattice(page, folder):
     check(page.run("[page.cage.axes.map(a => [a.points, a.degree]), page.pose.length, page.clip.poseTracks.length].join()") == '6,5,4,3,48,48',
           'a lattice of more columns, of Bernstein polynomials: ' + page.run(STATUS))
     error = max(farthest(places(page)[1], affine), farthest(pairs(page.run('Array.from(page.clip.poseAt(0, page.cage.rest, page.engine))')), pairs(page.pose())))
-    check(error < 1e-9, 'keeps an affine pose and its key frame: %.1e off' % error)
+    check(error < 1e-9, 'keeps an affine pose and its key frame: error %.1e' % error)
     page.key('z', 'KeyZ', modifiers=2)
     page.key('z', 'KeyZ', modifiers=2)
-    check(len(page.pose()) == 32 and places(page)[1] == affine, 'undo takes that back')
+    check(len(page.pose()) == 32 and places(page)[1] == affine, 'undo reverts this')
 
     set_value(page, 'frozen', 1)
     outer = [i for i in range(16) if i % 4 in (0, 3) or i // 4 in (0, 3)]
     still = page.run("page.views[0].parts.dots.flatMap((dot, i) => dot.classList.contains('still') ? [i] : [])")
     fill = page.run('getComputedStyle(page.views[0].parts.dots[0]).fill')
-    check(still == outer and fill == 'rgb(207, 213, 221)', 'points of the still layer are grey')
+    check(still == outer and fill == 'rgb(207, 213, 221)', 'points of the frozen layer are grey')
     held, rest = page.pose(), rest_of(page)
     check(all(held[2 * i:2 * i + 2] == rest[2 * i:2 * i + 2] for i in outer), 'and at rest')
     page.drag_vertex(0, 30, 30)
-    check(page.pose() == held, 'where no drag moves them')
+    check(page.pose() == held, 'drags do not move them')
     page.drag_vertex(5, 0, 25, modifiers=8)
-    check({k // 2 for k, (a, b) in enumerate(zip(held, page.pose())) if a != b} == {5, 6}, 'a row dragged leaves its still ends')
+    check({k // 2 for k, (a, b) in enumerate(zip(held, page.pose())) if a != b} == {5, 6}, 'dragging a row does not move its frozen ends')
     page.run('page.timeline.setTime(0)')
-    check(page.pose() == held, 'and key frames leave them')
+    check(page.pose() == held, 'and key frames do not move them')
     page.click('#no-clip')
     set_value(page, 'frozen', 0)
 
@@ -290,16 +290,16 @@ def test_lattice(page, folder):
     page.click('#edit')
     outside = page.run('page.bound.splines.outside')
     set_value(page, 'falloff', 0.1)
-    check(outside > 50 and 0 < page.run('page.cage.falloff') < page.run('page.figure.size'), 'the box is moved, which leaves %d points outside, where displacements fade' % outside)
+    check(outside > 50 and 0 < page.run('page.cage.falloff') < page.run('page.figure.size'), 'after moving the box, %d points are outside, and a falloff is set' % outside)
     rest, moved = places(page)
     error = farthest(moved, native_lattice(page, folder))
-    check(error < 1e-9 and farthest(rest, moved) > 5, 'as with cage_weights: %.1e off' % error)
+    check(error < 1e-9 and farthest(rest, moved) > 5, 'as with cage_weights: error %.1e' % error)
     cage = page.saved('#save-cage', 'cat.lattice.json')
     values = page.run("JSON.stringify([Array.from(page.cage.rest), page.cage.frame, page.cage.falloff])")
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.run('page.cage.falloff') == 0, 'undo takes the falloff back')
+    check(page.run('page.cage.falloff') == 0, 'undo removes the falloff')
     open_cage(page, cage)
-    check(page.run("JSON.stringify([Array.from(page.cage.rest), page.cage.frame, page.cage.falloff])") == values, 'the lattice saved is opened to the bit')
+    check(page.run("JSON.stringify([Array.from(page.cage.rest), page.cage.frame, page.cage.falloff])") == values, 'the saved lattice opens with bitwise equal values')
 
     page.click('#rest')
     page.click('#key')
@@ -309,7 +309,7 @@ def test_lattice(page, folder):
     page.run('page.timeline.setTime(1.2)')
     shown = places(page)[1]
     error = off_animation(page, folder, cage, shown)
-    check(error < 0.08, 'animate_svg plays key frames of the lattice: %.3f off, it writes one digit' % error)
+    check(error < 0.08, 'animate_svg plays key frames of the lattice: difference %.3f (it writes one decimal)' % error)
     said = [refusal(page, folder, *file) for file in (('a.lattice.json', '{"format": "lattice/1"}'), ('b.lattice.json', '{'),
             ('c.lattice.json', json.dumps({**box, 'axes': [{'points': 1, 'degree': 1}, {'points': 4, 'degree': 3}]})),
             ('d.lattice.json', json.dumps({**box, 'frame_columns': [[1, 2], [2, 4]]})))]
@@ -341,7 +341,7 @@ NODES = [(0.5 + s * x / 2, w / 2) for x, w in ((0.1834346424956498, 0.3626837833
 
 
 def integral(rest, pose, z, pieces=40):
-    """Returns Cauchy's integral of the posed curves over those at rest, by quadrature."""
+    """Returns Cauchy's integral of the posed curves over the rest curves, by quadrature."""
     total = 0
     for e, f in zip(rest, pose):
         slope = [3 * (b - a) for a, b in zip(e, e[1:])]
@@ -353,9 +353,9 @@ def integral(rest, pose, z, pieces=40):
 
 
 def off_integral(page, count=12):
-    """Returns how far figure points well inside are off the integral, in the disk of the cage if it has one."""
+    """Returns the deviation of interior figure points from the integral, with the disk of the cage if it has one."""
     rest, pose = curves(pairs(rest_of(page))), curves(pairs(page.pose()))
-    if sum((e[0].conjugate() * e[3]).imag for e in rest) < 0:  # the inside lies on the right
+    if sum((e[0].conjugate() * e[3]).imag for e in rest) < 0:  # the inside is on the right
         rest, pose = ([edge[::-1] for edge in loop[::-1]] for loop in (rest, pose))
     samples = [bezier(e, k / 40) for e in rest for k in range(40)]
     both = [(complex(*p), complex(*q)) for p, q in zip(*places(page))]
@@ -372,7 +372,7 @@ def off_integral(page, count=12):
 
 
 def native_curves(page, folder, *options):
-    """Returns the figure moved by the weights that cage_weights has for the curves saved: of points, then of legs."""
+    """Returns the figure moved with the weights of cage_weights for the saved curves: of points, then of legs."""
     cage, pose, (points, _), rest = page.saved('#save-cage', 'cat_cage.svg'), pairs(page.pose()), places(page), pairs(rest_of(page))
     table, out = os.path.join(folder, 'points.csv'), os.path.join(folder, 'weights.csv')
     write_points(table, points)
@@ -399,13 +399,13 @@ def test_curved(page, folder):
     page.click('#rest')
     page.run('page.kinds = {}')
     page.click('[data-cage=curved]')
-    check(page.pose() == rest_of(page) and places(page)[0] == places(page)[1], 'curves begin at rest, to the bit')
+    check(page.pose() == rest_of(page) and places(page)[0] == places(page)[1], 'curves start at rest, bitwise')
     shown = "page.views[0].parts.dots.flatMap((dot, i) => dot.classList.contains('unseen') ? [] : [i])"
     count = len(page.pose()) // 2
     check(page.run(shown) == list(range(0, count, 3)) and page.run("page.views[0].parts.dots.every((dot, i) => dot.localName === (i % 3 ? 'circle' : 'rect'))"),
-          'the ends of lines are squares, their tangents are not shown')
+          'ends of lines are shown as squares, their tangents are hidden')
     error = pose_by(page, lambda x, y: (1.2 * x + 0.5 * y - 20, -0.5 * x + 1.2 * y + 60))
-    check(error < 1e-10 * page.run('page.figure.size'), 'a similarity is exact: %.1e off' % error)
+    check(error < 1e-10 * page.run('page.figure.size'), 'a similarity is exact: error %.1e' % error)
     page.click('#rest')
 
     rest = page.pose()
@@ -413,22 +413,22 @@ def test_curved(page, folder):
     pose = page.pose()
     check({k // 2 for k, (a, b) in enumerate(zip(rest, pose)) if a != b} == {25, 26, 27, 28, 29} and page.run('isLine([27, 28, 29, 30].map(i => pointAt(page.pose, i)), 1e-6)'),
           'an end is dragged; lines stay lines')
-    check(page.run(shown)[9:14] == [25, 26, 27, 28, 29], 'and show their tangents, as it is selected')
+    check(page.run(shown)[9:14] == [25, 26, 27, 28, 29], 'and show their tangents because the end is selected')
     page.drag_vertex(28, 30, -40)
     bent = page.pose()
     check({k // 2 for k, (a, b) in enumerate(zip(pose, bent)) if a != b} == {28}, 'a tangent is dragged alone, at a corner')
     error = off_integral(page)
-    check(error < 1e-7, "the figure is where Cauchy's integral has it: %.1e off" % error)
+    check(error < 1e-7, "the figure agrees with Cauchy's integral: error %.1e" % error)
     page.key('Escape')
     check({28, 29} <= set(page.run(shown)) and 25 not in page.run(shown), 'tangents of a bent edge are shown, others only where selected')
     page.drag_vertex(27, -15, 5)
     scale, now = page.run('page.views[0].frame().scale'), page.pose()
     move = [(now[k] - bent[k]) * scale for k in range(54, 60)]
-    check(max(math.dist(move[0:2], (-15, 5)), math.dist(move[2:4], (-15, 5)), math.dist(move[4:6], (0, 0))) < 1e-6, 'an end takes its tangent along')
+    check(max(math.dist(move[0:2], (-15, 5)), math.dist(move[2:4], (-15, 5)), math.dist(move[4:6], (0, 0))) < 1e-6, 'an end moves its tangent')
     page.key('z', 'KeyZ', modifiers=2)
     page.key('z', 'KeyZ', modifiers=2)
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == rest, 'undo takes all of it back')
+    check(page.pose() == rest, 'undo reverts all changes')
 
     page.key('y', 'KeyY', modifiers=2)
     page.key('y', 'KeyY', modifiers=2)
@@ -440,7 +440,7 @@ def test_curved(page, folder):
         page.mouse('mouseReleased', *at, clickCount=clicks)
     page.frames()
     error = farthest(places(page)[1], before)
-    check(page.run('page.pose.length') == middle + 6 and error < 1e-10, 'a double click divides a curve; nothing moves by it: %.1e' % error)
+    check(page.run('page.pose.length') == middle + 6 and error < 1e-10, 'a double click divides a curve without moving anything: %.1e' % error)
 
     def tangents():
         p = [complex(*q) for q in pairs(page.pose())[29:32]]
@@ -449,14 +449,14 @@ def test_curved(page, folder):
     page.drag_vertex(31, 12, 25)
     one, other = tangents()
     check(abs(abs(cmath.phase(-other / one))) < 1e-9 and abs(abs(one) - lengths[0]) < 1e-9 and abs(abs(other) - lengths[1]) > 0.1,
-          'there it is smooth: a tangent dragged turns the other one')
+          'the new node is smooth: a dragged tangent rotates the other one')
     page.key('z', 'KeyZ', modifiers=2)
     kept = tangents()[0]
     page.drag_vertex(31, 12, 25, modifiers=1)
     one, other = tangents()
-    check(one == kept and abs(cmath.phase(-other / one)) > 0.01, 'Alt breaks that')
+    check(one == kept and abs(cmath.phase(-other / one)) > 0.01, 'Alt breaks the smoothness')
     error = off_integral(page)
-    check(error < 1e-7, "the integral still has it: %.1e off" % error)
+    check(error < 1e-7, "the figure still agrees with the integral: error %.1e" % error)
     page.key('z', 'KeyZ', modifiers=2)
     page.run('page.select([30])')
     page.key('Delete')
@@ -470,21 +470,21 @@ def test_curved(page, folder):
     number = r'-?\d[\d.]*(?:e[-+]?\d+)?'
     read = [float(x) for x in re.findall(number, data[1])]
     check(re.sub('[^A-Z]', '', data[0]) == 'M' + 'L' * (count // 3) + 'Z' and re.sub('[^A-Z]', '', data[1]) == 'M' + 'C' * (count // 3) + 'Z',
-          'the cage is saved as a path of lines, the pose as one of cubics')
-    check(read[:-2] == bent and read[-2:] == bent[:2], 'with its points to the bit')
+          'the cage is saved as a path of lines, the pose as a path of cubics')
+    check(read[:-2] == bent and read[-2:] == bent[:2], 'with bitwise equal points')
     if knows_curves():
         error = farthest(places(page)[1], native_curves(page, folder))
-        check(error < 1e-9, 'the figure is where cage_weights has it: %.1e off' % error)
+        check(error < 1e-9, 'the figure agrees with cage_weights: error %.1e' % error)
         mine, native = page.saved('#save-svg', 'cat_posed.svg'), os.path.join(folder, 'native.svg')
         subprocess.run([PROGRAMS + 'deform_svg', DATA + 'cat.svg', '--cage', cage, '--pose', saved, '--coordinates', 'curved-green', '-o', native],
                        check=True, stderr=subprocess.DEVNULL)
         page.run('page.timeline.setTime(1.2)')
         page.click('#key')
         error = off_animation(page, folder, cage, places(page)[1], '--coordinates', 'curved-green')
-        check(error < 0.08, 'animate_svg plays key frames of the curves: %.3f off, it writes one digit' % error)
+        check(error < 0.08, 'animate_svg plays key frames of the curves: difference %.3f (it writes one decimal)' % error)
         page.key('z', 'KeyZ', modifiers=2)
         difference = compare_pictures(page, open(mine).read(), open(native).read(), same_view=True)
-        check(difference < 0.002, 'deform_svg with the path and pose saved draws the same: %.5f of the colours differ' % difference)
+        check(difference < 0.002, 'deform_svg with the path and pose saved draws the same: colour difference %.5f' % difference)
     pose_path = os.path.join(folder, 'bent.svg')
     with open(pose_path, 'w') as file:
         file.write(open(saved).read())
@@ -494,7 +494,7 @@ def test_curved(page, folder):
           '4' * (count // 3), 'the pose is opened as a cage of cubics')
     page.drag_vertex(30, 25, 25)
     error = off_integral(page)
-    check(error < 1e-7, "of curves at rest the integral is right, too: %.1e off" % error)
+    check(error < 1e-7, "curves at rest also agree with the integral: error %.1e" % error)
     page.click('#rest')
 
     page.click('#edit')
@@ -504,33 +504,33 @@ def test_curved(page, folder):
     page.click('#edit')
     lengths = page.run('page.cage.curves[0].map(e => e.length).join("")')
     error = max(abs(a - b) for a, b in zip(page.pose(), rest_of(page)))
-    check(lengths[8:11] == '242' and error < 1e-9, 'curves at rest are edited, and bound again; the pose goes on')
+    check(lengths[8:11] == '242' and error < 1e-9, 'rest curves can be edited and are bound again; the pose is kept')
     page.click('#edit')
     held = rest_of(page)
     page.drag_vertex(27, -300, 100)
     page.click('#edit')
-    check(rest_of(page) == held and 'cannot be used' in page.run(STATUS), 'curves that cross are refused: ' + page.run(STATUS))
+    check(rest_of(page) == held and 'cannot be used' in page.run(STATUS), 'crossing curves are an error: ' + page.run(STATUS))
 
     ring = os.path.join(folder, 'ring.svg')
     with open(ring, 'w') as file:
         file.write('<svg xmlns="http://www.w3.org/2000/svg"><path d="M-120 400Q-120 -200 500 -200A620 600 0 0 1 1120 400S1100 1000 500 1000Q-120 1000 -120 400Z"/></svg>')
     open_cage(page, ring)
     control = page.run("parsePath('M0 0C0 9 9 9 9 0T18 0')[0].segments[1].control")
-    check(control == [9, 0], 'T after a cubic begins with no tangent, as SVG has it')
+    check(control == [9, 0], 'T after a cubic has no reflected control point, as in SVG')
     lengths = page.run('page.cage.curves[0].map(e => e.length).join("")')
-    check(re.match('34+43$', lengths) and page.run('page.bound[page.types[0]].outside') == 0, 'a path of Q, A and S is a cage, each edge of its own degree: ' + lengths)
+    check(re.match('34+43$', lengths) and page.run('page.bound[page.types[0]].outside') == 0, 'a path with Q, A and S is a cage with edges of different degrees: ' + lengths)
     page.click('#fit-view')
     page.drag_vertex(3 * (len(lengths) - 1), 30, -40)
     error = off_integral(page)
-    check(page.pose() != rest_of(page) and error < 1e-7, "the integral of them is right: %.1e off" % error)
+    check(page.pose() != rest_of(page) and error < 1e-7, "they agree with the integral: error %.1e" % error)
     bent = page.pose()
     free = places(page)[1]
     set_value(page, 'disk', 0.8)
     error = off_integral(page)
-    check(page.pose() == bent and farthest(places(page)[1], free) > 1e-3 and error < 1e-7, 'the function of a disk moves the figure as the integral says: %.1e off' % error)
+    check(page.pose() == bent and farthest(places(page)[1], free) > 1e-3 and error < 1e-7, "with the function of a disk the figure agrees with the integral: error %.1e" % error)
     if knows_curves():
         error = farthest(places(page)[1], native_curves(page, folder, '--disk-radius', repr(page.run('diskOf(page.cage)[2]'))))
-        check(error < 1e-9, 'and as cage_weights has it: %.1e off' % error)
+        check(error < 1e-9, 'and with cage_weights: error %.1e' % error)
     check(pose_by(page, lambda x, y: (0.9 * x + 0.2 * y, -0.2 * x + 0.9 * y)) < 1e-9, 'and keeps similarities')
     page.click('#weights')
     page.run('page.select([3]); page.redraw()')
@@ -542,7 +542,7 @@ def test_curved(page, folder):
             ('moved.svg', path % '<g transform="scale(2)"><path d="M0 0L9 0L9 9Z"/></g>'), ('cross.svg', path % '<path d="M0 0C900 600 -500 600 400 0Z"/>'),
             ('text.svg', 'no document'), ('words.csv', 'a,b'), ('huge.svg', path % ('<path d="M0 0%sZ"/>' % ('l1 1' * 9000))))]
     check('not closed' in said[0] and 'no path' in said[1] and 'transform' in said[2] and said[3] and 'no path' in said[4] and 'x,y' in said[5] and 'more than' in said[6],
-          'other files are refused: ' + ' | '.join(said))
+          'other files are errors: ' + ' | '.join(said))
     page.click('[data-cage=polygon]')
     page.click('#rest')
     page.click('#fit-view')

@@ -1,4 +1,4 @@
-"""SVG documents that try to run script, to ask for something elsewhere, or to keep a browser busy; one a seed."""
+"""SVG documents that try to run scripts, to send requests, or to keep the browser busy; one per seed."""
 
 import base64
 import random
@@ -13,7 +13,7 @@ SHAPES = ['<rect x="10" y="10" width="80" height="60"', '<circle cx="50" cy="50"
 
 
 class Hostile:
-    """`elsewhere` is an address that nothing may ask for anything; what runs sets window.ran."""
+    """`elsewhere` is an address that must receive no request; scripts set window.ran."""
 
     def __init__(self, seed, elsewhere):
         self.random, self.elsewhere, self.count = random.Random(seed), elsewhere, 0
@@ -29,7 +29,7 @@ class Hostile:
                          "fetch('" + self.elsewhere + "/%d')", "location='" + self.elsewhere + "/%d'") % self.number(0, 999)
 
     def javascript(self):
-        """An address that is a script, with what parsers of addresses leave out."""
+        """Returns a javascript: address, with characters that address parsers ignore."""
         return self.pick('javascript:', 'JavaScript:', 'java&#9;script:', '&#10;javascript:', ' javascript:', 'javascript&#58;',
                          '&#1;javascript:', 'data:text/html,&lt;script&gt;', 'vbscript:') + self.script()
 
@@ -67,7 +67,7 @@ class Hostile:
                                       'onunload', 'onresize', 'ontransitionend'), self.script())
 
     def running(self):
-        """Markup that would run or ask for something."""
+        """Returns markup that would run a script or send a request."""
         s, j, a = self.script(), self.javascript(), self.address()
         foreign = self.pick('<iframe src="%s"/>' % j, '<iframe srcdoc="&lt;script&gt;parent.ran=1&lt;/script&gt;"/>', '<frame src="%s"/>' % j,
                             '<img src="x" onerror="%s"/>' % s, '<img src="%s"/>' % a, '<object data="%s"/>' % a, '<embed src="%s"/>' % j,
@@ -97,14 +97,14 @@ class Hostile:
                          '<pattern id="p" href="%s" width="9" height="9"/>' % a, '<script id="stage">%s</script><g id="status" name="body"/>' % s,
                          '<switch><foreignObject requiredExtensions="%s">%s</foreignObject></switch>' % (XHTML, foreign))
 
-    # ---- what takes long ----
+    # ---- slow documents ----
 
     def name(self):
         self.count += 1
         return 'n%d' % self.count
 
     def reference(self, kind, target):
-        """How something refers to a definition of a kind: as an attribute, a style, or by a class."""
+        """Returns a reference to a definition of a kind: as an attribute, a style, or a class."""
         properties = {'pattern': ['fill', 'stroke'], 'mask': ['mask'], 'clipPath': ['clip-path'], 'filter': ['filter'],
                       'marker': ['marker-start', 'marker-mid', 'marker-end', 'marker']}
         name = self.pick(*properties[kind])
@@ -113,7 +113,7 @@ class Hostile:
         return '%s="url(#%s)"' % (name, target)
 
     def chain(self):
-        """Levels of definitions, each of which refers some times to the one before."""
+        """Returns levels of definitions, each with several references to the previous level."""
         kinds = self.pick(['use'], ['use', 'symbol'], ['pattern'], ['mask'], ['clipPath'], ['marker'], ['filter'],
                           ['use', 'pattern', 'mask', 'clipPath', 'marker', 'filter', 'symbol'])
         levels, times, before, text = self.number(2, 40), self.number(1, 20), self.name(), ''

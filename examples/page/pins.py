@@ -1,4 +1,4 @@
-"""Tests of the mode "Drag the figure": pins in the plane and in space."""
+"""Tests of the mode "Drag the figure": pins in 2D and 3D."""
 
 import math
 import os
@@ -22,7 +22,7 @@ def settle(page, drag='page.pinDrag'):
 
 
 def drag_pin(page, index, dx, dy, where=ON_SCREEN, drag='page.pinDrag', **more):
-    x, y = (round(v) for v in page.run(where)[index])  # a press lies on a whole pixel
+    x, y = (round(v) for v in page.run(where)[index])  # mouse positions are whole pixels
     before = page.run(where)[index]
     page.drag((x, y), (x + dx, y + dy), **more)
     settle(page, drag)
@@ -37,13 +37,13 @@ def click(page, x, y):
 
 
 def away(page):
-    """Takes the pointer off the figure, and lets go of the pin."""
+    """Moves the pointer off the figure, and deselects the pin."""
     page.mouse('mouseMoved', 5, 5, held=False)
     page.key('Escape')
 
 
 def set_pins(page, owner, places):
-    """Sets pins by their places at rest: in the plane, or of the nearest vertices."""
+    """Sets pins by their rest points: in 2D at these points, in 3D at the nearest vertices."""
     page.run("""(() => {
       const owner = %s, near = p => owner.pinCandidates().reduce((a, b) => Math.hypot(...b.map((x, k) => x - p[k])) < Math.hypot(...a.map((x, k) => x - p[k])) ? b : a);
       owner.pinDrag.prepare();
@@ -67,8 +67,8 @@ def afresh(page):
 
 
 def test_first_look(page):
-    check(page.run("document.body.dataset.mode === 'figure' && page.pins.points.length") == 2, 'a visitor meets the cat with two pins')
-    check(page.run(TELL % 'hint') == 'Click the figure to set a pin, drag it', 'and reads: ' + page.run(TELL % 'hint'))
+    check(page.run("document.body.dataset.mode === 'figure' && page.pins.points.length") == 2, 'the page starts with two pins on the cat')
+    check(page.run(TELL % 'hint') == 'Click the figure to set a pin, drag it', 'and the hint: ' + page.run(TELL % 'hint'))
     dim = page.run("Number(getComputedStyle(page.views[0].parts.dots[0]).opacity)")
     check(dim < 0.5, 'the cage is dimmed (%.2f)' % dim)
 
@@ -77,31 +77,31 @@ def test_drags(page):
     tail = page.run('(() => { const v = page.views[0], f = v.frame(), r = v.div.getBoundingClientRect(); return [r.left + 1 + f.x + f.scale * 915, r.top + 1 + f.y + f.scale * 180]; })()')
     page.drag(tail, (tail[0] - 120, tail[1] + 40))
     settle(page)
-    check(page.run('page.pins.points.length') == 3, 'a drag on the figure sets a pin and moves it')
-    check('ring' in page.run(TELL % 'hint'), 'then the hint says: ' + page.run(TELL % 'hint'))
+    check(page.run('page.pins.points.length') == 3, 'a drag on the figure sets and moves a pin')
+    check('ring' in page.run(TELL % 'hint'), 'then the hint is: ' + page.run(TELL % 'hint'))
     afresh(page)
     rest, before = page.run(POSE), page.run(ON_SCREEN)
     size = page.run('page.figure.size * page.views[0].frame().scale')
     goal = drag_pin(page, 0, -120, 60)
     after = page.run(ON_SCREEN)
-    check(math.dist(after[0], goal) < 0.5, 'a pin follows the pointer: %.3f pixels off' % math.dist(after[0], goal))
-    check(farthest(after[1:], before[1:]) < 1e-3 * size, 'the others hold their places: %.3f pixels off' % farthest(after[1:], before[1:]))
+    check(math.dist(after[0], goal) < 0.5, 'a pin follows the pointer: error %.3f pixels' % math.dist(after[0], goal))
+    check(farthest(after[1:], before[1:]) < 1e-3 * size, 'the other pins stay in place: error %.3f pixels' % farthest(after[1:], before[1:]))
     posed, pins = page.run(POSE), page.run(PINS)
-    check(page.run('page.history.earlier.length') == 1 and posed != rest, 'a drag is one step of undo')
+    check(page.run('page.history.earlier.length') == 1 and posed != rest, 'a drag is one undo step')
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.run(POSE) == rest and page.run(ON_SCREEN) == before, 'Ctrl+Z takes it back to the bit')
+    check(page.run(POSE) == rest and page.run(ON_SCREEN) == before, 'Ctrl+Z reverts it bitwise')
     page.key('y', 'KeyY', modifiers=2)
-    check(page.run(POSE) == posed and page.run(PINS) == pins, 'Ctrl+Y does it again')
+    check(page.run(POSE) == posed and page.run(PINS) == pins, 'Ctrl+Y repeats it')
     page.frames(5)
-    check(page.run(POSE) == posed, 'and nothing moves on by itself')
+    check(page.run(POSE) == posed, 'and nothing moves afterwards')
 
 
 def test_clicks(page):
-    """Pins are set in the pose that the drag has left, where the figure is bent."""
+    """Sets pins on the bent figure, in the pose after a drag."""
     away(page)
     count, posed = page.run('page.pins.points.length'), page.run(POSE)
     worst = 0
-    for share in (0.25, 0.4, 0.6):  # along the tail, from its root
+    for share in (0.25, 0.4, 0.6):  # positions along the tail, from its root
         a, b = page.run(ON_SCREEN)[4], page.run(ON_SCREEN)[0]
         x, y = (round(p + share * (q - p)) for p, q in zip(a, b))
         if not page.run('page.views[0].isOnFigure({ clientX: %d, clientY: %d })' % (x, y)):
@@ -109,28 +109,28 @@ def test_clicks(page):
         click(page, x, y)
         worst = max(worst, math.dist(page.run(ON_SCREEN)[-1], (x, y)))
     added = page.run('page.pins.points.length') - count
-    check(added > 0 and worst < 0.01, '%d clicks on what is bent set pins under the pointer: %.4f pixels off' % (added, worst))
-    check(page.run(POSE) == posed, 'which moves nothing')
+    check(added > 0 and worst < 0.01, '%d clicks on the bent figure set pins under the pointer: error %.4f pixels' % (added, worst))
+    check(page.run(POSE) == posed, 'without moving anything')
     for _ in range(added):
-        page.run('page.pinDrag.newest = null')  # a second click of a double click removes none
+        page.run('page.pinDrag.newest = null')  # so that the next click is not the second click of a double click
         click(page, *page.run(ON_SCREEN)[-1])
-    check(page.run('page.pins.points.length') == count and page.run(POSE) == posed, 'a second click removes a pin')
+    check(page.run('page.pins.points.length') == count and page.run(POSE) == posed, 'a click on a pin removes it')
     x, y = page.vertex(14)
     for n in (1, 2):
         page.mouse('mousePressed', x + 40, y + 90, clickCount=n)
         page.mouse('mouseReleased', x + 40, y + 90, clickCount=n)
     page.frames(3)
-    check(page.run('page.pins.points.length') == count + 1, 'a double click sets one')
+    check(page.run('page.pins.points.length') == count + 1, 'a double click sets one pin')
     page.key('z', 'KeyZ', modifiers=2)
     x, y = page.run(ON_SCREEN)[4]  # on the rump
     page.drag((round(x) + 18, round(y) + 6), (round(x) + 28, round(y) + 6))
     settle(page)
     after = page.run(ON_SCREEN)
-    check(len(after) == count and math.dist(after[4], (x + 10, y)) < 0.1, 'a drag that begins near a pin moves that pin')
+    check(len(after) == count and math.dist(after[4], (x + 10, y)) < 0.1, 'a drag from near a pin moves this pin')
     page.key('z', 'KeyZ', modifiers=2)
     away(page)
     click(page, 100, 300)
-    check(page.run('page.pins.points.length') == count, 'a click on the background sets none')
+    check(page.run('page.pins.points.length') == count, 'a click on the background sets no pin')
     window = page.run('page.window.x')
     page.drag((100, 300), (130, 320))
     check(page.run('page.window.x') < window and page.run(POSE) == posed, 'the background moves the view')
@@ -138,7 +138,7 @@ def test_clicks(page):
 
 
 def test_ring(page):
-    click(page, *page.run(ON_SCREEN)[1])  # removes and sets it again, so that it is chosen
+    click(page, *page.run(ON_SCREEN)[1])  # removes and sets it again, so that it is selected
     page.key('z', 'KeyZ', modifiers=2)
     page.mouse('mouseMoved', *page.run(ON_SCREEN)[3], held=False)
     page.frames()
@@ -154,13 +154,13 @@ def test_ring(page):
     page.mouse('mouseReleased', *spots[-1])
     settle(page)
     turn, felt = page.run('[page.pins.turns[3], planeTurn(page.pinDrag.calls.locate(page.pose)[3].matrix)]')
-    check(abs(turn - angle) < 0.03 and abs(felt - angle) < 0.06, 'the ring turns a pin by %.1f degrees; the figure there by %.1f' % (math.degrees(turn), math.degrees(felt)))
+    check(abs(turn - angle) < 0.03 and abs(felt - angle) < 0.06, 'the ring rotates a pin by %.1f degrees, and the figure there by %.1f' % (math.degrees(turn), math.degrees(felt)))
     click(page, *spots[0])
     settle(page)
-    check(page.run('page.pins.turns[3]') is None, 'a click on the ring lets it turn freely again')
+    check(page.run('page.pins.turns[3]') is None, 'a click on the ring makes the rotation free again')
     for _ in range(2):
         page.key('z', 'KeyZ', modifiers=2)
-    check(page.run('page.pins.turns.every(t => t === null)'), 'both are undone')
+    check(page.run('page.pins.turns.every(t => t === null)'), 'both can be undone')
 
 
 def test_held(page):
@@ -171,20 +171,20 @@ def test_held(page):
     settle(page)
     scale, after = page.run('page.views[0].frame().scale'), page.run(POSE)
     moved = (after[18] - before[18], after[19] - before[19])
-    check(page.run('page.pins.held') == [9] and math.dist(moved, (45 / scale, -20 / scale)) < 1e-6, 'a vertex of the cage is dragged and held')
+    check(page.run('page.pins.held') == [9] and math.dist(moved, (45 / scale, -20 / scale)) < 1e-6, 'a dragged vertex of the cage is fixed')
     others = sum(a != b for k, (a, b) in enumerate(zip(before, after)) if k not in (18, 19))
-    check(others > 30 and farthest(page.run(ON_SCREEN), pins) < 0.5, 'others follow, and pins hold')
+    check(others > 30 and farthest(page.run(ON_SCREEN), pins) < 0.5, 'other vertices follow, and pins stay in place')
     drag_pin(page, 0, -60, 20)
-    check(page.run(POSE)[18:20] == after[18:20], 'it stays while a pin is dragged')
+    check(page.run(POSE)[18:20] == after[18:20], 'the vertex stays while a pin is dragged')
     click(page, *page.vertex(9))
-    check(page.run('page.pins.held') == [], 'a click lets it go')
+    check(page.run('page.pins.held') == [], 'a click releases it')
     for _ in range(3):
         page.key('z', 'KeyZ', modifiers=2)
-    check(page.run(POSE) == before and page.run('page.pins.held') == [], 'and undo takes all back')
+    check(page.run(POSE) == before and page.run('page.pins.held') == [], 'and undo reverts all changes')
 
 
 def test_types(page):
-    """Pins at rest give rest to the bit; dragged ones are met, in every type and kind of cage."""
+    """Pins at rest give the rest pose bitwise; dragged pins reach their targets; for every type and kind of cage."""
     for name, choose in [(name, '[data-type=%s]' % name) for name in page.run('page.engine.polygonTypes')] + \
             [('lattice', '[data-cage=lattice]'), ('curved', '[data-cage=curved]')]:
         afresh(page)
@@ -198,7 +198,7 @@ def test_types(page):
         goal = drag_pin(page, 0, -70, 40)
         after, size = page.run(ON_SCREEN), page.run('page.figure.size * page.views[0].frame().scale')
         miss = max(math.dist(after[0], goal), farthest(after[1:], before[1:])) / size
-        check(still and miss < 1e-3, '%s: at rest to the bit, pins miss by %.1e of the size; samples in %.0f ms' % (name, miss, page.run('page.pinDrag.sampleTime')))
+        check(still and miss < 1e-3, '%s: rest pose bitwise, distance of pins from targets %.1e of the size; samples in %.0f ms' % (name, miss, page.run('page.pinDrag.sampleTime')))
         page.click('[data-cage=polygon]')
     page.click('[data-type=harmonic]')
 
@@ -219,7 +219,7 @@ SETTLE_FULLY = '''(() => {
 
 
 def test_native(page, folder):
-    """The pose by pins, beside that of deform_svg with the same pins."""
+    """Compares the pose by pins with that of deform_svg for the same pins."""
     for coordinates in ('mean-value', 'harmonic'):
         afresh(page)
         page.click('[data-type=%s]' % coordinates)
@@ -238,49 +238,49 @@ def test_native(page, folder):
                         '-o', os.path.join(folder, 'pinned.svg')], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         native = read_csv(out)
         error, coarse = farthest(mine, native) / size, farthest(shown, native) / size
-        check(error < 2e-5, '%s: the pose by pins is off that of deform_svg by %.1e of the size' % (coordinates, error))
+        check(error < 2e-5, '%s: the pose by pins differs from that of deform_svg by %.1e of the size' % (coordinates, error))
         check(coarse < 2e-2, 'with the samples of the page by %.1e' % coarse)
     page.click('[data-type=harmonic]')
 
 
 def test_modes(page):
-    """A pose by pins is a pose of the cage: it goes on in the other mode, in key frames, in files."""
+    """A pose by pins is a pose of the cage, also in the other mode, in key frames and in files."""
     afresh(page)
     drag_pin(page, 0, -80, 40)
     posed = page.run(POSE)
-    check(read_csv(page.saved('#save-pose', 'cat_pose.csv')) == pairs(posed), 'the pose by pins is saved to the bit')
+    check(read_csv(page.saved('#save-pose', 'cat_pose.csv')) == pairs(posed), 'the pose by pins is saved bitwise')
     page.key('k', 'KeyK')
     page.run('page.timeline.setTime(1.2)')
     drag_pin(page, 1, 30, -30)
     page.key('k', 'KeyK')
     page.run('page.timeline.setTime(0)')
-    check(max(abs(a - b) for a, b in zip(page.run(POSE), posed)) < 1e-9, 'it comes back as a key frame')
+    check(max(abs(a - b) for a, b in zip(page.run(POSE), posed)) < 1e-9, 'it is restored from a key frame')
     page.run('page.timeline.setTime(0.6)')
     page.frames()
     where = page.run(ON_SCREEN)
     drag_pin(page, 2, 10, 0)
     after = page.run(ON_SCREEN)
-    check(farthest(after[:2], where[:2]) < 0.5, 'pins hold where the figure is at that time')
+    check(farthest(after[:2], where[:2]) < 0.5, 'pins stay where the figure is at that time')
     page.click('[data-drag=cage]')
     check(page.run("document.getElementById('hint').hidden && page.views[0].parts.pins.dots.length") == 0, 'the other mode shows no pins')
     page.drag_vertex(9, 30, 10)
     page.click('[data-drag=figure]')
     page.frames(3)
     where, before = page.run(ON_SCREEN), page.run(POSE)
-    check(page.run('page.pins.points.length') == 5, 'pins are there after a drag of the cage')
+    check(page.run('page.pins.points.length') == 5, 'pins remain after a drag of the cage')
     x, y = where[2]
     page.drag((round(x), round(y)), (round(x) + 4, round(y)))
     settle(page)
     check(farthest([p for k, p in enumerate(page.run(ON_SCREEN)) if k != 2], [p for k, p in enumerate(where) if k != 2]) < 0.5,
-          'and hold where the figure is now: the largest step of the cage is %.1f' % max(abs(a - b) for a, b in zip(page.run(POSE), before)))
+          'and stay where the figure is now: largest step of the cage %.1f' % max(abs(a - b) for a, b in zip(page.run(POSE), before)))
     page.click('#rest')
     page.run('page.pinDrag.prepare(); page.pinDrag.frame()')
-    check(page.run(POSE) == page.run('Array.from(page.cage.rest)'), 'the rest pose is rest for the pins too')
+    check(page.run(POSE) == page.run('Array.from(page.cage.rest)'), 'the rest pose also moves the pins to rest')
     page.click('#no-clip')
 
 
 def test_keys(path):
-    """By keys alone."""
+    """Only with the keyboard."""
     page = Page(path, mode='figure')
     try:
         page.wait('page.pinDrag.isPrepared')
@@ -293,29 +293,29 @@ def test_keys(path):
             if pin() == 0:
                 break
         page.key('Tab')
-        check(pin() == 1 and page.run('page.pinDrag.chosen') == 1, 'Tab goes from pin to pin')
+        check(pin() == 1 and page.run('page.pinDrag.chosen') == 1, 'Tab selects the next pin')
         before = page.run(PINS)
         page.key('ArrowUp', modifiers=8)
         page.key('ArrowRight')
         settle(page)
         after, step = page.run(PINS), page.run('page.figure.size / 400')
         moved = [b - a for a, b in zip(before['targets'][1], after['targets'][1])]
-        check(max(abs(moved[0] - step), abs(moved[1] + 10 * step)) < 1e-9 and page.run(POSE) != page.run('Array.from(page.cage.rest)'), 'arrows move it, with Shift ten times as far')
+        check(max(abs(moved[0] - step), abs(moved[1] + 10 * step)) < 1e-9 and page.run(POSE) != page.run('Array.from(page.cage.rest)'), 'arrows move the pin, with Shift ten times as far')
         page.key(']', 'BracketRight')
         settle(page)
-        check(abs(page.run('page.pins.turns[1]') - page.run('Math.PI / 36')) < 0.1, 'brackets turn it')
+        check(abs(page.run('page.pins.turns[1]') - page.run('Math.PI / 36')) < 0.1, 'brackets rotate it')
         page.key('Delete')
         check(page.run('page.pins.points.length') == 1, 'Delete removes it')
         page.key('Insert')
-        check(page.run('page.pins.points.length') == 2, 'Insert sets one where none is near')
+        check(page.run('page.pins.points.length') == 2, 'Insert sets a pin far from the others')
         for _ in range(5):
             page.key('z', 'KeyZ', modifiers=2)
-        check(page.run(POSE) == page.run('Array.from(page.cage.rest)') and page.run(PINS)['points'] == before['points'], 'undo takes all back')
+        check(page.run(POSE) == page.run('Array.from(page.cage.rest)') and page.run(PINS)['points'] == before['points'], 'undo reverts all changes')
         page.key('n', 'KeyN')
         page.key('n', 'KeyN')
-        check(pin() == page.run('page.pinDrag.chosen') >= 0, 'N goes on to the next')
+        check(pin() == page.run('page.pinDrag.chosen') >= 0, 'N selects the next pin')
         page.key('Escape')
-        check(page.run('page.pinDrag.chosen') == -1, 'Escape lets it go')
+        check(page.run('page.pinDrag.chosen') == -1, 'Escape deselects the pin')
         check(not page.faults(), 'without a complaint')
     finally:
         page.close()
@@ -337,7 +337,7 @@ def test_fingers(page):
     settle(page)
     after = page.run(ON_SCREEN)
     off = max(math.dist(after[0], (a[0] - 20, a[1] + 15)), math.dist(after[1], (b[0] - 20, b[1] - 15)))
-    check(off < 1 and farthest(after[2:], before[2:]) < 0.5, 'two fingers move two pins: %.2f pixels off' % off)
+    check(off < 1 and farthest(after[2:], before[2:]) < 0.5, 'two fingers move two pins: error %.2f pixels' % off)
     pins, wide, pose = page.run(PINS), page.run('page.window.w'), page.run(POSE)
     middle = [sum(v) / 2 for v in zip(before[2], before[4])]
     page.touch('touchStart', [middle])
@@ -346,7 +346,7 @@ def test_fingers(page):
         page.touch('touchMove', [(middle[0] - 5 * k, middle[1]), (middle[0] + 50 + 5 * k, middle[1] + 60)])
     page.touch('touchEnd', [])
     page.frames()
-    check(page.run('page.window.w') < wide and page.run(PINS) == pins and page.run(POSE) == pose, 'two fingers at once on the figure zoom, and set no pins')
+    check(page.run('page.window.w') < wide and page.run(PINS) == pins and page.run(POSE) == pose, 'two fingers at once on the figure zoom and set no pins')
     page.resize(1280, 900)
     page.click('#fit-view')
 
@@ -359,24 +359,24 @@ def test_space(page):
     set_pins(page, 'page.mesh', BODY)
     pose = 'Array.from(page.mesh.pose)'
     page.run('%s.prepare(); %s.frame()' % (drag, drag))
-    check(page.run(pose) == page.run('Array.from(Float32Array.from(page.mesh.cage.vertices))'), 'in space, in float: pins at rest give rest to the bit; samples in %.0f ms' % page.run(drag + '.sampleTime'))
+    check(page.run(pose) == page.run('Array.from(Float32Array.from(page.mesh.cage.vertices))'), '3D, float: pins at rest give the rest pose bitwise; samples in %.0f ms' % page.run(drag + '.sampleTime'))
     count, rest, before = page.run('page.mesh.pins.points.length'), page.run(pose), page.run(IN_SPACE)
     goal = drag_pin(page, 1, 60, -120, where=IN_SPACE, drag=drag)
     after = page.run(IN_SPACE)
-    check(math.dist(after[1], goal) < 1 and farthest(after[2:] + after[:1], before[2:] + before[:1]) < 1, 'a hand follows the pointer: %.2f pixels off' % math.dist(after[1], goal))
+    check(math.dist(after[1], goal) < 1 and farthest(after[2:] + after[:1], before[2:] + before[:1]) < 1, 'a hand follows the pointer: error %.2f pixels' % math.dist(after[1], goal))
     page.mouse('mouseMoved', 5, 5, held=False)
     x, y = (round((p + q) / 2) for p, q in zip(after[0], after[5]))  # the chest
     posed = page.run(pose)
     click(page, x, y)
     pixel = math.dist(page.run(IN_SPACE)[-1], (x, y))
-    check(page.run('page.mesh.pins.points.length') == count + 1 and pixel < 12, 'a click sets a pin at the vertex under the pointer, %.1f pixels beside it' % pixel)
+    check(page.run('page.mesh.pins.points.length') == count + 1 and pixel < 12, 'a click sets a pin at the vertex under the pointer, at a distance of %.1f pixels' % pixel)
     check(page.run('page.mesh.depthOf(page.mesh.pins.targets[%d]) < page.mesh.project(...page.mesh.middle, 1, 1)[2]' % count), 'in front')
-    check(page.run(pose) == posed, 'which moves nothing')
+    check(page.run(pose) == posed, 'without moving anything')
     size, (x, y) = page.run('ringRadius()'), page.run(IN_SPACE)[-1]
     page.drag((x + size, y), (x + size * math.cos(0.5), y + size * math.sin(0.5)), steps=10)
     settle(page, drag)
     turn = page.run('page.mesh.pins.turns[%d]' % count)
-    check(abs(math.hypot(*turn) - 0.5) < 0.2, 'its ring turns it, by %.2f' % math.hypot(*turn))
+    check(abs(math.hypot(*turn) - 0.5) < 0.2, 'its ring rotates it, by %.2f' % math.hypot(*turn))
     corner = page.run('''(() => { const { mesh } = page, r = mesh.canvas.getBoundingClientRect(), free = mesh.places.findIndex(([x, y], i) => vertexUnder(mesh, [x, y]) < 0 &&
       mesh.pinPlaces().every(p => Math.hypot(p[0] - x, p[1] - y) > 50) && mesh.places.every((q, j) => j === i || Math.hypot(q[0] - x, q[1] - y) > 14));
       return [free, r.left + mesh.places[free][0], r.top + mesh.places[free][1]]; })()''')
@@ -384,14 +384,14 @@ def test_space(page):
     page.key('Escape')
     page.drag(corner[1:], (corner[1] + 15, corner[2] - 10))
     settle(page, drag)
-    check(page.run('page.mesh.pins.held') == [corner[0]], 'a vertex of its cage is held')
+    check(page.run('page.mesh.pins.held') == [corner[0]], 'a vertex of its cage is fixed')
     for _ in range(4):
         page.key('z', 'KeyZ', modifiers=2)
-    check(page.run(pose) == rest and page.run(IN_SPACE) == before, 'undo takes all back to the bit')
+    check(page.run(pose) == rest and page.run(IN_SPACE) == before, 'undo reverts all changes bitwise')
     page.key('n', 'KeyN')
     page.key('ArrowUp', modifiers=8)
     settle(page, drag)
-    check(page.run(pose) != rest and not page.faults(), 'keys move a pin in space')
+    check(page.run(pose) != rest and not page.faults(), 'keys move a 3D pin')
     page.key('z', 'KeyZ', modifiers=2)
 
 
@@ -416,7 +416,7 @@ ON_CAT = '''page, () => { const v = page.views[0], f = v.frame(); return page.pi
 
 
 def test_apart(page):
-    """Cages of many vertices are sampled beside the page."""
+    """Cages with many vertices are sampled in a worker."""
     afresh(page)
     page.click('[data-cage=lattice]')
     page.run("page.changeAxes(axesOf([20, 20], '3'))")
@@ -428,7 +428,7 @@ def test_apart(page):
     before, count = page.run(ON_SCREEN), page.run('page.pins.points.length')
     goal = drag_pin(page, 0, -60, 30)
     check(math.dist(page.run(ON_SCREEN)[0], goal) < 0.5 and farthest(page.run(ON_SCREEN)[1:], before[1:]) < 0.5,
-          '400 points are sampled beside the page in %.0f ms, and %d pins are met' % (page.run('page.pinDrag.sampleTime'), count))
+          '400 points are sampled in a worker in %.0f ms, and %d pins reach their targets' % (page.run('page.pinDrag.sampleTime'), count))
     check('prepared' in said or count > 5, 'a drag meanwhile shows a message: ' + said)
     page.click('[data-cage=polygon]')
 
@@ -441,13 +441,13 @@ def test_growth(page, drags):
     spent = [page.run('%s(%s, 1000)' % (DRAG_ABOUT, ON_CAT)) for _ in range(drags // 1000)]
     page.frames(5)
     after = page.heap()
-    check(page.run('page.engine.bytes()') == memory, "the library's memory stays at %.1f MB in %d drags of pins" % (memory / 1e6, drags))
-    check(after < 1.05 * heap + 5e5, 'heap %.2f MB before, %.2f MB after; %.2f ms a drag in script' % (heap / 1e6, after / 1e6, sorted(spent)[len(spent) // 2]))
+    check(page.run('page.engine.bytes()') == memory, "the library's memory stays at %.1f MB during %d drags of pins" % (memory / 1e6, drags))
+    check(after < 1.05 * heap + 5e5, 'heap %.2f MB before, %.2f MB after; %.2f ms of script per drag' % (heap / 1e6, after / 1e6, sorted(spent)[len(spent) // 2]))
     check(page.run('page.pose.every(Number.isFinite)') and page.run('page.pins.points.length') == 5, 'the pins are still there')
 
 
 def frame_times(page, owner, drag_by):
-    """Milliseconds of frames of a drag: to solve, with drawing, and of the main thread."""
+    """Returns times per frame of a drag in ms: solve, solve and drawing, main thread."""
     page.call('Performance.enable')
 
     def spent():
@@ -458,7 +458,7 @@ def frame_times(page, owner, drag_by):
       let n = 0;
       const step = () => {
         if (n++ === 120) {
-          const start = performance.now(), { targets, turns } = owner.pins; // the browser's clock is coarse: a mean
+          const start = performance.now(), { targets, turns } = owner.pins; // mean, because the browser's clock is coarse
           for (let k = 0; k < 200; ++k) drag.calls.solve(targets, turns, owner.pose);
           return done([(performance.now() - start) / 200, all.sort((a, b) => a - b)[60]]);
         }
@@ -513,7 +513,7 @@ def test_pins(path, folder, out, quick):
         test_fingers(page)
         take_pictures(page, out)
         faults = page.faults()
-        check(not faults, 'the page has complained of nothing' if not faults else faults[0])
+        check(not faults, 'the page reported no errors' if not faults else faults[0])
     finally:
         page.close()
     test_keys(path)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh examples/page/run.sh
-# Installs what the page needs (Debian), compiles page.cpp and the library to WebAssembly, and writes
-# out/cageform.html: one file that a browser opens by a double click, without a network.
+# Installs Debian packages, compiles page.cpp and the library to WebAssembly, and writes
+# out/cageform.html, a single file that needs no network.
 set -eu
 cd "$(dirname "$0")/../.."
 sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev \
@@ -20,8 +20,8 @@ build/examples/make_character $work >/dev/null
 /usr/bin/python3 $npm/write_module.py include/cageform/c/cageform.h include/cageform/version.hpp $work
 if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp $page/run.sh $npm/cageform.cpp $npm/compile.sh -newer $work/page.wasm -type f)" ]; then
   echo "the library to WebAssembly (a minute)"
-  # Loops over coordinates are unrolled: a cage in space takes less than half of the time. Unrolling of longer loops and
-  # automatic vectors would make the page 7 % larger, and not faster.
+  # Loops over coordinates are unrolled, which halves the time of a 3D cage. Unrolling longer loops and automatic
+  # vectorisation would make the page 7 % larger and not faster.
   options=
   for option in -unroll-full-max-count=4 -unroll-runtime=0 -unroll-allow-partial=0 -vectorize-loops=false -vectorize-slp=false; do
     options="$options -mllvm $option -Wl,-mllvm,$option"
@@ -36,22 +36,22 @@ if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp $page/run.sh $np
     -Wl,--export=malloc,--export=free,--export=__stack_pointer
 fi
 
-# packed FILE: as a string of JavaScript
+# packed FILE: prints the packed file as a JavaScript string
 packed() {
   printf '"'
   gzip -9 -n -c "$1" | base64 -w 0
   printf '"'
 }
-# Five digits of a dance are enough to be seen.
+# Five digits are enough for the dance.
 sed 's/\(\.[0-9]\{4\}\)[0-9]*/\1/g' $work/character_clip.csv >$work/character_clip.txt
-# text FILE: the same, without packing
+# text FILE: the same without packing
 text() {
   printf '`'
   cat "$1"
   printf '`'
 }
-# The mesh keeps places and faces only: normals are made anew. A face stands as soon as its vertices are there and counts
-# back to them, which packs better.
+# The mesh has only positions and faces; normals are computed. A face follows directly after its last vertex, with relative
+# indices, because this packs better.
 for name in character character_cage character_pose; do
   sed -n -e 's|//[0-9]*||g' -e '/^[vf] /p' $work/$name.obj | awk '
     /^v / { place[++count] = $0 }
@@ -64,7 +64,7 @@ for name in character character_cage character_pose; do
     END { for (i = 1; i <= count; ++i) printf "%s\n%s", place[i], faces[i] }' >$work/$name.txt
 done
 
-# The script as it will stand in the page. Parts share one scope, in this order.
+# The script of the page. The parts share one scope, in this order.
 {
   printf '\n"use strict";\nconst DATA = {\n'
   for name in cat aleph biped; do
@@ -87,7 +87,7 @@ done
   printf ' },\nwasm: '
   packed $work/page.wasm
   printf '\n};\n'
-  # The npm package as a function, which returns its names: plain scripts have no modules. Comments and indentation are left out.
+  # The npm package as a function that returns its exports, because plain scripts have no modules. Strips comments and indentation.
   printf 'function cageformPackage() {\n'
   { cat $work/layout.js; for part in host engine numbers figures cages bindings pins; do cat $npm/package/$part.js; done; } |
     sed -e '/^import .*;$/d' -e '/^import {$/,/;$/d' -e '/^ *\/\*\*.*\*\/$/d' -e '/^ *\/\*\*/,/\*\//d' -e '/^ *\/\//d' -e 's/^ *//' -e 's/^export //'
@@ -96,12 +96,12 @@ done
   for part in engine read path safe_svg figure cage kinds field clip pins plane_pins view app pointer timeline save mesh mesh_pins keep main; do cat $page/js/$part.js; done
 } >$work/page.js
 
-# hash FILE: what a content security policy knows a script or style by
+# hash FILE: prints the hash of a script or style for the content security policy
 hash() {
   printf "'sha256-%s'" "$(sha256sum <"$1" | cut -c 1-64 | tr a-f A-F | basenc --base16 -d | base64)"
 }
 
-# No other script and no other style is let in, whatever comes to stand in the page.
+# The policy allows no other script and no other style.
 {
   cat <<END
 <!DOCTYPE html>

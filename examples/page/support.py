@@ -1,4 +1,4 @@
-"""The page in a browser, and what its tests compare it with."""
+"""The page in a browser, and the native programs for comparison."""
 
 import csv
 import json
@@ -20,7 +20,7 @@ class Page(Browser):
         self.mode = mode
         self.downloads = tempfile.mkdtemp()
         self.call('Browser.setDownloadBehavior', {'behavior': 'allow', 'downloadPath': self.downloads, 'eventsEnabled': True}, session=None)
-        if still:  # else the first scene moves
+        if still:  # otherwise the first scene moves
             self.still()
         start = time.time()
         self.open(path)
@@ -28,11 +28,11 @@ class Page(Browser):
 
     def open(self, path):
         super().open(path)
-        if self.mode == 'cage':  # a visitor meets the other one
+        if self.mode == 'cage':  # not the default mode
             self.run("setMode(page, 'cage')")
 
     def computed(self):
-        """Seconds that all threads of the page have computed for."""
+        """Returns the CPU time of all threads of the page, in seconds."""
         self.call('Performance.enable')
         return next(m['value'] for m in self.call('Performance.getMetrics')['metrics'] if m['name'] == 'ProcessTime')
 
@@ -40,17 +40,17 @@ class Page(Browser):
         return self.run('Array.from(page.pose)')
 
     def vertex(self, i, view=0):
-        """Where a vertex is on the screen."""
+        """Returns the position of a vertex on the screen."""
         return self.run('(() => { const v = page.views[%d], f = v.frame(), r = v.div.getBoundingClientRect(), p = page.shownPose;'
                         'return [r.left + v.div.clientLeft + f.x + f.scale * p[2 * %d], r.top + v.div.clientTop + f.y + f.scale * p[2 * %d + 1]]; })()'
                         % (view, i, i))
 
     def drag_vertex(self, i, dx, dy, **more):
-        x, y = (round(v) for v in self.vertex(i))  # a press lies on a whole pixel
+        x, y = (round(v) for v in self.vertex(i))  # mouse positions are whole pixels
         self.drag((x, y), (x + dx, y + dy), **more)
 
     def places(self, coordinates):
-        """Bound points, and where the pose takes them."""
+        """Returns the bound points and their posed positions."""
         self.run("page.ensureBound('%s')" % coordinates)
         flat = self.run("[Array.from(page.figure.points), Array.from(page.cloneFigure('%s', page.pose))]" % coordinates)
         return [list(zip(points[::2], points[1::2])) for points in flat]
@@ -63,7 +63,7 @@ class Page(Browser):
         limit = time.time() + 20
         while not os.path.exists(path) or os.path.exists(path + '.crdownload'):
             if time.time() > limit:
-                raise TimeoutError('nothing saved as ' + name)
+                raise TimeoutError('no file saved as ' + name)
             time.sleep(0.05)
         return path
 
@@ -86,14 +86,14 @@ def write_points(path, points):
 
 
 def native_places(coordinates, cage, pose, points, folder):
-    """Points moved by the weights that cage_weights has for them."""
+    """Returns points moved with the weights of cage_weights."""
     cage_path, points_path, out = (os.path.join(folder, n) for n in ('cage.csv', 'points.csv', 'weights.csv'))
     write_points(cage_path, cage)
     write_points(points_path, points)
     subprocess.run([PROGRAMS + 'cage_weights', '--cage', cage_path, '--points', points_path, '--coordinates', coordinates, '-o', out],
                    check=True, stdout=subprocess.DEVNULL)
     handles, moved_handles = list(cage), list(pose)
-    if coordinates == 'green':  # edges' normals, as long as the edges
+    if coordinates == 'green':  # normals of the edges, with the lengths of the edges
         area = sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(cage, cage[1:] + cage[:1]))
 
         def normals(loop):
@@ -120,7 +120,7 @@ def read_csv(path):
 
 
 def compare_pictures(page, one, other, same_view=False):
-    """Mean difference of the colours of two SVG documents, in the viewBox of the second."""
+    """Returns the mean difference of the colours of two SVG documents, in the viewBox of the second."""
     if same_view:
         view = re.search(r'viewBox="[^"]*"', other).group(0)
         one = re.sub(r'viewBox="[^"]*"', view, one, count=1)

@@ -40,7 +40,7 @@ def test_opening(page, path):
     paint = page.run("Math.max(0, ...performance.getEntriesByType('paint').map(e => e.startTime))")
     check(ready < 10000, 'the cat is drawn after %.0f ms (first paint after %.0f ms)' % (ready, paint))
     loaded = [e['params']['request']['url'] for e in page.events if e.get('method') == 'Network.requestWillBeSent']
-    check(all(u.startswith(('file:', 'data:', 'blob:')) for u in loaded), 'nothing is asked of the network')
+    check(all(u.startswith(('file:', 'data:', 'blob:')) for u in loaded), 'the page sends no network requests')
 
 
 def test_drags(page):
@@ -54,9 +54,9 @@ def test_drags(page):
     rest, places = page.places('harmonic')
     check(farthest(rest, places) > 10, 'the figure follows')
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == before, 'Ctrl+Z takes it back')
+    check(page.pose() == before, 'Ctrl+Z reverts it')
     page.key('y', 'KeyY', modifiers=2)
-    check(page.pose() == after, 'Ctrl+Y does it again')
+    check(page.pose() == after, 'Ctrl+Y repeats it')
 
 
 def test_selection(page):
@@ -70,7 +70,7 @@ def test_selection(page):
     page.mouse('mouseReleased', *corners[-1])
     page.frames()
     chosen = page.run('[...page.selection].sort((a, b) => a - b)')
-    check({8, 9, 10} <= set(chosen) and len(chosen) < 8, 'the lasso takes vertices %s' % chosen)
+    check({8, 9, 10} <= set(chosen) and len(chosen) < 8, 'the lasso selects vertices %s' % chosen)
 
     def sizes():
         p = pairs(page.pose())
@@ -79,32 +79,32 @@ def test_selection(page):
                                       'g = page.gripsOf(page.pose, 1 / f.scale), s = ([x, y]) => [r.left + 1 + f.x + f.scale * x, r.top + 1 + f.y + f.scale * y];'
                                       'return { turn: s(g.turn), corner: s(g.corners[2]), fixed: s(g.corners[0]) }; })()')
     page.drag(grips['turn'], (grips['turn'][0] + 40, grips['turn'][1] + 10))
-    check(max(abs(a - b) for a, b in zip(before, sizes())) < 1e-9, 'turned, the selection keeps its size')
+    check(max(abs(a - b) for a, b in zip(before, sizes())) < 1e-9, 'a rotated selection keeps its size')
     page.key('z', 'KeyZ', modifiers=2)
     (cx, cy), (fx, fy) = grips['corner'], grips['fixed']
     page.drag(grips['corner'], (fx + 1.3 * (cx - fx), fy + 1.3 * (cy - fy)))
-    check(max(abs(b / a - 1.3) for a, b in zip(before, sizes())) < 1e-6, 'scaled, it grows by 1.3')
+    check(max(abs(b / a - 1.3) for a, b in zip(before, sizes())) < 1e-6, 'a scaled selection grows by a factor of 1.3')
     page.key('z', 'KeyZ', modifiers=2)
     page.key('ArrowRight')
     page.key('Escape')
-    check(page.run('page.selection.size') == 0, 'Escape lets it go')
+    check(page.run('page.selection.size') == 0, 'Escape clears the selection')
 
 
 def test_native(page, folder):
-    """Compares the pose that the drags have left with the native programs."""
+    """Compares the pose after the drags with the native programs."""
     page.drag_vertex(5, -25, -30)
     cage, pose = pairs(page.run('Array.from(page.cage.rest)')), pairs(page.pose())
     for coordinates in page.run('page.engine.polygonTypes'):
         points, places = page.places(coordinates)
         error = farthest(places, native_places(coordinates, cage, pose, points, folder))
-        # The solver's float cycles round differently without fused products; what is left is below its own error.
+        # The solver's float cycles round differently without fused multiply-add; the difference is below the solver's error.
         allowed = 1e-6 * page.run('page.figure.size') if coordinates == 'harmonic' else 1e-6
-        check(error < allowed, '%s: %d points off those of cage_weights by %.1e at most, %.1e allowed' % (coordinates, len(points), error, allowed))
+        check(error < allowed, '%s: %d points differ from cage_weights by at most %.1e, allowed %.1e' % (coordinates, len(points), error, allowed))
 
 
 def test_saves(page, folder):
     pose = pairs(page.pose())
-    check(read_csv(page.saved('#save-pose', 'cat_pose.csv')) == pose, 'the pose is saved to the bit')
+    check(read_csv(page.saved('#save-pose', 'cat_pose.csv')) == pose, 'the pose is saved bitwise')
     check(read_csv(page.saved('#save-cage', 'cat_cage.csv')) == pairs(page.run('Array.from(page.cage.rest)')), 'and the cage')
     png = open(page.saved('#save-png', 'cat_posed.png'), 'rb').read()
     check(png[:8] == b'\x89PNG\r\n\x1a\n' and len(png) > 10000, 'PNG: %d bytes' % len(png))
@@ -114,7 +114,7 @@ def test_saves(page, folder):
     subprocess.run([PROGRAMS + 'deform_svg', DATA + 'cat.svg', '--cage', os.path.join(page.downloads, 'cat_cage.csv'), '--pose',
                     os.path.join(page.downloads, 'cat_pose.csv'), '--coordinates', kind, '-o', native], check=True, stderr=subprocess.DEVNULL)
     difference = compare_pictures(page, mine, open(native).read(), same_view=True)
-    check(difference < 0.002, 'the SVG saved looks as that of deform_svg with these files: %.5f of the colours differ' % difference)
+    check(difference < 0.002, 'the saved SVG looks like that of deform_svg with these files: colour difference %.5f' % difference)
 
 
 def test_cage_edits(page):
@@ -127,20 +127,20 @@ def test_cage_edits(page):
     page.frames()
     after = page.pose()
     check(len(after) // 2 == count + 1, 'a double click on an edge adds a vertex')
-    check(after[:28] == pose[:28] and after[30:] == pose[28:], 'and the pose goes on')
+    check(after[:28] == pose[:28] and after[30:] == pose[28:], 'and the pose is kept')
     page.key('Delete')
-    check(page.pose() == pose, 'Delete takes it away')
+    check(page.pose() == pose, 'Delete removes it')
     page.click('#edit')
     rest = page.run('Array.from(page.cage.rest)')
     page.drag_vertex(14, 0, -20)
     moved = page.run('page.cage.rest[29]')
-    check(moved < rest[29] and page.run('!!page.bound[page.types[0]]'), 'the cage at rest is edited, and bound again')
-    page.drag_vertex(14, 0, 300)  # across the figure's other side: crosses itself
+    check(moved < rest[29] and page.run('!!page.bound[page.types[0]]'), 'the rest cage can be edited and is bound again')
+    page.drag_vertex(14, 0, 300)  # beyond the other side of the figure: the cage crosses itself
     check(page.run('page.cage.rest[29]') == moved and 'cannot be used' in page.run("document.getElementById('status').textContent"),
-          'a cage that crosses itself is refused, with a sentence')
+          'a cage that crosses itself gives an error message')
     page.click('#edit')
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == pose, 'undo brings the cage back')
+    check(page.pose() == pose, 'undo restores the cage')
 
 
 def test_clip(page, folder):
@@ -151,10 +151,10 @@ def test_clip(page, folder):
     posed = page.pose()
     page.key('k', 'KeyK')
     page.run('page.timeline.setTime(1.2)')
-    check(max(abs(a - b) for a, b in zip(posed, page.pose())) < 1e-9, 'a key frame comes back')
+    check(max(abs(a - b) for a, b in zip(posed, page.pose())) < 1e-9, 'a key frame restores the pose')
     page.run('page.timeline.setTime(0.6)')
     middle = page.pose()
-    check(page.run('page.cage.rest[18]') < middle[18] < posed[18], 'and there is motion between')
+    check(page.run('page.cage.rest[18]') < middle[18] < posed[18], 'and the pose between key frames is interpolated')
     page.click('#curves summary')
     page.run('page.timeline.showVertex(9)')
     check('certified' in page.run("document.getElementById('fit').textContent"), page.run("document.getElementById('fit').textContent"))
@@ -169,7 +169,7 @@ def test_clip(page, folder):
     rest, places = page.places('mean-value')
     first = page.run("page.figure.shapes.find(s => s.element.id === 'body').begin")
     error = max(abs(a - b) for a, b in zip(places[first], native))
-    check(error < 0.0501 and math.dist(rest[first], native) > 1, 'the walk at 0.7 s: %.3f off animate_svg, which writes one digit' % error)
+    check(error < 0.0501 and math.dist(rest[first], native) > 1, 'the walk at 0.7 s differs from animate_svg by %.3f (it writes one decimal)' % error)
 
 
 def test_drop(page, folder):
@@ -181,26 +181,26 @@ def test_drop(page, folder):
     check(page.run('window.hacked') is None, 'a dropped script does not run')
     check(page.run('page.cage.rest.length') == 48, 'a dropped SVG gets a cage of 24 vertices')
     rest, places = page.places('mean-value')
-    check(rest == places and page.run('page.bound[page.types[0]].outside') == 0, 'which holds all of it')
+    check(rest == places and page.run('page.bound[page.types[0]].outside') == 0, 'which encloses the drawing')
     saved = open(page.saved('#save-svg', 'hard_posed.svg')).read()
     difference = compare_pictures(page, saved, HARD_SVG, same_view=True)
-    check(difference < 0.002, 'at rest it looks as it was: %.5f of the colours differ' % difference)
+    check(difference < 0.002, 'at rest it looks like the file: colour difference %.5f' % difference)
     page.drop([DATA + 'cat_walk.csv'])
     page.wait("document.getElementById('status').classList.contains('fault')")
-    check(page.run('page.figure.name') == 'hard', 'a file that is not SVG is refused: ' + page.run("document.getElementById('status').textContent"))
+    check(page.run('page.figure.name') == 'hard', 'a file that is not SVG is an error: ' + page.run("document.getElementById('status').textContent"))
 
 
-# The frame's address is a script; a page of its own asks for it as soon as the frame is part of it.
+# The address of the frame is a script, which a page would run as soon as it contains the frame.
 FRAME_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><rect width="80" height="60"/>
 <frame xmlns="http://www.w3.org/1999/xhtml" src="javascript:parent.ran='frame'"/><g><iframe xmlns="http://www.w3.org/1999/xhtml"
 srcdoc="&lt;script&gt;parent.ran='srcdoc'&lt;/script&gt;"/></g></svg>'''
-# Seven levels of ten: ten million squares in little more than a thousand bytes.
+# Seven levels of ten references: ten million squares in little more than a thousand bytes.
 NESTED_SVG = ('<svg xmlns="http://www.w3.org/2000/svg"><rect id="a" width="9" height="9"/>' + ''.join(
     '<g id="%s">%s</g>' % (b, '<use href="#%s"/>' % a * 10) for a, b in zip('abcdefg', 'bcdefgh')) + '</svg>')
 
 
 def chain_svg(element, attribute):
-    """Levels of ten of definitions that are not `use`."""
+    """Returns levels of definitions other than `use`, each with ten references."""
     shape = '<path d="M0 0h5v5z" %s/>'
 
     def reference(k):
@@ -211,7 +211,7 @@ def chain_svg(element, attribute):
 
 
 def test_script(page, folder):
-    """Nothing of a dropped document runs, by the list of what is let in and by the page's policy."""
+    """Nothing in a dropped document runs, because of the list of safe elements and of the page's policy."""
     path = os.path.join(folder, 'frame.svg')
     with open(path, 'w') as file:
         file.write(FRAME_SVG)
@@ -219,9 +219,9 @@ def test_script(page, folder):
     page.wait("page.figure.name === 'frame'")
     time.sleep(0.2)
     check(page.run('window.ran') is None, 'frames of a dropped SVG run no script')
-    check(page.run("page.views[0].shadow.querySelectorAll('frame, iframe').length") == 0, 'and are left out')
+    check(page.run("page.views[0].shadow.querySelectorAll('frame, iframe').length") == 0, 'and are removed')
     policy = page.run("document.querySelector('meta[http-equiv=Content-Security-Policy]').content")
-    check('unsafe-inline' not in policy and policy.count('sha256-') == 2, 'the policy lets in the page\'s own script and style, by their hashes')
+    check('unsafe-inline' not in policy and policy.count('sha256-') == 2, 'the policy allows only the page\'s script and style, by their hashes')
     tried = page.run('''(async () => {
       const script = document.createElement('script');
       script.textContent = 'window.ran = 1';
@@ -235,12 +235,12 @@ def test_script(page, folder):
       script.remove();
       return [window.ran ?? null, colour];
     })()''')
-    check(tried[0] is None and tried[1] != 'rgb(255, 0, 0)', 'the policy holds: a script, a handler and a style put into the page do nothing')
+    check(tried[0] is None and tried[1] != 'rgb(255, 0, 0)', 'the policy works: a script, a handler and a style added to the page have no effect')
     page.events = [e for e in page.events if not (e.get('method') == 'Log.entryAdded' and 'Content Security Policy' in e['params']['entry']['text'])]
 
 
 def test_expansion(page, folder):
-    """A drawing that expands to millions of instances is refused by name."""
+    """A drawing that expands to millions of instances gives an error with the file's name."""
     cases = {'use': NESTED_SVG, 'pattern': chain_svg('pattern', 'fill'), 'mask': chain_svg('mask', 'mask'), 'clip': chain_svg('clipPath', 'clip-path'),
              'marker': chain_svg('marker', 'marker-mid'), 'style': chain_svg('pattern', 'class').replace('</svg>', '<style>%s</style></svg>' % ''.join('.u%d { fill: url(#u%d) } ' % (k, k) for k in range(8)))}
     before = page.run('page.figure.name')
@@ -255,7 +255,7 @@ def test_expansion(page, folder):
         said = page.run("document.getElementById('status').textContent")
         check(re.match(name + ' cannot be shown: "#[a-z0-9]+" expands', said) and page.run('page.figure.name') == before, '%s (%.2f s)' % (said, time.time() - start))
     deep = '<svg xmlns="http://www.w3.org/2000/svg">' + '<g>' * 2000 + '</g>' * 2000 + '</svg>'
-    check('too deeply' in page.run('try { new Figure(%s, "deep"); "" } catch (error) { error.message }' % json.dumps(deep)), 'so are 2000 levels of groups')
+    check('too deeply' in page.run('try { new Figure(%s, "deep"); "" } catch (error) { error.message }' % json.dumps(deep)), '2000 levels of groups give an error')
     nested = ''.join('<g id="h%d">' % k for k in range(190)) + '<path d="M0 0h5v5z"/>' * 500 + '</g>' * 190 + ''.join('<use href="#h%d"/>' % k for k in range(190))
     said, copies = page.run('''(() => {
       const { cloneNode } = Node.prototype;
@@ -268,7 +268,7 @@ def test_expansion(page, folder):
 
 
 class Elsewhere(http.server.BaseHTTPRequestHandler):
-    """A server that nothing may ask for anything."""
+    """A server that must receive no requests."""
     asked = []
 
     def do_GET(self):
@@ -288,7 +288,7 @@ const isHarmless = root => [root, ...root.querySelectorAll('*')].every(element =
   !/script|foreignobject|frame|animate|^set$|handler|object|embed/i.test(element.localName) &&
   [...element.attributes].every(({ name, value }) => !/^on/i.test(name) && !/javascript:/i.test(value) &&
     (!/href$/.test(name) || /^(#|data:image\\/(png|jpeg|gif|webp);)/.test(value)) && !/url\\(\\s*["']?(?!#)[^"'#]/i.test(value)));
-// Shows a text as a dropped file: every twentieth all the way, others in a cage about their box. Answers what went wrong.
+// Shows a text like a dropped file: every twentieth with make_cage, others in a cage around their box. Returns the faults.
 window.feed = async (seed, text) => {
   const isBroken = !parseSvg(withNamespaces(text)), start = performance.now(), faults = [];
   let cageTime = 0, outcome = 'shown';
@@ -309,15 +309,15 @@ window.feed = async (seed, text) => {
     outcome = 'refused';
     if (error instanceof TypeError || error instanceof RangeError || error.message.includes('undefined')) faults.push(error.stack);
   }
-  for (let k = 0; k < 4; ++k) await new Promise(done => requestAnimationFrame(() => setTimeout(done))); // what is slow to paint holds the frames behind it up
+  for (let k = 0; k < 4; ++k) await new Promise(done => requestAnimationFrame(() => setTimeout(done))); // slow painting delays the following frames
   const spent = performance.now() - start - cageTime;
   if (outcome === 'shown') {
     const saved = posedSvg(page).text, root = parseSvg(saved);
-    if (!isHarmless(page.views[0].copy.root) || !isHarmless(root)) faults.push('what is shown or saved is not harmless');
+    if (!isHarmless(page.views[0].copy.root) || !isHarmless(root)) faults.push('the shown or saved document is not harmless');
   }
   if (window.ran !== undefined) faults.push('ran ' + window.ran);
-  const isBrowsersOwn = isBroken && window.lastViolation === 'inline style-src-attr'; // of its words about what is wrong
-  if (window.violations && !isBrowsersOwn) faults.push('tried what the policy forbids: ' + window.lastViolation);
+  const isBrowsersOwn = isBroken && window.lastViolation === 'inline style-src-attr'; // from the browser's own error message
+  if (window.violations && !isBrowsersOwn) faults.push('violated the policy: ' + window.lastViolation);
   window.ran = window.violations = undefined;
   return { outcome, spent, faults };
 };
@@ -325,7 +325,7 @@ window.feed = async (seed, text) => {
 
 
 def test_hostile(page, count, first):
-    """Documents that are out for no good, by seeds: nothing runs, nothing is asked for, nothing takes two seconds."""
+    """Hostile documents from seeds: no script runs, no request is sent, none takes two seconds."""
     server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), Elsewhere)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     elsewhere = 'http://127.0.0.1:%d' % server.server_port
@@ -340,7 +340,7 @@ def test_hostile(page, count, first):
         faults += ['seed %d: %s' % (seed, fault) for fault in answer['faults']]
         shown += answer['outcome'] == 'shown'
         spent = answer['spent']
-        for _ in range(3):  # what is slow because the machine is busy does not compute for so long, or not every time
+        for _ in range(3):  # repeats, so that a busy machine is no fault
             if spent > 2000:
                 computed = page.computed()
                 again = page.run(call)['spent']
@@ -348,24 +348,24 @@ def test_hostile(page, count, first):
         faults += ['seed %d takes %.0f ms' % (seed, spent)] if spent > 2000 else []
         longest = max(longest, (spent, seed))
         asked = [e['params']['request']['url'] for e in page.events if e.get('method') == 'Network.requestWillBeSent']
-        faults += ['seed %d asks for %s' % (seed, url[:80]) for url in asked if not url.startswith(('data:image/', 'blob:'))]
+        faults += ['seed %d requests %s' % (seed, url[:80]) for url in asked if not url.startswith(('data:image/', 'blob:'))]
         gone = [e for e in page.events if e.get('method') in ('Page.frameNavigated', 'Page.frameAttached', 'Page.javascriptDialogOpening')]
         faults += ['seed %d: %s' % (seed, e['method']) for e in gone]
         page.events = [e for e in page.events if e.get('method') == 'Runtime.exceptionThrown']
-    faults += ['the server was asked for ' + path for path in Elsewhere.asked]
-    check(page.run('window.isHere'), 'the page is still there')
-    check(shown > count / 3, '%d hostile documents from seed %d: %d shown, others refused' % (count, first, shown))
-    check(not faults, 'nothing runs, nothing is asked for, the longest takes %.0f ms (seed %d)' % longest if not faults
+    faults += ['the server received a request for ' + path for path in Elsewhere.asked]
+    check(page.run('window.isHere'), 'the page still works')
+    check(shown > count / 3, '%d hostile documents from seed %d: %d shown, the others rejected' % (count, first, shown))
+    check(not faults, 'no script runs, no request is sent, the slowest takes %.0f ms (seed %d)' % longest if not faults
           else '%d faults: %s' % (len(faults), '; '.join(faults[:12])))
     server.shutdown()
     page.resize(1280, 900)
     page.click('[data-type=harmonic]')
-    page.frames(30)  # the browser complains of the last document later, on a busy machine by some frames
+    page.frames(30)  # the browser reports errors of the last document some frames later
     page.events = [e for e in page.events if e.get('method') == 'Runtime.exceptionThrown']
 
 
 def test_dropped_mesh(page, folder):
-    """A torus with a quadrilateral a face."""
+    """Writes a torus with quadrilateral faces."""
     path, n = os.path.join(folder, 'ring.obj'), 24
     with open(path, 'w') as file:
         for i in range(n):
@@ -381,7 +381,7 @@ def test_dropped_mesh(page, folder):
     check(page.run('page.mesh.cage.vertices.length') == 3 * 112, 'a dropped OBJ gets a cage of 112 vertices in %.1f s' % (page.run('page.mesh.cage.milliseconds') / 1000))
     page.frames(3)
     moved = page.run('Array.from(page.engine.cloneMesh(page.mesh.pose))')
-    check(max(abs(a - b) for a, b in zip(moved, page.run('Array.from(page.mesh.mesh.vertices)'))) < 1e-6, 'which leaves it where it is')
+    check(max(abs(a - b) for a, b in zip(moved, page.run('Array.from(page.mesh.mesh.vertices)'))) < 1e-6, 'and does not move')
 
 
 def test_mesh(page, folder):
@@ -397,7 +397,7 @@ def test_mesh(page, folder):
     check(0 < len(changed) <= 3, "a vertex of the mesh's cage follows the pointer")
     turn = page.run('page.mesh.turn')
     page.drag((box[0] + 40, box[1] + 40), (box[0] + 90, box[1] + 40))
-    check(page.run('page.mesh.turn') > turn, 'the background turns the view')
+    check(page.run('page.mesh.turn') > turn, 'dragging the background rotates the view')
     page.click('#mesh-dance')
     page.frames(10)
     check(page.run('page.mesh.pose.some((x, k) => x !== page.mesh.cage.vertices[k]) && page.mesh.dancing > 0'), 'it dances')
@@ -408,51 +408,51 @@ def test_mesh(page, folder):
                     '--coordinates', 'mean-value', '-o', out], check=True, stdout=subprocess.DEVNULL)
     native = [float(x) for line in open(out) if line.startswith('v ') for x in line.split()[1:4]]
     error = max(abs(a - b) for a, b in zip(moved, native))
-    check(len(moved) == len(native) and error < 4e-6, 'the mesh, in float, is off deform_mesh by %.1e at most' % error)
+    check(len(moved) == len(native) and error < 4e-6, 'the mesh, in float, differs from deform_mesh by at most %.1e' % error)
 
 
 def test_dance_clock(page):
-    """The time of a frame may lie before performance.now(), and does in about half of the clicks."""
+    """The time of a frame may be before performance.now(), as it is for about half of the clicks."""
     page.click('[data-figure=character]')
     page.run("""window.ownFrames = requestAnimationFrame; requestAnimationFrame = f => ownFrames(now => f(now - 1000)); 0""")
     page.click('#mesh-dance')
     page.frames(8)
-    check(page.run('page.mesh.dancing > 0 && page.mesh.pose.every(Number.isFinite)'), 'it dances by a clock that is behind')
+    check(page.run('page.mesh.dancing > 0 && page.mesh.pose.every(Number.isFinite)'), 'the dance plays if the clock of frames is behind')
     page.click('#mesh-dance')
     page.run('requestAnimationFrame = ownFrames; 0')
     check(not page.faults(), 'without a fault')
 
 
 def test_sessions(page):
-    """Figures keep their pose and their way back while others are shown."""
+    """Figures keep their pose and their undo history while others are shown."""
     page.click('[data-figure=cat]')
     page.click('#rest')
     before = page.pose()
     page.drag_vertex(9, 30, 20)
     posed = page.pose()
     page.click('[data-figure=cat]')
-    check(page.pose() == posed, 'Cat does not throw the pose of the cat away')
+    check(page.pose() == posed, 'the button Cat keeps the pose of the cat')
     page.click('[data-figure=biped]')
     check(len(page.pose()) != len(posed), 'the biped is shown')
     page.click('[data-figure=character]')
     page.click('[data-figure=cat]')
-    check(page.pose() == posed, 'and the pose is there after other figures')
+    check(page.pose() == posed, 'and the pose is restored after other figures')
     page.click('#undo')
-    check(page.pose() == before, 'with its undo')
+    check(page.pose() == before, 'with its undo history')
 
 
 def test_stepping(page):
-    """Vertices by keys, the view by a button, weights when asked for."""
+    """Keys for vertices, a button for the view, weights on request."""
     page.key('Escape')
     page.mouse('mouseMoved', 5, 5, held=False)
-    check(page.run("document.getElementById('legend').hidden && page.views[0].field.width === 1"), 'no weights are shown until asked for')
+    check(page.run("document.getElementById('legend').hidden && page.views[0].field.width === 1"), 'weights are hidden at first')
     page.key('n', 'KeyN')
     page.key('n', 'KeyN')
-    check(page.run('[...page.selection]') == [1], 'N goes from vertex to vertex')
+    check(page.run('[...page.selection]') == [1], 'N selects the next vertex')
     page.key('p', 'KeyP')
     check(page.run('[...page.selection]') == [0], 'P goes back')
     page.key('N', 'KeyN', modifiers=8)
-    check(page.run('[...page.selection]') == [0, 1], 'with Shift one more')
+    check(page.run('[...page.selection]') == [0, 1], 'with Shift it adds the vertex to the selection')
     page.key('p', 'KeyP')
     page.key('w', 'KeyW')
     page.frames()
@@ -462,13 +462,13 @@ def test_stepping(page):
     inside = """(() => { const { x, y, w, h } = page.window, p = page.pose; return p.every((v, k) => k % 2 ? v > y && v < y + h : v > x && v < x + w); })()"""
     for _ in range(6):
         page.key('PageUp')
-    check(not page.run(inside), 'Page up comes nearer')
+    check(not page.run(inside), 'Page Up zooms in')
     page.click('#fit-view')
-    check(page.run(inside), 'Fit shows all of it again')
+    check(page.run(inside), 'Fit shows the whole cage again')
 
 
 def test_first_scene(path):
-    """It moves by itself until touched; not for who has asked for less motion."""
+    """The first scene moves until the first input; not with the preference for reduced motion."""
     pose = 'Array.from(page.pose)'
     for touch in ('key', 'pointer', 'play'):
         page = Page(path, still=False)
@@ -486,8 +486,8 @@ def test_first_scene(path):
             page.frames()
             stopped = page.run(pose)
             page.frames(8)
-            check(first != moving and page.run(pose) == stopped, 'the first scene moves by itself until touched: ' + touch)
-            check(page.run("document.getElementById('undo').disabled"), 'which is nothing to undo')
+            check(first != moving and page.run(pose) == stopped, 'the first scene moves until the first input: ' + touch)
+            check(page.run("document.getElementById('undo').disabled"), 'and this is no undo step')
         finally:
             page.close()
 
@@ -507,20 +507,20 @@ def test_reading(page, folder):
     picture = '<svg %s viewBox="0 0 100 80"><image x="10" y="10" width="60" height="60" preserveAspectRatio="none" xlink:href="data:%s;base64,' + dot + '"/></svg>'
     saved = drop('untyped', picture % (namespaces, ''))
     difference = compare_pictures(page, saved, picture % (namespaces, 'image/png'), same_view=True)
-    check('data:image/png;base64,' in saved and difference < 0.001, 'a picture without a type is shown as what it is: %.5f differ' % difference)
+    check('data:image/png;base64,' in saved and difference < 0.001, 'a picture without a type is shown correctly: colour difference %.5f' % difference)
     bare = '<svg viewBox="0 0 100 80"><g inkscape:label="one"><rect id="r" width="40" height="30"/></g><use xlink:href="#r" x="50" y="40" fill="#c63"/></svg>'
     saved = drop('bare', bare)
     difference = compare_pictures(page, saved, bare.replace('<svg', '<svg xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" ' + namespaces), same_view=True)
-    check(difference < 0.001 and 'inkscape:label="one"' in saved, 'namespaces that were left out are put in: %.5f differ' % difference)
+    check(difference < 0.001 and 'inkscape:label="one"' in saved, 'missing namespaces are added: colour difference %.5f' % difference)
     marked = '<svg %s viewBox="0 0 100 80"><style>line { marker-end: url(#m) } .s { fill: none; stroke: #222; stroke-width: 2px }</style>' \
         '<marker id="m" markerWidth="5" markerHeight="5" refX="2.5" refY="2.5" orient="auto"><path d="M0 0l5 2.5l-5 2.5z" fill="#c2377a"/></marker>' \
         '<path class="s" d="M5 70C20 10 40 10 50 60L90 60L95 10" marker-mid="url(#m)" marker-start="url(#m)"/><line class="s" x1="10" y1="5" x2="70" y2="9"/></svg>'
     saved = drop('marked', marked % namespaces)
     difference = compare_pictures(page, saved, marked % namespaces, same_view=True)
-    check(difference < 0.001, 'markers stand at the vertices of the drawing, not of its pieces: %.5f differ' % difference)
+    check(difference < 0.001, 'markers are at the vertices of the drawing, not of its pieces: colour difference %.5f' % difference)
     symbol = '<svg %s viewBox="0 0 100 80"><symbol id="s" viewBox="0 0 10 10"><circle cx="5" cy="5" r="4"/></symbol><use href="#s" x="20" y="10" width="60" height="60"/></svg>'
     difference = compare_pictures(page, drop('symbol', symbol % namespaces), symbol % namespaces, same_view=True)
-    check(difference < 0.001, 'a symbol is as large as its use says: %.5f differ' % difference)
+    check(difference < 0.001, 'a symbol has the size of its use: colour difference %.5f' % difference)
     for units in ('userSpaceOnUse" x="0" y="0" width="100" height="80', 'objectBoundingBox" x="-.5" y="-.5" width="2" height="2'):
         blur = '<svg %s viewBox="0 0 100 80"><filter id="b" filterUnits="%s"><feGaussianBlur stdDeviation="5"/></filter>' \
             '<rect x="30" y="20" width="40" height="40" fill="#06c" filter="url(#b)"/></svg>' % (namespaces, units)
@@ -531,17 +531,17 @@ def test_reading(page, folder):
             '<rect x="%d" y="20" width="40" height="40" fill="#06c" filter="url(#b)"/></svg>' % (namespaces, 30 + shift)
         x, y, width, height = map(float, re.search(r'viewBox="([^"]*)"', saved).group(1).split())
         difference = compare_pictures(page, saved, wide, same_view=True)
-        check(difference < 0.001 and x <= 0 and x + width >= 120 + 40 + 14, 'a blur that has moved is saved whole (%s): %.5f differ' % (units[:16], difference))
+        check(difference < 0.001 and x <= 0 and x + width >= 120 + 40 + 14, 'a moved blur is saved completely (%s): colour difference %.5f' % (units[:16], difference))
 
 
 def test_animation(page, folder, path):
-    """An animation saved plays elsewhere: in a browser, by animate_svg."""
+    """A saved animation plays in a browser and in animate_svg."""
     page.click('[data-figure=cat]')
     page.click('[data-type=mean-value]')
     page.click('#walk')
     page.click('#play')
     saved = page.saved('#save-animation', 'cat_animated.svg')
-    for time_shown in (0.4, 1.2):  # frames stand every fifteenth of a second
+    for time_shown in (0.4, 1.2):  # 15 frames per second
         mine = page.run("""(() => {
           const places = page.cloneFigure('mean-value', page.clip.poseAt(%r, page.cage.rest, page.engine)).slice();
           return page.figure.shapes.filter(s => s.outline).map(s => numbersIn(pathData(s, places, page.figure.decimals)));
@@ -562,24 +562,24 @@ def test_animation(page, folder, path):
         page.click('#walk')
         page.click('#play')
         error = max(abs(a - b) for one, other in zip(shown, mine) for a, b in zip(one, other))
-        check(len(shown) == len(mine) and error < 0.02, 'the animation saved, %d bytes, at %.1f s in a browser: %.4f off the page' % (os.path.getsize(saved), time_shown, error))
+        check(len(shown) == len(mine) and error < 0.02, 'the saved animation, %d bytes, at %.1f s in a browser: difference from the page %.4f' % (os.path.getsize(saved), time_shown, error))
     clip = page.saved('#save-clip', 'cat_clip.csv')
     stills = []
     for name, source in (('saved', clip), ('own', DATA + 'cat_walk.csv')):
         prefix = os.path.join(folder, name + '_')
         own = os.path.join(folder, name + '.csv')
-        with open(own, 'w') as file:  # without what the page does not do: legs that are late, a ground
+        with open(own, 'w') as file:  # without the features that the page lacks: leg delay and ground
             file.writelines(line for line in open(source) if not line.startswith(('late', 'ground')))
         subprocess.run([PROGRAMS + 'animate_svg', DATA + 'cat.svg', '--cage', DATA + 'cat_cage.svg', '--clip', own, '-o', prefix + '.svg',
                         '--coordinates', 'mean-value', '--stills', prefix, '--still-count', '6'], check=True, stdout=subprocess.DEVNULL)
         moved = [re.findall(r'\s(?:d|transform)="([^"]*)"', open(prefix + '%02d.svg' % k).read()) for k in range(1, 6)]
         stills.append([[float(x) for text in texts for x in re.findall(r'-?[\d.]+(?:e-?\d+)?', text)] for texts in moved])
     error = max(abs(a - b) for one, other in zip(*stills) for a, b in zip(one, other))
-    check(error < 0.11, 'animate_svg plays the key frames saved as its own: %.3f off, it writes one digit' % error)
+    check(error < 0.11, 'animate_svg plays the saved key frames: difference %.3f (it writes one decimal)' % error)
 
 
 def test_mesh_files(page, folder):
-    """A mesh posed, undone, saved, and read again."""
+    """A mesh is posed, undone, saved, and read again."""
     page.click('[data-figure=character]')
     page.wait("page.mesh.name === 'Character' && page.mesh.places?.length === page.mesh.cage.vertices.length / 3")
     page.click('#rest')
@@ -589,13 +589,13 @@ def test_mesh_files(page, folder):
     page.key('ArrowRight')
     page.key('ArrowUp', modifiers=8)
     changed = [k // 3 for k, (a, b) in enumerate(zip(before, page.run('Array.from(page.mesh.pose)'))) if a != b]
-    check(set(changed) == {0}, 'keys select and move a vertex in space')
+    check(set(changed) == {0}, 'keys select and move a 3D vertex')
     page.key('z', 'KeyZ', modifiers=2)
     page.key('z', 'KeyZ', modifiers=2)
-    check(page.run('Array.from(page.mesh.pose)') == before, 'which undo takes back')
+    check(page.run('Array.from(page.mesh.pose)') == before, 'and undo reverts it')
     page.key('w', 'KeyW')
     page.frames()
-    check(page.run("page.mesh.shaded === 0 && !document.getElementById('legend').hidden && page.mesh.gl.getError() === 0"), 'weights are shown in space')
+    check(page.run("page.mesh.shaded === 0 && !document.getElementById('legend').hidden && page.mesh.gl.getError() === 0"), 'weights are shown in 3D')
     page.key('w', 'KeyW')
     page.click('#mesh-pose')
     posed = page.run('Array.from(page.engine.cloneMesh(page.mesh.pose))')
@@ -609,7 +609,7 @@ def test_mesh_files(page, folder):
     subprocess.run([PROGRAMS + 'deform_mesh', BUILT + 'character.obj', '--cage', paths['cage.obj'], '--pose', paths['pose.obj'], '--coordinates', 'mean-value',
                     '-o', out], check=True, stdout=subprocess.DEVNULL)
     error = max(abs(a - b) for a, b in zip(places(out), posed))
-    check(error < 4e-6, 'deform_mesh with the cages saved makes the same: %.1e off' % error)
+    check(error < 4e-6, 'deform_mesh with the saved cages gives the same mesh: error %.1e' % error)
     subprocess.run([PROGRAMS + 'deform_mesh', paths['posed.obj'], '--cage', paths['pose.obj'], '--pose', paths['cage.obj'], '--coordinates', 'mean-value',
                     '-o', out], check=True, stdout=subprocess.DEVNULL)
     check(len(places(out)) == len(posed), 'and reads the posed mesh')
@@ -620,17 +620,17 @@ def test_mesh_files(page, folder):
     floats = list(struct.unpack('<%df' % len(posed), data[start:start + 4 * len(posed)]))
     view = scene['bufferViews'][2]
     indices = struct.unpack('<%dI' % scene['accessors'][2]['count'], data[start + view['byteOffset']:start + view['byteOffset'] + view['byteLength']])
-    check((magic, version, size) == (b'glTF', 2, len(data)) and floats == posed and max(indices) < len(posed) // 3, 'the GLB has them too')
+    check((magic, version, size) == (b'glTF', 2, len(data)) and floats == posed and max(indices) < len(posed) // 3, 'the GLB also has the posed points')
 
 
 def mesh_state(page):
-    """All that a stopped make_cage has to leave: figure, cage, pose, undo, pins."""
+    """Returns the state that a stopped make_cage must not change: figure, cage, pose, undo, pins."""
     return page.run("""(() => { const { name, current, cage, pose, history, pins } = page.mesh;
       return JSON.stringify([name, current, [...cage.vertices], [...cage.faces], [...pose], history.earlier.length, history.later.length, pins]); })()""")
 
 
 def test_stopping(page, folder):
-    """make_cage runs beside the page and can be stopped, which leaves all as it was."""
+    """make_cage runs in a worker and can be stopped, which changes nothing."""
     page.click('[data-figure=character]')
     page.click('#mesh-pose')
     path = os.path.join(folder, 'other.obj')
@@ -649,7 +649,7 @@ def test_stopping(page, folder):
     page.click('#mesh-make')
     page.click('#mesh-make')
     page.frames()
-    check(not page.run(is_stopped), 'a second cage stops the first and has the bar')
+    check(not page.run(is_stopped), 'a second make_cage stops the first and uses the progress bar')
     page.click('#work-stop')
     page.wait(is_stopped)
     check(mesh_state(page) == before, 'and can be stopped')
@@ -668,8 +668,8 @@ def test_stopping(page, folder):
       isOver = true;
       return { stopped, values: values.size, longest: longest / page.mesh.cage.milliseconds };
     })()''')
-    check(not seen['stopped'] and seen['values'] > 5, 'after that a cage is made; the bar has been seen at %d places' % seen['values'])
-    check(seen['longest'] < 0.5, 'and the page goes on meanwhile: its longest task takes %.0f %% of that time' % (100 * seen['longest']))
+    check(not seen['stopped'] and seen['values'] > 5, 'then a cage is made; the progress bar showed %d values' % seen['values'])
+    check(seen['longest'] < 0.5, 'and the page stays responsive: its longest task takes %.0f %% of that time' % (100 * seen['longest']))
     page.click('[data-figure=character]')
     apart = page.run('''(async () => {
       const { mesh } = page.mesh, told = [], made = await page.cageMaker.make('makeShell', mesh, 60, done => told.push(done));
@@ -677,12 +677,12 @@ def test_stopping(page, folder):
       return { same: same('vertices') && same('faces') && made.clearance === here.clearance, seconds: made.milliseconds / 1000,
                rising: told.length > 5 && told.every((x, i) => i === 0 || x > told[i - 1]), count: made.vertices.length / 3 };
     })()''')
-    check(apart['same'] and apart['count'] == 60, 'a cage of 60 vertices made beside the page is that made in it, to the last bit; %.1f s' % apart['seconds'])
+    check(apart['same'] and apart['count'] == 60, 'a cage of 60 vertices from the worker is bitwise equal to that of the main thread; %.1f s' % apart['seconds'])
     check(apart['rising'], 'the bar only rises')
 
 
 def time_cages(page, files):
-    """Drops meshes, each twice: the browser compiles the library further while it runs."""
+    """Drops each mesh twice, because the browser optimises the library while it runs."""
     page.click('[data-figure=character]')
     page.run("document.getElementById('mesh-count').value = 60")
     for path in 2 * files:
@@ -696,7 +696,7 @@ def time_cages(page, files):
 
 
 def test_keyboard(path, folder):
-    """From the first look to a saved animation by keys alone."""
+    """From the start to a saved animation, only with the keyboard."""
     page = Page(path)
     try:
         def focus(name):
@@ -710,13 +710,13 @@ def test_keyboard(path, folder):
             there = focus(name)
             page.key('Enter', text='\r')
             return there
-        check(press('biped') and page.run("page.figure.name") == 'biped', 'a figure is chosen by keys')
-        check(focus('open'), 'the file dialog is reached')
+        check(press('biped') and page.run("page.figure.name") == 'biped', 'a figure is selected with the keyboard')
+        check(focus('open'), 'the file dialog has the focus')
         page.run('document.activeElement.blur()')
         page.key('k', 'KeyK')
         for _ in range(3):
             page.key('n', 'KeyN')
-        check(focus('timeline'), 'the time line is reached')
+        check(focus('timeline'), 'the time line has the focus')
         for _ in range(20):
             page.key('ArrowRight')
         page.key('Tab')
@@ -725,7 +725,7 @@ def test_keyboard(path, folder):
         page.key('k', 'KeyK')
         check(page.run('page.clip.keyTimes.length') == 2, 'key frames are set')
         page.key(',', 'Comma')
-        check(page.run('page.timeline.time') == 0, 'and gone to')
+        check(page.run('page.timeline.time') == 0, 'and keys move between them')
         page.key(' ', 'Space')
         page.run('document.activeElement.blur()')
         page.key(' ', 'Space')
@@ -734,7 +734,7 @@ def test_keyboard(path, folder):
         page.key(' ', 'Space')
         check(moving and not page.run('page.timeline.playing'), 'it plays and stops')
         target = os.path.join(page.downloads, 'biped_animated.svg')
-        check(press('save-animation'), 'saving is reached')
+        check(press('save-animation'), 'the save button works')
         limit = time.time() + 10
         while not os.path.exists(target) and time.time() < limit:
             time.sleep(0.05)
@@ -765,18 +765,18 @@ def test_growth(page, drags):
     page.frames(5)
     heap, memory = page.heap(), page.run('page.engine.bytes()')
     spent = [page.run('dragAbout(1000)')]
-    page.click('#weights')  # which cost most where there is no graphics card
+    page.click('#weights')  # weights are the slowest part without a GPU
     spent += [page.run('dragAbout(1000)') for _ in range(drags // 1000 - 1)]
     page.frames(5)
     after = page.heap()
-    check(page.run('page.engine.bytes()') == memory, "the library's memory stays at %.1f MB in %d drags" % (memory / 1e6, drags))
-    check(after < 1.05 * heap + 5e5, 'the cat: heap %.2f MB before, %.2f MB after; %.2f ms a drag in script, with weights %.2f ms' % (heap / 1e6, after / 1e6, sorted(spent)[len(spent) // 2], spent[0]))
+    check(page.run('page.engine.bytes()') == memory, "the library's memory stays at %.1f MB during %d drags" % (memory / 1e6, drags))
+    check(after < 1.05 * heap + 5e5, 'the cat: heap %.2f MB before, %.2f MB after; %.2f ms of script per drag, with weights %.2f ms' % (heap / 1e6, after / 1e6, sorted(spent)[len(spent) // 2], spent[0]))
     metrics = {m['name']: m['value'] for m in (page.call('Performance.enable'), page.call('Performance.getMetrics'))[1]['metrics']}
     check(metrics['Nodes'] < 20000, '%d nodes' % metrics['Nodes'])
 
 
 def frame_cost(page, script, frames=120):
-    """Main-thread milliseconds a frame while a script runs once a frame."""
+    """Returns main-thread ms per frame and ms between frames, while a script runs once per frame."""
     page.call('Performance.enable')
 
     def spent():
@@ -793,13 +793,13 @@ def frame_cost(page, script, frames=120):
 def test_speed(page):
     page.run('page.selection = new Set([9]); page.hovered = -1; page.showsWeights = true')
     cost, rate = frame_cost(page, 'page.pose = page.pose.map((x, k) => k === 18 ? x + Math.sin(n / 5) : x); page.draw()')
-    check(cost < 100, 'the cat, with weights: %.2f ms of the main thread a frame, a frame each %.1f ms' % (cost, rate))
+    check(cost < 100, 'the cat, with weights: %.2f ms of the main thread per frame, one frame every %.1f ms' % (cost, rate))
     page.run('page.showsWeights = false')
     cost, rate = frame_cost(page, 'page.pose = page.pose.map((x, k) => k === 18 ? x + Math.sin(n / 5) : x); page.draw()')
-    check(cost < 100, 'the cat: %.2f ms of the main thread a frame, a frame each %.1f ms' % (cost, rate))
+    check(cost < 100, 'the cat: %.2f ms of the main thread per frame, one frame every %.1f ms' % (cost, rate))
     page.click('[data-figure=character]')
     cost, rate = frame_cost(page, 'page.mesh.pose[100] += 0.002 * Math.sin(n / 5); page.mesh.draw()')
-    check(cost < 200, 'the character: %.2f ms of the main thread a frame, a frame each %.1f ms' % (cost, rate))
+    check(cost < 200, 'the character: %.2f ms of the main thread per frame, one frame every %.1f ms' % (cost, rate))
     spent = page.run('''(() => {
       const { mesh } = page, { canvas } = mesh, box = canvas.getBoundingClientRect();
       canvas.setPointerCapture = () => {}; // pointers of a script cannot be captured
@@ -816,14 +816,14 @@ def test_speed(page):
       return (performance.now() - start) / 200;
     })()''')
     clone = page.run('page.mesh.cloneTime')
-    check(spent < 200, 'the character: %.2f ms a drag in script, of that %.2f ms to clone points and normals' % (spent, clone))
+    check(spent < 200, 'the character: %.2f ms of script per drag, including %.2f ms to clone points and normals' % (spent, clone))
     page.click('[data-figure=cat]')
 
 
 def test_touch(page):
     page.resize(390, 844, 2, phone=True)
     page.click('[data-figure=cat]')
-    page.click('#rest')  # tests before may have left one vertex below another
+    page.click('#rest')  # earlier tests may leave one vertex below another
     page.frames(4)
     check(page.run('document.documentElement.scrollWidth') <= 390, 'nothing is wider than a phone')
     page.run('page.views[0].div.scrollIntoView()')
@@ -942,10 +942,10 @@ def main():
             test_touch(page)
             take_pictures(page, out)
             faults = page.faults()
-            check(not faults, 'the page has complained of nothing' if not faults else faults[0])
+            check(not faults, 'the page reported no errors' if not faults else faults[0])
         finally:
             page.close()
-    print('all is well' if check.faults == 0 else '%d faults' % check.faults)
+    print('all passed' if check.faults == 0 else '%d faults' % check.faults)
     return min(check.faults, 1)
 
 

@@ -1,4 +1,4 @@
-"""Tests of the user's work: files of any encoding, style that stays in its file, files beside each other, reloads."""
+"""Tests of files and storage: encodings, isolated styles, several open files, reloads."""
 
 import gzip
 import json
@@ -14,7 +14,7 @@ BOAT = '<svg xmlns="%s" viewBox="0 0 160 100"><path fill="#a53" d="M10 60h140l-2
 
 
 def drop(page, folder, name, data):
-    """Drops a file and waits for what becomes of it: returns the sentence that the page says."""
+    """Drops a file, waits until it is processed, and returns the message of the page."""
     path = os.path.join(folder, name)
     with open(path, 'wb') as file:
         file.write(data if isinstance(data, bytes) else data.encode())
@@ -34,23 +34,23 @@ def test_encodings(page, folder):
             ('koi8-r', 'koi8-r', 'Якорь', b''), ('EUC-KR', 'euc-kr', '한글', b''), ('gb18030', 'gb18030', '汉字', b''), ('EUC-JP', 'euc-jp', '漢字', b''),
             ('', 'utf-8', 'Łódź 漢字', b''), ('utf-8', 'utf-8', 'Ωμέγα', b'\xef\xbb\xbf'), ('koi8-r', 'utf-8', 'Ωμέγα', b'\xef\xbb\xbf'),
             ('utf-16', 'utf-16-le', '漢字', b'\xff\xfe'), ('utf-16', 'utf-16-be', 'Łódź', b'\xfe\xff'), ('utf-16', 'utf-16-be', '漢字', b''),
-            ('UTF-16', 'utf-8', 'Łódź', b'')):  # a declaration that was left by a program that wrote all anew
+            ('UTF-16', 'utf-8', 'Łódź', b'')):  # a wrong declaration, left by a program that changed the encoding
         for pack in (bytes, gzip.compress):
             drop(page, folder, 'words.' + ('svg' if pack is bytes else 'svgz'), pack(mark + document(declared, words).encode(codec)))
             saved = open(page.saved('#save-svg', 'words_posed.svg'), encoding='utf-8').read()
             wrong += [] if '<title>%s</title>' % words in saved else [(declared, codec, mark)]
             page.click('#close')
-    check(not wrong, 'letters of 14 encodings are read and saved, packed or not' if not wrong else 'letters are lost: %s' % wrong)
+    check(not wrong, 'letters of 14 encodings are read and saved, compressed or not' if not wrong else 'letters are lost: %s' % wrong)
     said = drop(page, folder, 'lost.svg', document('', 'Åre').encode('latin-1'))
-    check('utf-8' in said and 'lost' in said, 'letters that cannot be read are told: ' + said)
+    check('utf-8' in said and 'lost' in said, 'unreadable letters give a message: ' + said)
     for name, data, words in (('odd.svg', document('x-none', 'a'), 'x-none'), ('broken.svgz', gzip.compress(BOAT.encode())[:-9], 'damaged'),
                               ('bomb.svgz', gzip.compress(BOAT.encode() + bytes(101 * 10 ** 6)), '100 MB')):
         said = drop(page, folder, name, data)
-        check(said.startswith(name) and words in said, 'refused by name: ' + said)
+        check(said.startswith(name) and words in said, 'error with the file name: ' + said)
 
 
 def random_sheet(rng):
-    """A drawing whose look is due to rules of all kinds of selectors."""
+    """Returns a drawing with style rules of all kinds of selectors."""
     def pick(*choices):
         return rng.choice(choices)
 
@@ -84,7 +84,7 @@ def random_sheet(rng):
 
 
 def test_rules(page, first, count=80):
-    """At rest a drawing looks as its file does, whatever its rules select by."""
+    """At rest a drawing looks like its file, for all kinds of selectors."""
     wrong, worst = [], 0
     for seed in range(first, first + count):
         text = random_sheet(random.Random(seed))
@@ -93,11 +93,11 @@ def test_rules(page, first, count=80):
         difference = compare_pictures(page, saved, text, same_view=True)
         worst = max(worst, difference)
         wrong += [seed] if difference > 0.001 else []
-    check(not wrong, '%d drawings with random rules, from seed %d, look as their files: %.5f differ' % (count, first, worst) if not wrong else 'rules of seeds %s' % wrong)
+    check(not wrong, '%d drawings with random rules, from seed %d, look like their files: colour difference %.5f' % (count, first, worst) if not wrong else 'rules of seeds %s' % wrong)
 
 
 def test_closed(page, folder):
-    """Nothing of the page's style goes into a drawing, and nothing of a drawing's into the page."""
+    """Styles of the page do not affect a drawing, and styles of a drawing do not affect the page."""
     words = '<svg xmlns="%s" viewBox="0 0 100 80"><style>* { letter-spacing: 7px } :root, :host { opacity: 0.5; transform: scale(3) !important } svg { width: 20px }' \
         ' #own { fill: var(--ink, #0a0); stroke: var(--accent, none) } button { color: #f00 !important }</style><g stroke="currentColor" fill="none">' \
         '<rect x="9" y="9" width="60" height="50"/></g><text id="own" x="20" y="40">ink</text></svg>' % SVG
@@ -111,9 +111,9 @@ def test_closed(page, folder):
         check([page.run(look % part) for part in parts] == before, "a drawing's rules change nothing of the page (%s)" % scheme)
         shown = page.run("""(() => { const { shadow } = page.views[0], text = shadow.querySelector('#own'), style = getComputedStyle(text);
           return [style.fill, style.stroke, style.fontSize, getComputedStyle(shadow.querySelector('g')).stroke, shadow.querySelector('svg').clientWidth > 300]; })()""")
-        check(shown == ['rgb(0, 170, 0)', 'none', '16px', 'rgb(0, 0, 0)', True], "and it is shown without the page's ink, variables and font: %s" % shown)
+        check(shown == ['rgb(0, 170, 0)', 'none', '16px', 'rgb(0, 0, 0)', True], "and it is shown without the page's colours, variables and font: %s" % shown)
         saved = open(page.saved('#save-svg', 'ink_posed.svg')).read()
-        check('currentColor' in saved and 'rgb' not in saved, 'the file saved has its currentColor')
+        check('currentColor' in saved and 'rgb' not in saved, 'the saved file has its currentColor')
     page.still()
 
 
@@ -123,14 +123,14 @@ def state(page):
 
 
 def reload(page):
-    """Loads the page again; returns whether it has asked."""
+    """Reloads the page; returns whether the page asked for confirmation."""
     page.events.clear()
     page.call('Page.reload')
     asked, limit = False, time.time() + 60
     while time.time() < limit:
         try:
             page.call('Page.getLayoutMetrics', seconds=0.3)
-        except TimeoutError:  # a page that asks answers nothing
+        except TimeoutError:  # a page that asks does not respond
             pass
         methods = [event.get('method') for event in page.events]
         if 'Page.javascriptDialogOpening' in methods and not asked:
@@ -139,11 +139,11 @@ def reload(page):
         if 'Page.loadEventFired' in methods:
             page.wait("document.documentElement?.dataset.ready === 'yes'")
             return asked
-    raise TimeoutError('the page is not loaded again')
+    raise TimeoutError('the page was not reloaded')
 
 
 def test_work(path, folder, out):
-    """Open, pin, animate, undo, a second file, reload, save, open what was saved, close."""
+    """Open, pin, animate, undo, a second file, reload, save, open the saved file, close."""
     page = Page(path, mode='figure')
     titles = "[...document.querySelectorAll('#files button')].map(b => b.textContent).join()"
 
@@ -155,10 +155,10 @@ def test_work(path, folder, out):
         page.mouse('mouseReleased', x, y)
         page.frames(4)
     try:
-        check(not reload(page), 'a page without work is left without a question')
+        check(not reload(page), 'a page without work reloads without confirmation')
         kept = page.run('''page.keeper.put([['state', 'plain'], 1], [['state', 'unkept'], () => {}]).then(() => 'kept', error => error.name)
           .then(async said => said + ' ' + await answerOf(page.keeper.store.transaction('work').objectStore('work').count(['state', 'plain'])))''')
-        check(kept == 'DataCloneError 0', 'of values that are put together all are kept or none: ' + kept)
+        check(kept == 'DataCloneError 0', 'values written together are stored all or none: ' + kept)
         drop(page, folder, 'tower.svg', TOWER)
         page.frames(6)
         page.wait('page.pinDrag.isPrepared')
@@ -176,31 +176,31 @@ def test_work(path, folder, out):
         page.wait('!page.pinDrag.running')
         while json.loads(state(page))[0] > json.loads(posed)[0]:
             page.key('z', 'KeyZ', modifiers=2)
-        check(json.loads(state(page))[2] == json.loads(posed)[2], 'undo takes a second pin back')
+        check(json.loads(state(page))[2] == json.loads(posed)[2], 'undo removes a second pin')
         tower = state(page)
         page.picture(os.path.join(out, 'page_work.png'))
         drop(page, folder, 'boat.svg', BOAT)
-        check(page.run(titles) == 'tower,boat', 'a second file opens beside the first')
+        check(page.run(titles) == 'tower,boat', 'a second file opens in addition to the first')
         page.run("setMode(page, 'cage')")
         page.wait('page.keeper.isSaved')
-        page.run('page.keeper.timer = -1; 0')  # as if it were not written in time
+        page.run('page.keeper.timer = -1; 0')  # prevents writing
         page.drag_vertex(3, 40, -20)
         asked = reload(page)
-        check(asked, 'what has just been changed is asked for')
+        check(asked, 'the page asks for confirmation if changes are not stored')
         page.run("setMode(page, 'cage')")
-        check(page.run('page.figure.name') == 'boat' and page.run('page.pose.some((x, i) => x !== page.cage.rest[i])'), 'and is there again after the reload')
+        check(page.run('page.figure.name') == 'boat' and page.run('page.pose.some((x, i) => x !== page.cage.rest[i])'), 'and the changes are restored after the reload')
         page.picture(os.path.join(out, 'page_work_again.png'))
         page.click('#undo')
-        check(page.run('page.pose.every((x, i) => x === page.cage.rest[i])'), 'with its undo')
+        check(page.run('page.pose.every((x, i) => x === page.cage.rest[i])'), 'with their undo history')
         choose('tower')
         again = [json.loads(text) for text in (tower, state(page))]
-        check(page.run(titles) == 'tower,boat' and again[0] == again[1], 'so are the tower, its pose, pins, key frames and undo')
+        check(page.run(titles) == 'tower,boat' and again[0] == again[1], 'the tower, its pose, pins, key frames and undo are restored, too')
         page.click('#undo')
-        check(json.loads(state(page))[2] != again[0][2] or json.loads(state(page))[4] != again[0][4], 'which can be gone back')
+        check(json.loads(state(page))[2] != again[0][2] or json.loads(state(page))[4] != again[0][4], 'and undo works')
         page.click('#redo')
         check(json.loads(state(page))[:5] == again[0][:5], 'and forth')
         page.wait('page.keeper.isSaved')
-        check(not reload(page), 'work that is kept is left without a question')
+        check(not reload(page), 'stored work reloads without confirmation')
         page.click('#play')
         page.frames(8)
         check(page.run('page.figure.name === "tower" && page.timeline.playing > 0 && page.pose.some((x, i) => x !== page.cage.rest[i])'), 'the motion plays after a reload')
@@ -209,14 +209,14 @@ def test_work(path, folder, out):
         shown = open(saved).read()
         drop(page, folder, 'tower.svg', shown)
         difference = compare_pictures(page, open(page.saved('#save-svg', 'tower_posed.svg')).read(), shown, same_view=True)
-        check(page.run(titles) == 'tower,boat,tower (2)' and difference < 0.001, 'the file saved opens as a third, and looks as it was saved: %.5f differ' % difference)
+        check(page.run(titles) == 'tower,boat,tower (2)' and difference < 0.001, 'the saved file opens as a third, and looks as saved: colour difference %.5f' % difference)
         page.picture(os.path.join(out, 'page_work_three.png'))
         page.click('#close')
         check(page.run(titles) == 'tower,boat' and page.run('page.current') == 'cat', 'a file is closed')
         choose('tower')
         page.run('window.confirm = () => false; 0')
         page.click('#close')
-        check(page.run('page.figure.name') == 'tower', 'one that was changed only after a question')
+        check(page.run('page.figure.name') == 'tower', 'a changed file is closed only after confirmation')
         page.run('window.confirm = () => true; 0')
         page.click('#close')
         choose('boat')
@@ -227,10 +227,10 @@ def test_work(path, folder, out):
             kept = state(page)
             page.wait('page.keeper.isSaved')
             reload(page)
-            check(page.run('page.cage.kind') == kind and state(page) == kept, 'a cage of the kind %s is kept' % kind)
+            check(page.run('page.cage.kind') == kind and state(page) == kept, 'a cage of kind %s is stored' % kind)
         while not page.run("document.getElementById('undo').disabled"):
             page.click('#undo')
-        check(page.run('!page.cage.kind && page.pose.every((x, i) => x === page.cage.rest[i])'), 'and the way back to the polygon at rest')
+        check(page.run('!page.cage.kind && page.pose.every((x, i) => x === page.cage.rest[i])'), 'and undo leads back to the polygon at rest')
         paths = [os.path.join(folder, name + '.svg') for name in ('mast', 'oar')]
         for each in paths:
             with open(each, 'w') as file:
@@ -238,7 +238,7 @@ def test_work(path, folder, out):
         page.drop(paths)
         page.drop([os.path.join(folder, 'tower.svg')])
         page.wait("page.figure.name === 'tower'")
-        check(page.run(titles) == 'boat,mast,oar,tower', 'files dropped at once, or while one is opened, all open')
+        check(page.run(titles) == 'boat,mast,oar,tower', 'files dropped together, or while another is being opened, all open')
         for _ in range(3):
             page.click('#close')
             page.run("document.querySelector('#files button:last-child').click()")
@@ -249,14 +249,14 @@ def test_work(path, folder, out):
         page.wait('page.keeper.isSaved')
         mesh = page.run('JSON.stringify(Array.from(page.mesh.pose))')
         reload(page)
-        check(page.run(titles) == 'boat' and page.run('isInSpace() && JSON.stringify(Array.from(page.mesh.pose))') == mesh, 'a pose in space is kept; a file that was closed is not')
+        check(page.run(titles) == 'boat' and page.run('isInSpace() && JSON.stringify(Array.from(page.mesh.pose))') == mesh, 'a 3D pose is stored; a closed file is not')
         check(not page.faults(), 'without a complaint')
     finally:
         page.close()
 
 
 def test_without_store(path, folder):
-    """Where the browser keeps nothing, the page asks."""
+    """If the browser has no storage, the page asks for confirmation."""
     page = Page(path)
     try:
         page.call('Page.addScriptToEvaluateOnNewDocument', {'source': "indexedDB.open = () => { throw new Error('no store'); };"})
@@ -264,7 +264,7 @@ def test_without_store(path, folder):
         page.run("setMode(page, 'cage')")
         drop(page, folder, 'boat.svg', BOAT)
         page.drag_vertex(3, 40, -20)
-        check(reload(page), 'without a store, work is asked for')
-        check(page.run('page.figure.name') == 'cat' and not page.faults(), 'and the page starts as new')
+        check(reload(page), 'without storage, the page asks before work is lost')
+        check(page.run('page.figure.name') == 'cat' and not page.faults(), 'and the page starts anew')
     finally:
         page.close()
