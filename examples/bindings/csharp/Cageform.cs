@@ -104,8 +104,9 @@ namespace Cageform
                 Clone(from.Address, to.Address, turned.Address, along.Address);
         }
 
-        /// As above, with addresses, such as those of GetUnsafePtr of NativeArray: Handles points of a pose, then memory
-        /// for Points points, normals, tangents; the last or the last two may be IntPtr.Zero. A wrong address or length ends the program.
+        /// As above, with addresses, such as those of GetUnsafePtr of NativeArray: a pose of Handles points, and memory for
+        /// Points points, normals, tangents. Tangents, or normals and tangents, may be IntPtr.Zero. A wrong address, or
+        /// memory that is too short, crashes the program.
         public void Clone(IntPtr pose, IntPtr points, IntPtr normals, IntPtr tangents)
         {
             Native.Points from = Pinned.ViewOf(pose, 3, Handles), to = Pinned.ViewOf(points, 3, Points);

@@ -337,7 +337,7 @@ class App {
     this.redraw();
   }
 
-  /** Returns the box around the selection, with its corners for scaling and its point for turning; null for fewer than two vertices. */
+  /** Returns the box around the selection, with corner grips for scaling and a grip for rotation; null for fewer than two vertices. */
   gripsOf(pose, unit) {
     if (this.selection.size < 2 || !this.showsCage || this.lasso) return null;
     const pad = 16 * unit, box = boundsOf([...this.selection].map(i => [pose[2 * i], pose[2 * i + 1]]));

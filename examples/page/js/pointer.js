@@ -73,7 +73,7 @@ function nearestVertex(app, [x, y], reach) {
   }
   return best;
 }
-/** Returns the distance of a place from a segment and the parameter, which is between `margin` and 1 - `margin`. */
+/** Returns the distance of a place from a segment, and the parameter of the nearest point, from `margin` to 1 - `margin`. */
 function distanceToSide(p, q, [x, y], margin) {
   const [ux, uy] = [q[0] - p[0], q[1] - p[1]];
   const share = Math.max(margin, Math.min(1 - margin, ((x - p[0]) * ux + (y - p[1]) * uy) / (ux * ux + uy * uy) || 0));

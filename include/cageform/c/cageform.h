@@ -611,15 +611,15 @@ CAGEFORM_API cageform_status cageform_coordinates_solve(cageform_coordinates* co
 /* ---- Bind and pack ------------------------------------------------------------------------------------- */
 
 enum cageform_outside_points {
-    CAGEFORM_EXTEND = 0,
-    CAGEFORM_KEEP_IN_PLACE = 1,
-    CAGEFORM_NEAREST_BOUNDARY = 2
+    CAGEFORM_EXTEND = 0,        /* weights of the coordinates outside; without such weights, kept in place */
+    CAGEFORM_KEEP_IN_PLACE = 1, /* no pose moves them */
+    CAGEFORM_NEAREST_BOUNDARY = 2 /* they follow the nearest boundary point, at the same offset */
 };
 
 typedef struct cageform_bind_options {
     size_t size;
     uint32_t outside;           /* treatment of points outside */
-    int leave_linear_precision; /* does not correct the weights */
+    int leave_linear_precision; /* 1: weights are not corrected to make affine poses exact */
     double falloff;             /* distance outside at which displacements reach 0; 0: no falloff */
 } cageform_bind_options;
 
@@ -642,10 +642,10 @@ CAGEFORM_API cageform_status cageform_binding_set_labels(cageform_binding* bindi
 enum {
     CAGEFORM_LIST_ON_BOUNDARY = 0,
     CAGEFORM_LIST_OUTSIDE = 1,
-    CAGEFORM_LIST_NOT_FINITE = 2,
-    CAGEFORM_LIST_UNREACHED = 3,
-    CAGEFORM_LIST_NOT_RESTORED = 4,
-    CAGEFORM_LIST_FADED = 5
+    CAGEFORM_LIST_NOT_FINITE = 2,   /* no pose moves them */
+    CAGEFORM_LIST_UNREACHED = 3,    /* without weights, or with overflow; kept in place */
+    CAGEFORM_LIST_NOT_RESTORED = 4, /* the correction failed: affine poses are not exact */
+    CAGEFORM_LIST_FADED = 5         /* outside, within the falloff */
 };
 /* Writes up to `room` point indices in ascending order; `count` is their total number. */
 CAGEFORM_API cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list,
@@ -669,9 +669,9 @@ typedef struct cageform_part {
 typedef struct cageform_pack_options {
     size_t size;
     double tolerance; /* maximum change of a point by packing; 0: no limit */
-    double threshold; /* weights below may be dropped; if tolerance and largest are 0 too, none is */
+    double threshold; /* smaller weights may be dropped; if tolerance, threshold and largest are 0, none is */
     size_t largest;   /* maximum number of weights per point; 0: all */
-    double reach;     /* the tolerance holds for handles up to this far from an affine pose; 0: a tenth */
+    double reach; /* the tolerance holds for handles up to this far from an affine pose; 0: cage size / 10 */
     cageform_points poses; /* the tolerance holds for these poses, each of all handles; no data: `reach` */
     uint32_t format;
     uint32_t reserved;

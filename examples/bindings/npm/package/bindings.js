@@ -150,7 +150,7 @@ export class Coordinates extends Owner {
   }
 }
 
-/** Returns the numbers per tangent. */
+/** Returns the count of numbers per tangent: 3 or 4. */
 function tangentLength(tangents, { count }, dimension) {
   const length =
     Array.isArray(tangents?.[0]) || ArrayBuffer.isView(tangents?.[0])

@@ -58,7 +58,8 @@ class Coordinates(Owner):
               accuracy: float = 0, memory_limit: int = 0) -> Coordinates:
         """Makes coordinates of several cages over one figure, such as a body and a head: polygons, or meshes of
         triangles. Where cages overlap, weights are blended by depth. The handles of the first cage come first, then
-        those of the next. The kind is 'mean-value' or 'harmonic'; the other arguments are as above. The culprit is the invalid cage."""
+        those of the next. The kind is 'mean-value' or 'harmonic'; the other arguments are as above. The culprit is the
+        invalid cage."""
         described = [cage._describe() for cage in cages]
         listed = (ctypes.POINTER(_c.cageform_cage) * max(len(described), 1))(*[ctypes.pointer(its) for its in described])
         its = cls.__new__(cls)

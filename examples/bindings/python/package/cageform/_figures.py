@@ -80,7 +80,7 @@ class Figure(Owner):
 
         pose     (#handles, dimension)
         out      (#points, dimension): an array to write and return, instead of a new one
-        normals, tangents  True: returns them too. Tangents (#points, 4), the last number the handedness, include normals
+        normals, tangents  True: also returns them; tangents=True includes normals. Tangents are (#points, 4), handedness last
 
         Returns points (#points, dimension), or a tuple of points and normals, or of points, normals and tangents.
         """
