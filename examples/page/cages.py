@@ -416,7 +416,7 @@ def test_curved(page, folder):
     check(page.run(shown)[9:14] == [25, 26, 27, 28, 29], 'and show their tangents because the end is selected')
     page.drag_vertex(28, 30, -40)
     bent = page.pose()
-    check({k // 2 for k, (a, b) in enumerate(zip(pose, bent)) if a != b} == {28}, 'a tangent is dragged alone, at a corner')
+    check({k // 2 for k, (a, b) in enumerate(zip(pose, bent)) if a != b} == {28}, 'at a corner, only the dragged tangent moves')
     error = off_integral(page)
     check(error < 1e-7, "the figure agrees with Cauchy's integral: error %.1e" % error)
     page.key('Escape')
@@ -463,7 +463,7 @@ def test_curved(page, folder):
     check(page.run('page.pose.length') == middle and page.run('page.cage.curves[0][9].length') == 2, 'Delete joins the two edges again')
     for _ in range(2):
         page.key('z', 'KeyZ', modifiers=2)
-    check(page.pose() == bent, 'undo goes back to the curves before')
+    check(page.pose() == bent, 'undo restores the previous curves')
 
     cage, saved = page.saved('#save-cage', 'cat_cage.svg'), page.saved('#save-pose', 'cat_pose.svg')
     data = [re.search(r' d="([^"]*)"', open(path).read()).group(1) for path in (cage, saved)]

@@ -466,7 +466,7 @@ function removeAllPins(drag) {
 
 const tellPins = ({ owner, frameTime, folded }) => !owner.pins || !document.body.matches('[data-mode=figure]') ? ''
   : `, ${owner.pins.points.length} pin${owner.pins.points.length === 1 ? '' : 's'}` + (owner.pins.held.length > 0 ? `, ${owner.pins.held.length} points of the cage fixed` : '') +
-    (frameTime ? `; ${frameTime.toFixed(2)} ms per frame` : '') + (folded > 0 ? `; ${folded} places are inverted` : '');
+    (frameTime ? `; ${frameTime.toFixed(2)} ms per frame` : '') + (folded > 0 ? `; ${folded} inverted regions` : '');
 /** Shows hints: first the basic gestures, then others; none for gestures that the user has made. */
 function tellHint(app, drag) {
   const count = drag.owner.pins?.points.length ?? 0, hint = document.getElementById('hint');

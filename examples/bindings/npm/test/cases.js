@@ -200,7 +200,7 @@ export const tests = [
           moved,
           points.map(x => x + 0.25),
         );
-        assert(off <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: a move is off by ${off}`);
+        assert(off <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: error of a moved point ${off}`);
       }
     },
   },
@@ -529,7 +529,7 @@ export const tests = [
           bound.figure.clone(moved).points,
           points.map((x, i) => x + (i % 2)),
         ) < 1e-5,
-        'a move of both',
+        'both cages move',
       );
       equal(
         refused(cageform, 'cage_self_crossing', () => Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(CROSSED)]))

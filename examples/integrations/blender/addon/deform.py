@@ -189,7 +189,7 @@ def constraint_of(binding):
 
 def depend(binding):
     """Adds a disabled constraint, which tells Blender that the mesh depends on the cage. Without it Blender does not evaluate
-    cages that are hidden in the viewport or in renders. Any vertex group name makes the vertices the dependency."""
+    cages that are hidden in the viewport or in renders. A vertex group name, which may be arbitrary, makes it depend on vertices."""
     constraint, parent = constraint_of(binding), binding.cage
     while parent is not None and parent != binding.id_data:
         parent = parent.parent

@@ -34,7 +34,7 @@ class Binding(bpy.types.PropertyGroup):
                                      description='Distance outside the cage at which displacements reach 0. '
                                                  '0: no falloff')
     key: bpy.props.StringProperty(description='The shape key of the mesh that this binding writes')
-    data: bpy.props.PointerProperty(type=bpy.types.Text, description='Keeps the weights')
+    data: bpy.props.PointerProperty(type=bpy.types.Text, description='The stored weights')
     report: bpy.props.StringProperty(description='Result of the last bind')
     refused: bpy.props.StringProperty(description='Why the mesh could not be bound')
     fault: bpy.props.StringProperty(description='Why the mesh does not follow')
