@@ -364,7 +364,8 @@ CAGEFORM_API cageform_status cageform_figure_describe(const cageform_figure* fig
                                                       cageform_figure_info* info);
 /* Writes the handles at rest, the initial pose: info.handles points. */
 CAGEFORM_API cageform_status cageform_figure_rest(const cageform_figure* figure, cageform_output handles);
-/* Return a handle's label (not zero-terminated), and the first handle with a label, else CAGEFORM_NONE. */
+/* Return a handle's label (not zero-terminated), and the first handle with a given label; CAGEFORM_NONE if no
+ * handle has it. */
 CAGEFORM_API cageform_status cageform_figure_label(const cageform_figure* figure, size_t handle,
                                                    const char** text, size_t* length);
 CAGEFORM_API cageform_status cageform_figure_find_handle(const cageform_figure* figure, const char* text,
@@ -406,7 +407,7 @@ typedef struct cageform_play_options {
     size_t memory_bytes;
 } cageform_play_options;
 
-/* Finds the first clip of a figure with a name, else CAGEFORM_NONE. */
+/* Finds the first clip of a figure with a given name; CAGEFORM_NONE if no clip has it. */
 CAGEFORM_API cageform_status cageform_figure_find_clip(const cageform_figure* figure, const char* name,
                                                        size_t length, size_t* clip);
 /* Create a player of a clip of a figure, or of a packed clip; the figure or the bytes must outlive it.
@@ -420,7 +421,7 @@ CAGEFORM_API cageform_status cageform_play_bytes(const void* data, size_t bytes,
 CAGEFORM_API cageform_status cageform_player_bytes(const cageform_figure* figure, size_t clip, size_t* bytes);
 CAGEFORM_API cageform_status cageform_player_describe(const cageform_player* player,
                                                       cageform_clip_info* info);
-/* Writes the cage's vertices at a time: info.vertices points of its scalar. No allocation. */
+/* Writes the cage's vertices at a time: info.vertices points of info.scalar. No allocation. */
 CAGEFORM_API cageform_status cageform_player_sample(cageform_player* player, double time,
                                                     cageform_output pose);
 
@@ -452,7 +453,7 @@ CAGEFORM_API cageform_status cageform_pins_create(const cageform_samples* sample
 CAGEFORM_API cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure,
                                                const uint32_t* points, size_t count, const double* weights,
                                                cageform_report* report);
-/* Replaces the set of fixed handles, which keep their positions in the pose; count 0 frees all. */
+/* Replaces the set of fixed handles, which keep their positions in the pose; count 0 releases all. */
 CAGEFORM_API cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
                                                 cageform_report* report);
 /* Moves the pose (in and out, all handles) towards the targets, one per pin. Call it, for instance once per
