@@ -147,7 +147,7 @@ class Arrays(unittest.TestCase):
                 (ValueError, r'normals.*\(5, 3\)', lambda: coordinates.bind(inside(5), normals=np.zeros((5, 3)))),
                 (ValueError, "outside: .*'extend'.*not 'away'", lambda: coordinates.bind(inside(5), outside='away')),
                 (ValueError, 'threads.*-1', lambda: coordinates.bind(inside(5), threads=-1)),
-                (ValueError, 'kind: one of', lambda: cageform.Coordinates(polygon, 'sibson-c2')),
+                (ValueError, 'kind: must be one of', lambda: cageform.Coordinates(polygon, 'sibson-c2')),
                 (ValueError, 'largest.*-3', lambda: coordinates.bind(inside(5)).pack(largest=-3)),
                 (TypeError, 'largest', lambda: coordinates.bind(inside(5)).pack(largest=1.5)),
                 (ValueError, 'first', lambda: coordinates.bind(inside(5)).weights(-1)),
