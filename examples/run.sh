@@ -466,7 +466,7 @@ step "tables"
 "$programs/figure_table" "$data/man.svg" "$data/man_cage.svg" "$data/man_pose.svg" barycentric \
   "$data/cat.svg" "$data/cat_cage.svg" "$data/cat_pose_step.svg" mean-value,harmonic,green \
   "$data/aleph.svg" "$data/aleph_cage.svg" "$data/aleph_pose.svg" mean-value,harmonic >out/figures.txt
-"$programs/bezier_tables" >out/curves.txt
+"$programs/bezier_tables" "$data/bezier_tables.csv" >out/curves.txt
 
 cat <<END
 
