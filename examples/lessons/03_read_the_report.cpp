@@ -2,7 +2,6 @@
 #include <cageform/cageform.hpp>
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 
 using Point = std::array<double, 2>;

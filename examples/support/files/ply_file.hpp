@@ -4,7 +4,6 @@
 
 #include "io/input_file.hpp"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -5,7 +5,6 @@
 #include <cageform/core/status.hpp>
 #include <cageform/core/types/parallel_for.hpp>
 
-#include <cmath>
 #include <cstddef>
 #include <functional>
 
