@@ -34,7 +34,7 @@ int main() {
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
 
-    // Faces must be planar. The report lists non-planar faces; the option off_plane is the tolerance of corners.
+    // Faces must be planar. The report lists non-planar faces; off_plane is the tolerance of corners.
     auto bent = vertices;
     bent[6] = {1, 1, 1.01};
     for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)
