@@ -5,6 +5,7 @@
 #include <cageform/core/status.hpp>
 #include <cageform/core/types/parallel_for.hpp>
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 
