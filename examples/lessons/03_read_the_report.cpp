@@ -2,6 +2,7 @@
 #include <cageform/cageform.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 using Point = std::array<double, 2>;
