@@ -4,8 +4,7 @@
 # The figures are a cat at rest and in every pose, a man, an aleph, a fish moved by points, a character in space. Other
 # pictures are heat maps of coordinates, the convergence of the solver, its grid, and key-frame curves.
 # The text output of programs goes to out/*.txt, such as tables of figures and of fits of key-frame curves.
-# The cat is drawn first, as soon as the two programs for it are built. Prints one line per step, and at the end a list
-# of the files to open.
+# The cat is drawn first, as soon as the two programs for it are built. Prints one line per step.
 #   cat           ends when the cat is drawn, as out/cat.png
 #   --build-only  builds all programs and draws nothing
 set -eu
@@ -465,49 +464,12 @@ step "tables"
 "$programs/figure_table" "$data/man.svg" "$data/man_cage.svg" "$data/man_pose.svg" barycentric \
   "$data/cat.svg" "$data/cat_cage.svg" "$data/cat_pose_step.svg" mean-value,harmonic,green \
   "$data/aleph.svg" "$data/aleph_cage.svg" "$data/aleph_pose.svg" mean-value,harmonic >out/figures.txt
-"$programs/bezier_tables" >out/curves.txt
+"$programs/bezier_tables" "$data/bezier_tables.csv" >out/curves.txt
 
 cat <<END
 
-Open, in out/:
-  cat.png                    a cat at rest and in five poses; cat_interior.png: with cells inside its cage;
-                             cat_green.png: two poses by three types of coordinates
-  cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
-  make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to this pose (in a browser)
-  made_cages.png             cages made in the plane and in space; character_look.png: the character in a made cage
-  character_quads.png        a cage of quads around the character, with rings around its limbs
-  cage_parts.png             the parts of a cage in space, and a pose given by part numbers
-  pose_cage.png              a cage with vertex numbers, and a pose given by these numbers
-  cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
-  leaf_cages.png             a leaf in a cage of four cubics, and in a polygon for the same pose; leaf.png: posed by vertex numbers
-  lattice_fit.png            a character posed by its cage, and by the nearest pose of a lattice
-  pins.png                   figures pulled by pins, and by least squares; cat_markers.svg (in a browser): a walk by twelve markers
-  aleph.png, man.png         other figures
-  types.png                  one pose by five coordinate types; character_types.png: in space
-  two_cages.png              a disc in a convex cage, a biped in a concave cage, by mean value and harmonic coordinates
-  fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
-                             their weights are computed, beside harmonic weights; sibson.txt: degrees and rules of gradients
-  character_pins.png         a character by pins, and by least squares; box_folds.png: tetrahedra bent until they fold
-  splats.png                 bent Gaussian splats, beside the mesh from which they were made; splats_bent.ply: for a viewer of splats
-  character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
-  character_bones.png        bones computed from that dance; character_bones.glb, character_fitted.glb: the same, for an engine
-  bones_heat.png             the character moved by bones with computed weights; bones_heat.glb: the same, for a viewer
-  hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: its bones and control points; hand_bend.png,
-                             hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured values
-  eversion.png               a sphere turned inside out, eversion_twisted.png: in a lattice; homotopy.png, zoom_koch.png,
-                             zoom_peano.png, zoom_sierpinski.png: other films of mathematics; films.txt: measured values
-  hand.glb                   the hand opens, closes, points and grasps (for a viewer of glTF)
-  convex.png                 three coordinate types for convex cages, each by a function of the distance
-  classes.png                the grid of the papers: the cells that a cage passes through
-  biped_signs.png            the effect of negative weights; paths.png: their origin; field_*.png: more heat maps;
-                             surface_cat_8.png: a heat map as a surface
-  strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
-  clone_image.png            a region of one picture in another, without a seam; clone_way.png: at four places
-  relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
-  adaptive_grid.png          cells of the adaptive grid: for the cat, at a corner, in sections through a hand
-  convergence.png            errors of the solver; convergence.txt: the same as a table; fit_curve.png: a key-frame curve and its pieces
-  waves_shadow.png           the shadow of a square in electrons; waves_slit.png, waves_two-slits.png, waves_spin.png; waves.txt: angles
-  figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: all other output
+Open out/cat.png. The gallery, examples/README.md, describes the pictures in out/. Open .svg files in a browser, .glb files
+in a viewer of glTF, .ply files in a viewer of splats. The .txt files are tables, measured values and other output.
 
 sh examples/page/run.sh makes out/cageform.html, a page to try all this in a browser.
 END

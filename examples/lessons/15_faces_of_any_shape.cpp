@@ -35,13 +35,13 @@ int main() {
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
 
-    // Faces must be planar. The report lists non-planar faces. The third argument is the allowed distance of
-    // a corner from the plane of its face.
+    // Faces must be planar. The report lists non-planar faces. off_plane is the allowed distance of a corner
+    // from the plane of its face.
     auto bent = vertices;
     bent[6] = {1, 1, 1.01};
     for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)
         std::printf("%s: face %zu, vertex %zu\n", to_string(fault.kind), fault.a, fault.b);
-    const auto report = check(cageform::PolyhedralMesh<double>(bent, quads, 0.01));
+    const auto report = check(cageform::PolyhedralMesh<double>(bent, quads, {.off_plane = 0.01}));
     std::printf("up to 0.01: %s\n", to_string(report.status));
 
     // Alternatively, each non-planar face becomes a triangle fan around the mean of its corners.

@@ -34,7 +34,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <iostream>
 #include <mutex>
 #include <sstream>

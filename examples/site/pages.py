@@ -131,8 +131,8 @@ def enumerators(text):
     macros = dict(re.findall(r"#define (CAGEFORM_\w+)\(X\)(.*?)// clang-format on", text, flags=re.S))
 
     def body(found):
-        named = re.findall(r"X\((\w+),[^\"]*\"([^\"]*)\"", macros[found[2]])
-        return found[1] + " {\n" + "\n".join("    %s, ///< %s" % (name, escaped(says)) for name, says in named) + "\n};"
+        named = re.findall(r'X\((\w+),[^"]*"([^"]*)"(?:,[\s\\]*"([^"]*)")?', macros[found[2]])
+        return found[1] + " {\n" + "\n".join("    %s, ///< %s" % (name, escaped(more or says)) for name, says, more in named) + "\n};"
 
     text = re.sub(r"(enum class (?:\[\[nodiscard\]\] )?\w+ : std::uint\d+_t) *\{\n#define .*?\n +(CAGEFORM_\w+)\(.*?\n};", body, text, flags=re.S)
     return re.sub(r"(?://[^\n]*\n)*// clang-format off\n#define CAGEFORM_\w+\(X\).*?// clang-format on\n", "", text, flags=re.S)

@@ -178,18 +178,6 @@ TEST_CASE("unreachable tolerances and invalid input are rejected with a status",
     CHECK(fit(good, 1e-5, three).status() == Status::too_many_conditions);
 }
 
-TEST_CASE("the formulas of invisible tolerances", "[animate][fit][tolerance]") {
-    CHECK(cageform::colour_tolerance(8) == 0.00390625);
-    CHECK(cageform::colour_tolerance(10) == 0.0009765625);
-    CHECK(cageform::orthographic_tolerance(1920, 1920) == 1);
-    CHECK(cageform::perspective_tolerance(std::numbers::pi / 2, 100, 1920) == Approx(0.104167).epsilon(1e-5));
-    CHECK(cageform::perspective_tolerance(std::numbers::pi / 4, 14, 1000) == Approx(0.011598).epsilon(1e-4));
-    CHECK(cageform::rotation_tolerance(1, 540) == Approx(1.0 / 540));
-    CHECK(cageform::eye_tolerance(1) == Approx(0.00029088821).epsilon(1e-7));
-    CHECK(cageform::pixel_pitch(1920, 1080, 24) == Approx(25.4 / 91.788).epsilon(1e-4));
-    CHECK(cageform::screen_tolerance == Approx(0.00052083).epsilon(1e-4));
-}
-
 TEST_CASE("in the sup norm no small change of a piece lowers the maximum error",
           "[animate][fit][sup][property]") {
     const auto seed = GENERATE(seeds(60));

@@ -491,35 +491,6 @@ TEST_CASE("the W12 error is a sharp bound of the maximum error", "[animate][fit]
     }
 }
 
-TEST_CASE("pieces of degree 3 are Bézier curves with handles at thirds", "[animate][fit][property]") {
-    const auto seed = GENERATE(seeds(60));
-    CAPTURE(seed);
-    Random random(std::uint64_t(seed) + 113);
-    const auto curve = random_curve(random);
-    const auto fit = fit_pieces(curve, random_parameters(random, 1 + random.below(6)));
-    REQUIRE(fit.status() == Status::ok);
-    CHECK(fit.value.knots.front() == curve.begin());
-    CHECK(fit.value.knots.back() == curve.end());
-    const double size = std::fabs(curve.begin()) + curve.end() - curve.begin(),
-                 height = 1 + largest(fit.value.bernstein);
-    for (std::size_t i = 0; i < fit.value.pieces(); ++i) {
-        const auto piece = fit.value.as_bezier(i);
-        REQUIRE(cageform::check(piece).status == Status::ok);
-        CHECK(piece.begin() == fit.value.knots[i]);
-        CHECK(piece.end() == fit.value.knots[i + 1]);
-        const double third = (piece.end() - piece.begin()) / 3;
-        for (std::size_t k = 1; k < 3; ++k)
-            CHECK(std::fabs(piece.points[k][0] - (piece.begin() + double(k) * third)) <=
-                  4 * epsilon<double> * size);
-        const cageform::BezierFunction function(piece);
-        for (int n = 1; n < 20; ++n) {
-            const double x = piece.begin() + (piece.end() - piece.begin()) * double(n) / 20;
-            const double slope = std::fabs(function.derivative(x));
-            CHECK(std::fabs(function(x) - fit.value(x)) <= 64 * epsilon<double> * (height + slope * size));
-        }
-    }
-}
-
 TEST_CASE("the maximum error is at least that of samples, and attained", "[animate][fit][sup]") {
 #if defined(CAGEFORM_SANITIZED)
     constexpr int curves = 100;

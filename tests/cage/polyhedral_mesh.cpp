@@ -106,7 +106,8 @@ TEST_CASE("a faulty polyhedral mesh is refused with the face and the vertex", "[
         CHECK(fault.b == 3);
         // The sides stay flat: the direction in which the corner moves is parallel to them.
         CHECK(faults_of(data.cage<double>()).size() == 1);
-        CHECK(check(PolyhedralMesh<double>(data.vertices, data.faces, 1e-9)).status == Status::ok);
+        CHECK(check(PolyhedralMesh<double>(data.vertices, data.faces, {.off_plane = 1e-9})).status ==
+              Status::ok);
         CHECK(check(PolyhedralMesh<float>(data.vertices, data.faces)).status ==
               Status::ok); // one rounding of float
     }

@@ -3,6 +3,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 #include "../support/larger.hpp"
+#include "../support/meshes.hpp"
 
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>

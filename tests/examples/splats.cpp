@@ -390,23 +390,23 @@ TEST_CASE("a broken scene is refused with the fault and its place", "[splats]") 
     CHECK(fault_of(with(good, "float f_rest_8", "float f_rest_9")) ==
           "scene.ply: a splat has no property f_rest_8");
     CHECK(fault_of(with(good, "float f_rest_8", "float f_rest_7")) ==
-          "scene.ply: line 21: the property \"f_rest_7\" is defined twice");
+          "scene.ply: line 21: the element vertex has the property f_rest_7 twice, or too many properties");
     CHECK(fault_of(with(good, "property float x", "property list uchar int x"))
-              .starts_with("scene.ply: line 4: a list"));
+              .starts_with("scene.ply: the property x is a list"));
     CHECK(fault_of(with(good, "float x", "uint packed_position"))
               .starts_with("scene.ply: is a compressed PLY of SuperSplat: export it"));
     CHECK(fault_of(with(good, "element vertex 4", "element face 4")) ==
           "scene.ply: the header has no line element vertex");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 4\nelement vertex 4")) ==
-          "scene.ply: line 4: the element \"vertex\" is defined twice");
+          "scene.ply: line 4: \"element vertex 4\" does not declare a new element and its number of records");
     CHECK(fault_of(with(good, "end_header", "element face 1\nproperty list uchar int a\nend_header")) ==
           "scene.ply: is cut off in its element \"face\"");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex four")) ==
-          "scene.ply: line 3: \"four\" is not a number of splats");
+          "scene.ply: line 3: \"element vertex four\" does not declare a new element and its number of "
+          "records");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 0")) == "scene.ply: has no splats");
-    CHECK(fault_of(with(good, "element vertex 4", "element vertex 18446744073709551615"))
-              .starts_with(
-                  "scene.ply: is cut off: the header declares 18446744073709551615 splats of 104 bytes"));
+    CHECK(fault_of(with(good, "element vertex 4", "element vertex 281474976710656"))
+              .starts_with("scene.ply: is cut off: the header declares 281474976710656 splats of 104 bytes"));
     CHECK(fault_of(good.substr(0, good.size() - 1)) ==
           "scene.ply: is cut off: the header declares 4 splats of 104 bytes, but only 415 bytes follow");
     CHECK(fault_of(good + "x").starts_with("scene.ply: is too long"));

@@ -217,7 +217,8 @@ Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, uns
         for (auto& i : face) i = std::int64_t(random.below(vertices.size()));
     }
     if (fans) return with_fans(vertices, faces, random, seed);
-    const T off_plane = random.below(3) == 0 ? T(random.uniform(0, 1)) : T(0);
+    const cageform::PolyhedralOptions off_plane{
+        .off_plane = random.below(3) == 0 ? double(T(random.uniform(0, 1))) : 0};
     if (random.below(4) == 0) {
         HarmonicOptions options;
         options.resolution = 8 + random.below(24);

@@ -160,10 +160,9 @@ struct WithoutSample : SimplexBoundary<3> {
 
 TEST_CASE("the concepts of boundaries", "[grid][embed][concepts]") {
     using cageform::grid::EmbeddableBoundary;
-    using cageform::grid::GridBoundary;
     using cageform::grid::SampledBoundary;
-    STATIC_REQUIRE(GridBoundary<SimplexBoundary<2>>);
-    STATIC_REQUIRE(GridBoundary<SimplexBoundary<3>>);
+    STATIC_REQUIRE(EmbeddableBoundary<SimplexBoundary<2>> && SampledBoundary<SimplexBoundary<2>>);
+    STATIC_REQUIRE(EmbeddableBoundary<SimplexBoundary<3>> && SampledBoundary<SimplexBoundary<3>>);
     STATIC_REQUIRE(EmbeddableBoundary<Nowhere>);
     STATIC_REQUIRE(!SampledBoundary<Nowhere>);
     STATIC_REQUIRE(!EmbeddableBoundary<WithoutFixedNodes>);

@@ -6,8 +6,20 @@
 #include <cageform/cage/triangle_mesh.hpp>
 
 #include <map>
+#include <numbers>
 
 namespace cageform_tests {
+
+/// The number of times that a mesh encloses a point, by the sum of solid angles.
+template <cageform::Scalar T>
+double winding_number(const cageform::TriangleMesh<T>& mesh, const cageform::Vec<T, 3>& p) {
+    double sum = 0;
+    for (const auto& face : mesh.faces()) {
+        const cageform::Facet<3> facet(face, mesh.vertices());
+        sum += cageform::detail::half_solid_angle(cageform::vec_cast<double>(p), facet.corner);
+    }
+    return sum / (2 * std::numbers::pi);
+}
 
 template <class T>
 using Points3 = std::vector<Vec<T, 3>>;

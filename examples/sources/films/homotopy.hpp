@@ -6,15 +6,12 @@
 
 #include "svg/path.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
 #include <cstddef>
 #include <numbers>
-#include <optional>
 #include <random>
-#include <string>
 #include <vector>
 
 namespace cageform_sources {

@@ -12,8 +12,6 @@
 #include <complex>
 #include <cstddef>
 #include <numbers>
-#include <string>
-#include <utility>
 #include <vector>
 
 namespace cageform_sources {

@@ -3,8 +3,6 @@
 #include "cli/coordinates.hpp"
 #include "model_sheet.hpp"
 
-#include <cstdio>
-#include <numbers>
 #include <stdexcept>
 
 namespace cageform_sources {

@@ -30,8 +30,7 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
         if (follows(i) && cells[i].empty()) {
             pose[i] = pose[i - 1] * 2 / 3;
         } else {
-            const std::string why = detail::parse_number(cells[i], pose[i]);
-            if (!why.empty()) return why;
+            if (const std::string why = detail::parse_number(cells[i], pose[i]); !why.empty()) return why;
         }
         const auto& range = hand_angle_ranges[i];
         if (!(range.least <= pose[i] && pose[i] <= range.most)) {

@@ -13,7 +13,7 @@ CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std:
     faces.divisions = divisions;
     auto loops = face_loops(cage);
     using cageform::PolyhedralMesh, cageform::PolyhedralOptions;
-    const PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
+    const PolyhedralMesh<double> whole(cage.vertices, loops, PolyhedralOptions{.off_plane = faces.off_plane});
     const PolyhedralMesh<double> fanned(cage.vertices, loops,
                                         PolyhedralOptions{.off_plane = faces.off_plane,
                                                           .faces = PolyhedralOptions::Faces::fan,

@@ -3,7 +3,6 @@
 #include "cli/mesh_cage.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <sstream>

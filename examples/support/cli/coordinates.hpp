@@ -15,8 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>

@@ -6,7 +6,6 @@
 #include "svg/document.hpp"
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -123,8 +123,7 @@ Expected<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std
     for (const std::string& path : poses) {
         const auto pose = load_obj(path);
         if (!pose) return pose.error();
-        const std::string why = pose_difference(cage, *pose);
-        if (!why.empty()) return FileError{why};
+        if (const std::string why = pose_difference(cage, *pose); !why.empty()) return FileError{why};
         if (const auto fault = single_precision_fault(*pose)) return *fault;
         clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
     }

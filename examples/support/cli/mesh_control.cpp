@@ -84,8 +84,7 @@ Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,
     if (!given.pose.empty()) {
         auto pose = load_obj(given.pose);
         if (!pose) return pose;
-        const std::string why = pose_difference(cage, *pose);
-        if (!why.empty()) return FileError{why};
+        if (const std::string why = pose_difference(cage, *pose); !why.empty()) return FileError{why};
         return put_back(std::move(*pose));
     }
     if (!operated && given.pins.is_given()) return cage;

@@ -4,8 +4,6 @@
 #include "io/csv.hpp"
 #include "io/messages.hpp"
 
-#include <sstream>
-
 namespace cageform_support {
 
 void PinChoice::add_options(CommandLine& line) {

@@ -10,7 +10,6 @@
 #include <cageform/pose/pose_solver.hpp>
 
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>

@@ -7,7 +7,6 @@
 #include "cli/pose_choice.hpp"
 #include "files/clip_file.hpp"
 
-#include <string>
 #include <utility>
 #include <vector>
 

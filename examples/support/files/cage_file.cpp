@@ -3,7 +3,6 @@
 #include "io/atomic_file.hpp"
 #include "svg/document.hpp"
 
-#include <charconv>
 #include <numeric>
 #include <sstream>
 

@@ -18,7 +18,6 @@
 
 #include <bit>
 #include <cstring>
-#include <map>
 
 namespace cageform_support {
 

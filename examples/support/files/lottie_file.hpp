@@ -8,7 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "io/input_file.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace cageform_support {
 

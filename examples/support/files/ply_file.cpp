@@ -70,6 +70,23 @@ bool is_swapped(PlyEncoding encoding) {
     return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
 }
 
+/// Parses a line "property". Returns the error; empty on success.
+std::string parse_property(std::string_view line, const std::vector<std::string_view>& words,
+                           std::vector<PlyElement>& elements) {
+    const bool is_list = words.size() == 5 && words[1] == "list";
+    if (elements.empty() || (!is_list && words.size() != 3))
+        return '"' + std::string(line) + "\" does not declare a property of an element";
+    const auto type = ply_type(words[words.size() - 2]), count = is_list ? ply_type(words[2]) : std::nullopt;
+    if (!type || (is_list && (!count || *count >= PlyType::float32)))
+        return '"' + std::string(line) + "\" has a type that PLY files do not have";
+    PlyElement& element = elements.back();
+    if (element.find(words.back()) || element.properties.size() == most_properties)
+        return "the element " + element.name + " has the property " + std::string(words.back()) +
+               " twice, or too many properties";
+    element.properties.push_back({std::string(words.back()), *type, count});
+    return {};
+}
+
 } // namespace
 
 std::vector<std::string_view> ply_words(std::string_view line) {
@@ -117,6 +134,38 @@ std::optional<std::size_t> PlyElement::record_bytes() const {
         bytes += bytes_of(property.type);
     }
     return bytes;
+}
+
+bool is_end_of_ply_header(std::string_view line) {
+    const auto words = ply_words(line);
+    return !words.empty() && words[0] == "end_header";
+}
+
+std::string parse_ply_line(std::string_view line, PlyHeader& header) {
+    const auto words = ply_words(line);
+    if (words.empty()) return {};
+    if (words[0] == "property") return parse_property(line, words, header.elements);
+    if (words[0] == "comment" || words[0] == "obj_info") {
+        const std::size_t begin = line.find(words[0]) + words[0].size();
+        header.comments.emplace_back(detail::trim(line.substr(begin)));
+    } else if (words[0] == "format") {
+        constexpr std::array<std::string_view, 3> names{"ascii", "binary_little_endian", "binary_big_endian"};
+        const auto name = std::find(names.begin(), names.end(), words.size() > 1 ? words[1] : "");
+        if (name == names.end())
+            return "the format is none of ascii, binary_little_endian, binary_big_endian";
+        header.encoding = PlyEncoding(name - names.begin());
+    } else if (words[0] == "element") {
+        PlyElement element;
+        const std::string_view count = words.size() == 3 ? words[2] : std::string_view();
+        if (!detail::parse_whole(count, element.count) || header.find(words[1]) != nullptr ||
+            element.count > std::uint64_t{1} << 48)
+            return '"' + std::string(line) + "\" does not declare a new element and its number of records";
+        element.name = words[1];
+        header.elements.push_back(std::move(element));
+    } else {
+        return '"' + std::string(words[0].substr(0, 40)) + "\" is not a keyword of a PLY file's header";
+    }
+    return {};
 }
 
 const PlyElement* PlyHeader::find(std::string_view element) const {
@@ -168,67 +217,15 @@ std::optional<std::string_view> PlyReader::take_line() {
     return line;
 }
 
-bool PlyReader::read_property(std::string_view line) {
-    const auto words = ply_words(line);
-    const bool is_list = words.size() == 5 && words[1] == "list";
-    if (header_.elements.empty() || (!is_list && words.size() != 3))
-        return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
-                    "\" does not declare a property of an element");
-    PlyProperty property;
-    property.name = words.back();
-    const auto type = ply_type(words[words.size() - 2]);
-    if (is_list) property.count = ply_type(words[2]);
-    if (!type || (is_list && (!property.count || *property.count >= PlyType::float32)))
-        return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
-                    "\" has a type that PLY files do not have");
-    property.type = *type;
-    PlyElement& element = header_.elements.back();
-    if (element.find(property.name) || element.properties.size() == most_properties)
-        return fail("line " + std::to_string(line_) + ": the element " + element.name + " has the property " +
-                    property.name + " twice, or too many properties");
-    element.properties.push_back(std::move(property));
-    return true;
-}
-
 bool PlyReader::read_header() {
     if (!fill(4) || !(buffer_.starts_with("ply\n") || buffer_.starts_with("ply\r")))
         return fail("is no PLY file: it does not begin with \"ply\"");
     (void)take_line();
-    bool has_format = false;
     while (const auto line = take_line()) {
-        const auto words = ply_words(*line);
-        const auto where = "line " + std::to_string(line_) + ": ";
-        if (words.empty()) continue;
-        if (words[0] == "end_header") {
-            if (!has_format) return fail("its header has no line \"format\"");
-            return true;
-        }
-        if (words[0] == "comment" || words[0] == "obj_info") {
-            const std::size_t begin = line->find(words[0]) + words[0].size();
-            header_.comments.emplace_back(detail::trim(line->substr(begin)));
-        } else if (words[0] == "format") {
-            const auto encoding = words.size() > 1 ? words[1] : std::string_view();
-            if (encoding != "ascii" && encoding != "binary_little_endian" && encoding != "binary_big_endian")
-                return fail(where + "the format is none of ascii, binary_little_endian, binary_big_endian");
-            header_.encoding = encoding == "ascii"                  ? PlyEncoding::ascii
-                               : encoding == "binary_little_endian" ? PlyEncoding::little_endian
-                                                                    : PlyEncoding::big_endian;
-            has_format = true;
-        } else if (words[0] == "element") {
-            PlyElement element;
-            const std::string_view count = words.size() == 3 ? words[2] : std::string_view();
-            if (!detail::parse_whole(count, element.count) || header_.find(words[1]) != nullptr ||
-                element.count > std::uint64_t{1} << 48)
-                return fail(where + "\"" + std::string(*line) +
-                            "\" does not declare a new element and its number of records");
-            element.name = words[1];
-            header_.elements.push_back(std::move(element));
-        } else if (words[0] == "property") {
-            if (!read_property(*line)) return false;
-        } else {
-            return fail(where + "\"" + std::string(words[0].substr(0, 40)) +
-                        "\" is not a keyword of a PLY file's header");
-        }
+        if (is_end_of_ply_header(*line))
+            return header_.encoding ? true : fail("its header has no line \"format\"");
+        if (const std::string why = parse_ply_line(*line, header_); !why.empty())
+            return fail("line " + std::to_string(line_) + ": " + why);
     }
     return fail("its header has no line \"end_header\"");
 }
@@ -313,7 +310,7 @@ bool PlyReader::read_record(std::vector<double>* numbers) {
 bool PlyReader::take_number(PlyType type, double& number) {
     const std::size_t bytes = bytes_of(type);
     if (!fill(bytes)) return fail("is cut off in " + place());
-    number = number_at(buffer_.data() + at_, type, is_swapped(header_.encoding));
+    number = number_at(buffer_.data() + at_, type, is_swapped(*header_.encoding));
     at_ += bytes;
     return true;
 }
@@ -322,7 +319,7 @@ bool PlyReader::read_binary(std::vector<double>* numbers) {
     const auto& properties = header_.elements[element_].properties;
     if (const auto bytes = header_.elements[element_].record_bytes()) {
         if (!fill(*bytes)) return fail("is cut off in " + place());
-        const bool swapped = is_swapped(header_.encoding);
+        const bool swapped = is_swapped(*header_.encoding);
         for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k) {
             const char* const from = buffer_.data() + at_ + offsets_[k];
             numbers->push_back(number_at(from, properties[chosen_[k]].type, swapped));

@@ -4,7 +4,6 @@
 
 #include "io/input_file.hpp"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -53,12 +52,17 @@ struct PlyElement {
 };
 
 struct PlyHeader {
-    PlyEncoding encoding = PlyEncoding::ascii;
-    std::vector<std::string> comments; ///< also of "obj_info" lines, without the first word
+    std::optional<PlyEncoding> encoding; ///< none before the line "format"
+    std::vector<std::string> comments;   ///< also of "obj_info" lines, without the first word
     std::vector<PlyElement> elements;
 
     const PlyElement* find(std::string_view element) const; ///< null if there is none
 };
+
+/// Parses a line of a header after the first, "ply". Returns the error; empty on success.
+std::string parse_ply_line(std::string_view line, PlyHeader& header);
+
+bool is_end_of_ply_header(std::string_view line);
 
 /// Sequential reader of a PLY file. Memory: one block.
 class PlyReader {
@@ -90,7 +94,6 @@ private:
     bool fill(std::size_t bytes); // reads until the buffer has `bytes`; false on failure
     std::optional<std::string_view> take_line();
     bool read_header();
-    bool read_property(std::string_view line);
     bool skip(std::uint64_t records);
     bool read_record(std::vector<double>* numbers);
     bool read_binary(std::vector<double>* numbers);

@@ -254,8 +254,7 @@ Expected<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const std
             blocks.back().points.push_back({p[0], p[1]});
         }
     }
-    const std::string why = end_block();
-    if (!why.empty()) return refuse(head, why);
+    if (const std::string why = end_block(); !why.empty()) return refuse(head, why);
     if (blocks.empty()) return FileError{name + ": holds no points"};
     const auto is_loop = [](const CageBlock& block) { return block.kind == CageBlock::Kind::loop; };
     if (std::none_of(blocks.begin(), blocks.end(), is_loop)) return FileError{name + ": holds no loop"};

@@ -219,8 +219,7 @@ static std::string encoding_fault(std::string_view text) {
 
 Expected<std::string> read_text(const std::string& path) {
     auto text = read_file(path);
-    const std::string why = text ? encoding_fault(*text) : "";
-    if (!why.empty()) return FileError{path + why};
+    if (const std::string why = text ? encoding_fault(*text) : ""; !why.empty()) return FileError{path + why};
     return text;
 }
 

@@ -434,8 +434,7 @@ Expected<SvgDocument> load_figure(const std::string& path, bool text_as_paths) {
         return document;
     }
     std::vector<std::string> warnings;
-    const auto count = text_to_paths(*document, warnings);
-    if (!count) return count.error();
+    if (const auto count = text_to_paths(*document, warnings); !count) return count.error();
     for (const std::string& text : warnings) warn(text);
     return document;
 }

@@ -2,8 +2,6 @@
 
 #include <Eigen/LU>
 
-#include <cmath>
-
 namespace cageform_support {
 
 namespace {

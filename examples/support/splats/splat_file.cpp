@@ -27,55 +27,12 @@ struct Property {
     bool is_float = false;
 };
 
-/// The parsed header: the scene without rows, the properties of splats by name, and all elements.
-struct Header {
+/// The parsed header: the scene without rows, and the properties of splats by name.
+struct Header : PlyHeader {
     SplatFile scene;
     std::map<std::string, Property, std::less<>> properties;
-    std::vector<PlyElement> elements;
-    std::optional<std::size_t> splats; // index of the element of splats
-
-    bool is_in_splats() const { return splats && *splats + 1 == elements.size(); }
+    std::size_t splats = 0; // index of the element of splats
 };
-
-/// Parses a line after "format". Returns the error; empty on success.
-std::string read_line(std::string_view line, const std::vector<std::string_view>& words, Header& header) {
-    SplatFile& scene = header.scene;
-    if (words[0] == "element") {
-        if (words.size() != 3) return "an element has a name and a count";
-        PlyElement& element = header.elements.emplace_back();
-        element.name = words[1];
-        const bool is_splats = element.name == "vertex";
-        if (is_splats && header.splats) return "the element \"vertex\" is defined twice";
-        if (!detail::parse_whole(words[2], element.count))
-            return detail::quoted(words[2]) + " is not a number of " + (is_splats ? "splats" : "records");
-        if (is_splats) {
-            header.splats = header.elements.size() - 1;
-            scene.element_at = scene.header.size();
-            return {};
-        }
-    } else if (words[0] == "property") {
-        if (header.elements.empty()) return "a property before the first element";
-        const bool is_list = words.size() == 5 && words[1] == "list";
-        if (is_list && header.is_in_splats()) return "a list: the properties of a splat are single numbers";
-        const auto type = words.size() == 3 || is_list ? ply_type(words[words.size() - 2]) : std::nullopt;
-        const auto count = is_list ? ply_type(words[2]) : std::nullopt;
-        if (!type || (is_list && (!count || *count >= PlyType::float32)))
-            return "a property has a type and a name";
-        header.elements.back().properties.push_back({std::string(words.back()), *type, count});
-        if (!header.is_in_splats()) {
-            scene.header.emplace_back(line);
-            return {};
-        }
-        const Property property{scene.layout.row_bytes, *type == PlyType::float32};
-        if (!header.properties.emplace(words[2], property).second)
-            return "the property " + detail::quoted(words[2]) + " is defined twice";
-        scene.layout.row_bytes += bytes_of(*type);
-    } else if (words[0] != "comment" && words[0] != "obj_info") {
-        return detail::quoted(words[0]) + " is not a keyword of a PLY header";
-    }
-    scene.header.emplace_back(line);
-    return {};
-}
 
 /// Parses the header and removes it from `bytes`.
 Expected<Header> read_header(std::string_view& bytes, const std::string& name) {
@@ -88,27 +45,31 @@ Expected<Header> read_header(std::string_view& bytes, const std::string& name) {
     };
     if (!next() || line != "ply") return fails("is no PLY file: it does not begin with ply");
     Header header;
-    bool has_format = false;
-    for (std::size_t number = 2; next(); ++number) {
+    SplatFile& scene = header.scene;
+    for (std::size_t number = 2; next() && !is_end_of_ply_header(line); ++number) {
         const auto words = ply_words(line);
-        if (words.size() == 1 && words[0] == "end_header") {
-            if (!has_format || !header.splats)
-                return fails(std::string("the header has no line ") +
-                             (has_format ? "element vertex" : "format"));
-            return header;
-        }
-        const std::string place = "line " + std::to_string(number) + ": ";
-        if (words.empty()) return fails(place + "is empty");
-        if (words[0] == "format") {
-            has_format = true;
-            if (words.size() < 2 || words[1] != "binary_little_endian")
-                return fails(place + "the format is " + detail::quoted(words.size() < 2 ? "" : words[1]) +
-                             ": only binary_little_endian is read; convert it");
-            continue;
-        }
-        if (const std::string why = read_line(line, words, header); !why.empty()) return fails(place + why);
+        if (const std::string why = parse_ply_line(line, header); !why.empty())
+            return fails("line " + std::to_string(number) + ": " + why);
+        if (words.size() > 1 && words[0] == "element" && words[1] == "vertex")
+            scene.element_at = scene.header.size();
+        else if (!words.empty() && words[0] != "format")
+            scene.header.emplace_back(line);
     }
-    return fails("the header is cut off: it has no end_header");
+    if (!is_end_of_ply_header(line)) return fails("the header is cut off: it has no end_header");
+    const PlyElement* const splats = header.find("vertex");
+    if (!header.encoding || splats == nullptr)
+        return fails(std::string("the header has no line ") +
+                     (header.encoding ? "element vertex" : "format"));
+    if (header.encoding != PlyEncoding::little_endian)
+        return fails("the format is not binary_little_endian: convert it");
+    header.splats = std::size_t(splats - header.elements.data());
+    for (const PlyProperty& property : splats->properties) {
+        if (property.count)
+            return fails("the property " + property.name + " is a list: a splat has single numbers");
+        header.properties[property.name] = {scene.layout.row_bytes, property.type == PlyType::float32};
+        scene.layout.row_bytes += bytes_of(property.type);
+    }
+    return header;
 }
 
 /// Whether find_numbers() uses a property.
@@ -369,22 +330,22 @@ Expected<SplatFile> parse_splats(std::string bytes, std::string name, bool stric
     SplatFile scene = header->scene;
     scene.others = others_of(*header);
     const std::size_t row = scene.layout.row_bytes;
-    const std::uint64_t splats = header->elements[*header->splats].count;
+    const std::uint64_t splats = header->elements[header->splats].count;
     if (splats == 0) return fails("has no splats");
     const bool is_alone = header->elements.size() == 1;
     for (std::size_t e = 0; e < header->elements.size(); ++e) {
         const PlyElement& element = header->elements[e];
         const auto size = bytes_of_records(element, left);
-        if (!size && e == *header->splats) {
+        if (!size && e == header->splats) {
             return fails("is cut off: the header declares " + std::to_string(splats) + " splats of " +
                          std::to_string(row) + " bytes, but only " + std::to_string(left.size()) +
                          " bytes follow");
         }
         if (!size) return fails("is cut off in its element " + detail::quoted(element.name));
         if (!is_alone)
-            (e < *header->splats    ? scene.before
-             : e == *header->splats ? scene.rows
-                                    : scene.after)
+            (e < header->splats    ? scene.before
+             : e == header->splats ? scene.rows
+                                   : scene.after)
                 .append(left.substr(0, *size));
         left.remove_prefix(*size);
     }

@@ -10,7 +10,6 @@
 #include <functional>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 namespace cageform_support {
 

@@ -4,7 +4,6 @@
 
 #include "svg/walk.hpp"
 
-#include <map>
 #include <optional>
 #include <set>
 #include <string>

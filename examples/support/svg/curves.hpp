@@ -8,7 +8,6 @@
 #include "svg/shapes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cageform/animate/fit/fewest_pieces.hpp>
-#include <cageform/animate/fit/tolerances.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -32,8 +32,7 @@ Result<FigureBinding<T, D>> unpack(const PackedFigureView<T, D>& figure) {
         if (figure.labels.begin != nullptr) {
             std::vector<std::string_view> labels;
             for (std::size_t h = 0; h < figure.handle_count(); ++h) labels.push_back(figure.label(h));
-            const Status status = made.set_labels(labels);
-            if (status != Status::ok) return status;
+            if (const Status status = made.set_labels(labels); status != Status::ok) return status;
         }
         result.value = std::move(made);
         return Status::ok;

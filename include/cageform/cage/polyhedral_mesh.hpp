@@ -74,11 +74,6 @@ public:
         , status_(detail::guard_memory([&] { return fill(vertices, faces); })) {
         if (status_ != Status::ok) *this = PolyhedralMesh(status_);
     }
-    /// Sets only PolyhedralOptions::off_plane.
-    template <PointRange R, LoopRange F>
-        requires(range_dimension<R> == 3)
-    PolyhedralMesh(const R& vertices, const F& faces, T off_plane)
-        : PolyhedralMesh(vertices, faces, PolyhedralOptions{.off_plane = double(off_plane)}) {}
 
     /// Returns ok, or out_of_memory if the faces did not fit in memory. The mesh is then empty, and `check`
     /// reports this status. Copying may throw.

@@ -98,17 +98,6 @@ void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// Returns the generalised winding number, the number of times that the mesh encloses a point. It is not an
-/// integer if the mesh has gaps (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using
-/// generalized winding numbers, SIGGRAPH 2013, sec. 4). O(#F).
-template <Scalar T>
-double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
-    double sum = 0;
-    for (const auto& face : mesh.faces())
-        sum += detail::half_solid_angle(vec_cast<double>(p), Facet<3>(face, mesh.vertices()).corner);
-    return sum / (2 * std::numbers::pi);
-}
-
 /// Returns the boundary data, linear on the faces, at the nearest boundary point, and stores that point in
 /// `position`. `p` must be finite and the mesh valid. Usually O(log #F).
 template <Scalar T>

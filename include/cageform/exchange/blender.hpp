@@ -52,8 +52,7 @@ inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKe
 inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey& second,
                          KeyKind kind = KeyKind::bezier,
                          BlenderLimit limit = BlenderLimit::each_handle) noexcept {
-    const Status status = detail::check_curve(curve);
-    if (status != Status::ok) return status;
+    if (const Status status = detail::check_curve(curve); status != Status::ok) return status;
     const auto& p = curve.points;
     if (kind == KeyKind::bezier) {
         const auto kept = detail::with_blender_limit(curve, limit == BlenderLimit::each_handle).points;

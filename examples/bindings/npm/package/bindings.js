@@ -255,18 +255,7 @@ export class Binding extends Owner {
       levels = [],
       origin = [],
       progress,
-    } = options(chosen, [
-      'tolerance',
-      'threshold',
-      'largest',
-      'reach',
-      'poses',
-      'format',
-      'clips',
-      'levels',
-      'origin',
-      'progress',
-    ]);
+    } = options(chosen, 'tolerance threshold largest reach poses format clips levels origin progress'.split(' '));
     const own = {
       tolerance: number(tolerance, 'tolerance'),
       threshold: number(threshold, 'threshold'),

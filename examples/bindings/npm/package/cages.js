@@ -231,18 +231,7 @@ export function makeCage(places, joined, chosen) {
     manyCages = false,
     regular = 0,
     progress,
-  } = options(chosen, [
-    'dimension',
-    'vertices',
-    'margin',
-    'shape',
-    'mirror',
-    'radii',
-    'fillTunnels',
-    'manyCages',
-    'regular',
-    'progress',
-  ]);
+  } = options(chosen, 'dimension vertices margin shape mirror radii fillTunnels manyCages regular progress'.split(' '));
   const given = points(places, 'points', { dimension: dimensionOf(dimension) }),
     corners = indices(joined, 'indices'),
     told = progressOf(progress);

@@ -96,50 +96,12 @@ export function hostile({ cageform }, count, seed) {
         ][pick(8)];
     }
   };
-  const names = [
-    'out',
-    'normals',
-    'tangents',
-    'kind',
-    'scalar',
-    'progress',
-    'dimension',
-    'vertices',
-    'radii',
-    'tolerance',
-    'clips',
-    'levels',
-    'poses',
-    'format',
-    'weights',
-    'points',
-    'origin',
-    'axes',
-    'degree',
-    'skipChecksum',
-    'divisions',
-    'samples',
-    'falloff',
-    'disk',
-    'accuracy',
-  ];
-  const words = [
-    'green',
-    'harmonic',
-    'mean-value',
-    'splines',
-    'sibson',
-    'barycentric',
-    'float32',
-    'float64',
-    'box',
-    'hull',
-    'half',
-    'int8',
-    'x',
-    'smooth',
-    'wave',
-  ];
+  const names = (
+    'out normals tangents kind scalar progress dimension vertices radii tolerance clips levels poses format ' +
+    'weights points origin axes degree skipChecksum divisions samples falloff disk accuracy'
+  ).split(' ');
+  const words =
+    'green harmonic mean-value splines sibson barycentric float32 float64 box hull half int8 x smooth wave'.split(' ');
   const anything = depth => {
     switch (pick(depth > 2 ? 4 : 7)) {
       case 0:

@@ -3,7 +3,6 @@
 
 #include <cageform/animate/curves/key.hpp>
 #include <cageform/animate/fit/fewest_pieces.hpp>
-#include <cageform/animate/fit/tolerances.hpp>
 #include <cageform/animate/types/track_options.hpp>
 #include <cageform/clip/curves/track.hpp>
 #include <cageform/core/result.hpp>

@@ -58,14 +58,6 @@ struct BezierFit {
         std::ranges::copy(coefficients(piece), p.c.begin());
         return p(u);
     }
-    /// A piece of degree 3 as a Bézier curve, with handles at thirds of its interval.
-    BezierCurve as_bezier(std::size_t piece) const noexcept {
-        BezierCurve curve;
-        const double begin = knots[piece], third = (knots[piece + 1] - begin) / 3;
-        for (std::size_t k = 0; k < 4; ++k)
-            curve.points[k] = {k < 3 ? begin + double(k) * third : knots[piece + 1], coefficients(piece)[k]};
-        return curve;
-    }
 };
 
 /// Converts a piece of degree 3 to its run-time form. Its ends are rounded to T, so that it meets the

@@ -69,6 +69,10 @@ enum class FitNorm : std::uint8_t {
     sup,
 };
 
+/// The default tolerance: one pixel of a screen 1920 pixels wide, relative to the extent of the animation
+/// (Izdebski 2019, sec. 5.2).
+inline constexpr double screen_tolerance = 1.0 / 1920;
+
 struct FitOptions {
     FitNorm norm = FitNorm::sobolev;
     std::size_t degree = 3; ///< of the pieces: 3, 4 or 5

@@ -124,8 +124,7 @@ private:
             }
             points.clear();
             for (const std::uint32_t s : numbers) points.push_back(sampled_.points[s]);
-            const Status status = set_gradients(points, running);
-            if (status != Status::ok) return status;
+            if (const Status status = set_gradients(points, running); status != Status::ok) return status;
             add_batch(last - first, numbers, sums, running);
             add_pairs(first_pair, pair, sums, running);
             for (const std::uint32_t s : numbers) column_[s] = none;

@@ -25,8 +25,7 @@ cageform_status make_coordinates(std::size_t dimension, const cageform_coordinat
                                  const Make& make) {
     if (coordinates == nullptr) return CAGEFORM_ARGUMENT_NULL;
     cageform_coordinates_options choice;
-    const cageform_status read = read_struct(options, choice);
-    if (read != CAGEFORM_OK) return read;
+    if (const cageform_status read = read_struct(options, choice); read != CAGEFORM_OK) return read;
     return with_type(choice.scalar, dimension, [&]<class T, std::size_t D>() {
         AnyCoordinates<T, D> made;
         const cageform_status status = make(choice, made);
@@ -52,8 +51,7 @@ cageform_status cageform_coordinates_create(const cageform_cage* cage,
     return c::reported(report, "element", [&](cageform_report& its) {
         if (cage == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
         cageform_cage own;
-        const cageform_status status = c::read_struct(cage, own);
-        if (status != CAGEFORM_OK) return status;
+        if (const cageform_status status = c::read_struct(cage, own); status != CAGEFORM_OK) return status;
         if (own.kind > CAGEFORM_SITES) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
         return c::make_coordinates(
             c::dimension_of(own), options, coordinates, its,
@@ -82,8 +80,7 @@ cageform_status cageform_coordinates_blend(const cageform_cage* const* cages, st
 cageform_status cageform_coordinates_describe(const cageform_coordinates* coordinates,
                                               cageform_coordinates_info* info) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(coordinates);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(coordinates); code != CAGEFORM_OK) return code;
     return c::with(coordinates->coordinates, [&](const auto& any) {
         using Any = std::remove_cvref_t<decltype(any)>;
         const auto handles = any.handles();
@@ -178,8 +175,7 @@ cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_
 
 cageform_status cageform_binding_figure(const cageform_binding* binding, cageform_figure** figure) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(binding);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(binding); code != CAGEFORM_OK) return code;
     if (figure == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(binding->figure, [&](const auto& its) {
         const auto labels = its.label_bytes();
@@ -202,8 +198,7 @@ cageform_status cageform_binding_figure(const cageform_binding* binding, cagefor
 cageform_status cageform_binding_weights(const cageform_binding* binding, size_t first, size_t count,
                                          void* weights, size_t bytes) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(binding);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(binding); code != CAGEFORM_OK) return code;
     if (weights == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
     return c::with(binding->figure, [&](const auto& its) {
         using T = typename std::remove_cvref_t<decltype(its)>::scalar;
@@ -224,8 +219,7 @@ cageform_status cageform_binding_weights(const cageform_binding* binding, size_t
 cageform_status cageform_binding_set_labels(cageform_binding* binding, const char* const* labels,
                                             size_t count) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(binding);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(binding); code != CAGEFORM_OK) return code;
     if (labels == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
     return c::guarded([&] {
         return c::with(binding->figure, [&](auto& its) {
@@ -241,8 +235,7 @@ cageform_status cageform_binding_set_labels(cageform_binding* binding, const cha
 cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list, size_t* indices,
                                       size_t room, size_t* count) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(binding);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(binding); code != CAGEFORM_OK) return code;
     if (count == nullptr || (indices == nullptr && room > 0)) return CAGEFORM_ARGUMENT_NULL;
     if (list > CAGEFORM_LIST_FADED) return CAGEFORM_CHOICE_UNKNOWN;
     const auto& report = binding->report;

@@ -219,8 +219,7 @@ template <class T, std::size_t D>
 cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordinates_options& options,
                                AnyCoordinates<T, D>& made) {
     CoordinateType type{};
-    const cageform_status status = type_of(options, type);
-    if (status != CAGEFORM_OK) return status;
+    if (const cageform_status status = type_of(options, type); status != CAGEFORM_OK) return status;
     if (type == CoordinateType::green && cage.kind == CAGEFORM_CURVES) type = CoordinateType::curved_green;
     const std::uint32_t cages = facts_of(type).cages;
     if (has_cells(cage) && (cages & cage_kinds::cells) == 0) return CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED;
@@ -259,8 +258,7 @@ cageform_status blend_of(std::span<const cageform_cage* const> cages,
         return cageform_status(CAGEFORM_OK);
     };
     CoordinateType type{};
-    const cageform_status status = type_of(options, type);
-    if (status != CAGEFORM_OK) return status;
+    if (const cageform_status status = type_of(options, type); status != CAGEFORM_OK) return status;
     if (type == CoordinateType::mean_value)
         return blend([](Cage cage) { return MeanValueCoordinates<T, D>(std::move(cage)); });
     if (type != CoordinateType::harmonic) return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;

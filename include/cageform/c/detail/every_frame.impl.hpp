@@ -201,8 +201,7 @@ cageform_status cageform_open_level(const cageform_figure* figure, size_t level,
 
 cageform_status cageform_figure_describe(const cageform_figure* figure, cageform_figure_info* info) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     return c::with(figure->view, [&](const auto& view) {
         using View = std::remove_cvref_t<decltype(view)>;
         cageform_figure_info its{};
@@ -238,8 +237,7 @@ cageform_status cageform_figure_rest(const cageform_figure* figure, cageform_out
 cageform_status cageform_figure_label(const cageform_figure* figure, size_t handle, const char** text,
                                       size_t* length) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     if (text == nullptr || length == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(figure->view, [&](const auto& view) {
         if (handle >= view.handle_count()) return cageform_status(CAGEFORM_INDEX_OUT_OF_BOUNDS);
@@ -252,8 +250,7 @@ cageform_status cageform_figure_label(const cageform_figure* figure, size_t hand
 cageform_status cageform_figure_find_handle(const cageform_figure* figure, const char* text, size_t length,
                                             size_t* handle) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     if ((text == nullptr && length > 0) || handle == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(figure->view, [&](const auto& view) {
         const std::size_t found = view.find_handle({text, length});
@@ -266,8 +263,7 @@ cageform_status cageform_clone(const cageform_figure* figure, cageform_points po
                                const cageform_output* normals, const cageform_output* tangents,
                                const cageform_running* running) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     if (normals == nullptr && tangents != nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(figure->view, [&](const auto& view) {
         return c::clone_view(view, pose, points, normals, tangents, running);
@@ -277,8 +273,7 @@ cageform_status cageform_clone(const cageform_figure* figure, cageform_points po
 cageform_status cageform_clone_transposed(const cageform_figure* figure, cageform_points gradients,
                                           cageform_output handles, const cageform_running* running) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     return c::with(figure->view, [&](const auto& view) {
         return c::clone_view_transposed(view.points, gradients, handles, running);
     });
@@ -299,8 +294,7 @@ cageform_status cageform_pose_handles(const cageform_figure* figure, cageform_po
 cageform_status cageform_figure_find_clip(const cageform_figure* figure, const char* name, size_t length,
                                           size_t* clip) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     if ((name == nullptr && length > 0) || clip == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(figure->view, [&](const auto& view) {
         const std::size_t found = view.find_clip({name, length});
@@ -325,8 +319,7 @@ cageform_status cageform_play(const cageform_figure* figure, size_t clip,
 
 cageform_status cageform_player_bytes(const cageform_figure* figure, size_t clip, size_t* bytes) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(figure);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(figure); code != CAGEFORM_OK) return code;
     if (bytes == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(figure->view, [&](const auto& view) {
         if (clip >= view.clip_count()) return cageform_status(CAGEFORM_INDEX_OUT_OF_BOUNDS);
@@ -355,8 +348,7 @@ cageform_status cageform_play_bytes(const void* data, size_t bytes, const cagefo
 
 cageform_status cageform_player_describe(const cageform_player* player, cageform_clip_info* info) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(player);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(player); code != CAGEFORM_OK) return code;
     return c::with(player->playing, [&](const auto& playing) {
         using Playing = std::remove_cvref_t<decltype(playing)>;
         cageform_clip_info its{};

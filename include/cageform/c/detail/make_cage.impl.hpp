@@ -135,8 +135,7 @@ cageform_status cageform_make_cage(const cageform_drawing* figure, const cagefor
 
 cageform_status cageform_made_cage_describe(const cageform_made_cage* made, cageform_cage* cage) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(made);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(made); code != CAGEFORM_OK) return code;
     cageform_cage its{};
     const std::size_t dimension = made->dimension;
     its.kind = dimension == 2 ? CAGEFORM_POLYGON : CAGEFORM_MESH;

@@ -23,8 +23,7 @@ cageform_status cageform_pack(const cageform_binding* binding, const cageform_pa
 }
 
 cageform_status cageform_bytes_view(const cageform_bytes* bytes, const void** data, size_t* size) {
-    const cageform_status status = cageform::detail::c::check_object(bytes);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = cageform::detail::c::check_object(bytes); code != CAGEFORM_OK) return code;
     if (data == nullptr || size == nullptr) return CAGEFORM_ARGUMENT_NULL;
     *data = bytes->bytes.data();
     *size = bytes->bytes.size();
@@ -37,8 +36,7 @@ cageform_status cageform_compile_clip(const double* times, size_t count, cagefor
     namespace c = cageform::detail::c;
     return c::reported(report, "key", [&](cageform_report& its) {
         cageform_clip_options own;
-        const cageform_status status = c::read_struct(options, own);
-        if (status != CAGEFORM_OK) return status;
+        if (const cageform_status status = c::read_struct(options, own); status != CAGEFORM_OK) return status;
         if (clip == nullptr || (times == nullptr && count > 0))
             return cageform_status(CAGEFORM_ARGUMENT_NULL);
         if (own.keys > CAGEFORM_HOLD || own.before > CAGEFORM_PING_PONG || own.after > CAGEFORM_PING_PONG)
@@ -83,8 +81,7 @@ cageform_status cageform_samples_pack(const cageform_samples* samples, cageform_
                                       cageform_report* report) {
     namespace c = cageform::detail::c;
     return c::reported(report, "number", [&](cageform_report& its) {
-        const cageform_status status = c::check_object(samples);
-        if (status != CAGEFORM_OK) return status;
+        if (const auto code = c::check_object(samples); code != CAGEFORM_OK) return code;
         if (packed == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
         return c::with(samples->samples, [&](const auto& own) { return c::pack_samples(own, packed, its); });
     });

@@ -53,8 +53,7 @@ cageform_status cageform_samples_open(const void* data, size_t bytes, int skip_c
 
 cageform_status cageform_samples_describe(const cageform_samples* samples, cageform_samples_info* info) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(samples);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(samples); code != CAGEFORM_OK) return code;
     return c::with(samples->samples, [&](const auto& its) {
         using Samples = std::remove_cvref_t<decltype(its)>;
         return c::write_struct(
@@ -116,8 +115,7 @@ cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles,
                                    cageform_report* report) {
     namespace c = cageform::detail::c;
     return c::reported(report, "handle", [&](cageform_report& its) {
-        const cageform_status status = c::check_object(pins);
-        if (status != CAGEFORM_OK) return status;
+        if (const auto code = c::check_object(pins); code != CAGEFORM_OK) return code;
         if (handles == nullptr && count > 0) return cageform_status(CAGEFORM_ARGUMENT_NULL);
         return c::with(pins->solver, [&](auto& solver) {
             const cageform::Status set = solver.set_held({handles, count});

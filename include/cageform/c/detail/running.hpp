@@ -65,8 +65,7 @@ private:
 template <class Use>
 cageform_status with_running(const cageform_running* given, const Use& use) {
     cageform_running own;
-    const cageform_status status = read_struct(given, own);
-    if (status != CAGEFORM_OK) return status;
+    if (const cageform_status status = read_struct(given, own); status != CAGEFORM_OK) return status;
     Running running;
     if (own.parallel_for != nullptr) {
         running.parallel = [own](std::size_t count, std::size_t grain, const RangeBody& body) {

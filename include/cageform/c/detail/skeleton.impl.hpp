@@ -107,8 +107,7 @@ cageform_status cageform_fit_skeleton(cageform_points rest, cageform_points fram
         if (skeleton == nullptr || (indices == nullptr && index_count > 0))
             return cageform_status(CAGEFORM_ARGUMENT_NULL);
         cageform_skeleton_options own;
-        const cageform_status status = c::read_struct(options, own);
-        if (status != CAGEFORM_OK) return status;
+        if (const cageform_status status = c::read_struct(options, own); status != CAGEFORM_OK) return status;
         if (own.kind > CAGEFORM_STRETCHED) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
         if (index_count % 3 != 0) return cageform_status(CAGEFORM_COUNTS_DO_NOT_MATCH);
         std::vector<std::array<std::uint32_t, 3>> faces(index_count / 3);
@@ -128,8 +127,7 @@ cageform_status cageform_fit_skeleton(cageform_points rest, cageform_points fram
 
 cageform_status cageform_skeleton_describe(const cageform_skeleton* skeleton, cageform_skeleton_info* info) {
     namespace c = cageform::detail::c;
-    const cageform_status status = c::check_object(skeleton);
-    if (status != CAGEFORM_OK) return status;
+    if (const auto code = c::check_object(skeleton); code != CAGEFORM_OK) return code;
     const auto& fitted = skeleton->fitted;
     cageform_skeleton_info its{};
     its.bones = fitted.bones;

@@ -85,8 +85,4 @@ concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<dou
     { boundary.free_distance(p, std::size_t{0}, true, length) } -> std::same_as<double>;
 };
 
-/// A boundary that grid solvers support.
-template <class B>
-concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
-
 } // namespace cageform::inline CAGEFORM_ABI::grid

@@ -94,7 +94,7 @@ public:
         detail::WorkShare share_; ///< of the current call
 
     public:
-        Buffer<Values> source; ///< right-hand sides of the nodes that may have one (`source_node`)
+        Buffer<Values> source; ///< right-hand sides of the nodes that may have one (`source_nodes_`)
 
     private:
         bool refined_ = false;  ///< whether b of the finest level is set at every node
@@ -131,7 +131,6 @@ public:
 
     /// The nodes that may have a right-hand side, those with cut links first. Parallel to `Block::source`.
     std::size_t source_count() const noexcept { return source_nodes_.size(); }
-    std::uint32_t source_node(std::size_t slot) const noexcept { return source_nodes_[slot]; }
 
     /// Returns how many additional threads can share the work of a block (`start`).
     std::size_t helpers() const noexcept {
