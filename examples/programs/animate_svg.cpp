@@ -350,6 +350,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Animates an SVG figure by a moving cage.");
     line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",
@@ -466,10 +468,4 @@ int run_program(int argc, char** argv) {
     if (!file) return fail(to_string(file.error()));
     settings.clip = file->name;
     return animate(settings, *document, *cage, *file);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("animate_svg", [&] { return run_program(argc, argv); });
 }

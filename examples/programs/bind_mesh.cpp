@@ -300,6 +300,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Binds an OBJ figure to a cage and packs the data that a game needs into one file.");
     line.set_examples({"character.obj --cage auto:112 -o character.figure",
@@ -351,10 +353,4 @@ int run_program(int argc, char** argv) {
     }
     given.outside.origin = far_origin(*figure);
     return bind_figure(given, *figure, *cage, labels);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("bind_mesh", [&] { return run_program(argc, argv); });
 }

@@ -381,6 +381,8 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Binds files of points to a cage, each in bounded memory, and packs each into a figure.");
@@ -479,10 +481,4 @@ int run_program(int argc, char** argv) {
     }
     job.parameters = hash_of_parameters(given, *cage, job);
     return bind_all(job, *tiles, threads, given.json);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("bind_tiles", [&] { return run_program(argc, argv); });
 }

@@ -275,6 +275,8 @@ int run(const Settings& settings) {
                [&](const auto& report) { return describe_faults(settings.cage_path, report); });
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Writes the cage coordinates of points.");
     line.set_examples(
@@ -326,10 +328,4 @@ int run_program(int argc, char** argv) {
     if (settings.falloff > 0 && settings.outside == "keep-in-place")
         return fail("--falloff: with --outside keep-in-place no point outside moves");
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("cage_weights", [&] { return run_program(argc, argv); });
 }

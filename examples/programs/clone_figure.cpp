@@ -354,6 +354,8 @@ std::optional<int> try_figure(const Arguments& given, std::span<const std::byte>
     return run_figure<T, D>(given, opened.value, rows);
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Writes poses of a packed figure, one file per pose: rows of a table, or a clip.");
     line.set_examples(
@@ -407,10 +409,4 @@ int run_program(int argc, char** argv) {
     if (const auto code = try_figure<float, 2>(given, bytes, rows)) return *code;
     if (const auto code = try_figure<double, 2>(given, bytes, rows)) return *code;
     return fail(given.figure + ": the scalar type or dimension of the figure is not supported");
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("clone_figure", [&] { return run_program(argc, argv); });
 }

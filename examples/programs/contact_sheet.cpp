@@ -50,6 +50,8 @@ Expected<SvgDocument> wrap_png(const std::string& path) {
                      path);
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Places SVG and PNG files side by side, with captions.");
     line.set_examples({"-o sheet.svg --columns 2 --png \"at rest\" cat.svg \"a step\" step.svg",
@@ -116,15 +118,7 @@ int run_program(int argc, char** argv) {
     root.append_attribute("width") = width;
     root.append_attribute("height") = height;
     OutputFiles outputs;
-    AtomicFile& svg = outputs.add(out_path);
-    svg.write(to_text(sheet));
-    if (png) add_png(outputs, svg, png_width);
+    add_svg(outputs, out_path, to_text(sheet), png ? png_width : 0);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("contact_sheet", [&] { return run_program(argc, argv); });
 }

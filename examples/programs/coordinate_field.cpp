@@ -287,6 +287,8 @@ Expected<CageFile> cage_about(const std::string& figure, const std::string& word
     return document ? load_or_make_cage(word, *document, edges) : document.error();
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
                      "are positive, blue is negative, green is the "
@@ -379,10 +381,4 @@ int run_program(int argc, char** argv) {
     }
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("coordinate_field", [&] { return run_program(argc, argv); });
 }

@@ -272,6 +272,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Deforms an OBJ figure or a tetrahedral mesh by a cage, a closed mesh around it, and a pose of "
@@ -330,10 +332,4 @@ int run_program(int argc, char** argv) {
     }
     if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
     return deform_figure(given, *figure, std::move(*control));
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("deform_mesh", [&] { return run_program(argc, argv); });
 }

@@ -308,6 +308,8 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms a scene of 3D Gaussian splatting by a pose of a cage, of a lattice or of "
                      "points. Splats move, rotate and stretch, and view-dependent colours rotate.");
@@ -354,10 +356,4 @@ int run_program(int argc, char** argv) {
     if (!scene) return fail(to_string(scene.error()));
     if (!scene->warning.empty()) warn(scene->warning);
     return deform_scene(given, *scene, seconds);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("deform_splats", [&] { return run_program(argc, argv); });
 }

@@ -220,6 +220,8 @@ void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& vi
     image.append_attribute("href") = ("data:image/svg+xml;base64," + base64(rest)).c_str();
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms an SVG figure by a cage and a pose of the cage. Strokes keep their width; "
                      "gradients and patterns follow the affine map that fits the deformation best.");
@@ -311,9 +313,7 @@ int run_program(int argc, char** argv) {
     if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
     if (show_pins) draw_pins(*document, posed->pins, diagonal);
     OutputFiles outputs;
-    AtomicFile& svg = outputs.add(out_path);
-    svg.write(to_text(*document));
-    if (png) add_png(outputs, svg, png_width);
+    add_svg(outputs, out_path, to_text(*document), png ? png_width : 0);
     if (!save_path.empty()) outputs.add(save_path).write(pose_file);
     if (const auto error = outputs.commit()) return fail(*error);
     if (report) {
@@ -324,10 +324,4 @@ int run_program(int argc, char** argv) {
                   << describe(moved->bound) << posed->on_pins;
     }
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("deform_svg", [&] { return run_program(argc, argv); });
 }

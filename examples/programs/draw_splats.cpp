@@ -20,6 +20,8 @@ namespace {
 
 using namespace cageform_support;
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws a scene of 3D Gaussian splatting to a PNG file. The camera is in front of all splats.");
@@ -56,10 +58,4 @@ int run_program(int argc, char** argv) {
     picture.write_png(outputs.add(out));
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("draw_splats", [&] { return run_program(argc, argv); });
 }

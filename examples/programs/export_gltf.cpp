@@ -680,6 +680,8 @@ Expected<Scene> read_scene(const Arguments& given) {
     return scene;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
@@ -765,10 +767,4 @@ int run_program(int argc, char** argv) {
     const auto scene = read_scene(given);
     if (!scene) return fail(to_string(scene.error()));
     return export_figure(given, *scene);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("export_gltf", [&] { return run_program(argc, argv); });
 }

@@ -598,6 +598,8 @@ Case run_one(const Arguments& given) {
     return one;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Replaces a Bézier curve between two keys by a few polynomials in time.");
     line.set_examples({"--css ease-in-out --pieces 4 --plot curve.svg --png", "--lottie ball.json"});
@@ -664,17 +666,7 @@ int run_program(int argc, char** argv) {
     }
     OutputFiles outputs;
     if (!json.empty()) outputs.add(given.json).write(json);
-    if (!svg.empty()) {
-        AtomicFile& drawing = outputs.add(given.plot);
-        drawing.write(svg);
-        if (given.png) add_png(outputs, drawing, 1200);
-    }
+    if (!svg.empty()) add_svg(outputs, given.plot, svg, given.png ? 1200 : 0);
     if (const auto error = outputs.commit()) throw Refused(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("fit_curve", [&] { return run_program(argc, argv); });
 }

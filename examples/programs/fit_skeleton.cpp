@@ -225,6 +225,8 @@ int fit_figure(Arguments& given, ObjFile figure) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Fits a skeleton to a sequence of meshes, and writes the figure with its skin and its motion "
@@ -272,10 +274,4 @@ int run_program(int argc, char** argv) {
     if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
     if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
     return fit_figure(given, std::move(*figure));
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("fit_skeleton", [&] { return run_program(argc, argv); });
 }

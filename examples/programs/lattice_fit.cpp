@@ -154,6 +154,8 @@ int fit_in_space(const Arguments& given) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Finds the pose of a lattice that fits a posed figure best.");
     line.set_examples({"man.obj man_posed.obj --cage lattice:6x6x6 -o pose.obj --picture fit.png",
@@ -181,10 +183,4 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     return ending_of(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("lattice_fit", [&] { return run_program(argc, argv); });
 }

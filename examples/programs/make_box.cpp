@@ -104,6 +104,8 @@ std::string cage_text(const Point3& size, const Counts& divisions) {
     return text;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a box of tetrahedra, with a corner at the origin, and a cage around it.");
     line.set_examples({"-o box.mesh", "-o box.mesh --size 4,1,1 --cells 40,10,10 --cage box_cage.obj"});
@@ -131,10 +133,4 @@ int run_program(int argc, char** argv) {
     std::cout << printable(out) << ": " << box.vertices.size() << " vertices, " << box.cells.size()
               << " tetrahedra\n";
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("make_box", [&] { return run_program(argc, argv); });
 }

@@ -113,9 +113,7 @@ int write_in_plane(const Arguments& given, const SvgDocument& figure, const Cage
     if (!given.picture.empty()) {
         const auto picture = draw_pose(cage, cage, &figure, given.picture);
         if (!picture) return fail(to_string(picture.error()));
-        AtomicFile& file = outputs.add(given.picture);
-        file.write(to_text(*picture));
-        if (given.png) add_png(outputs, file, 1200);
+        add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << description;
@@ -188,6 +186,8 @@ std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& l
     lattice = std::move(*read);
     return {};
 }
+
+} // namespace
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
@@ -281,10 +281,4 @@ int run_program(int argc, char** argv) {
                                    "picture an .svg file"));
     }
     return in_space ? cage_in_space(given) : cage_in_plane(given);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("make_cage", [&] { return run_program(argc, argv); });
 }

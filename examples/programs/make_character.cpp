@@ -301,6 +301,8 @@ bool is_sound(const Mesh& mesh, const char* what) {
     return report.status == cageform::Status::ok;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     cageform_support::CommandLine line("Makes a puppet, a cage around it and a pose of the cage, as OBJ "
                                        "files, a dance of the cage, and bones.");
@@ -378,10 +380,4 @@ int run_program(int argc, char** argv) {
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::cout << summary;
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("make_character", [&] { return run_program(argc, argv); });
 }

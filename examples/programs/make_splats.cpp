@@ -16,6 +16,8 @@ namespace {
 
 using namespace cageform_support;
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a scene of 3D Gaussian splatting from a mesh: flat splats on its faces, with "
                      "colour bands and a view-dependent gloss.");
@@ -55,10 +57,4 @@ int run_program(int argc, char** argv) {
     std::cout << printable(out) << ": " << scene.size() << " splats of degree " << scene.layout.degree()
               << '\n';
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("make_splats", [&] { return run_program(argc, argv); });
 }

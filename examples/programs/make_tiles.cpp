@@ -91,6 +91,8 @@ std::optional<std::string> write_tile(const FacePoints& points, std::size_t begi
     return file.commit();
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Makes files of random points on the faces of a mesh, for bind_tiles.");
     line.set_examples({"character.obj --points 1000000 --tiles 8 -o 'tiles/%02d.ply'"});
@@ -128,10 +130,4 @@ int run_program(int argc, char** argv) {
             return fail(*why);
     }
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("make_tiles", [&] { return run_program(argc, argv); });
 }

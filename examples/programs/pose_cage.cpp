@@ -89,9 +89,7 @@ int pose_in_plane(const Arguments& given) {
     if (!given.picture.empty()) {
         const auto picture = draw_pose(*cage, pose, given.figure.empty() ? nullptr : &below, given.picture);
         if (!picture) return fail(to_string(picture.error()));
-        AtomicFile& file = outputs.add(given.picture);
-        file.write(to_text(*picture));
-        if (given.png) add_png(outputs, file, 1200);
+        add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
     }
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
@@ -116,6 +114,8 @@ int pose_in_space(const Arguments& given) {
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
 }
+
+} // namespace
 
 int run_program(int argc, char** argv) {
     CommandLine line("Poses a cage: moves, turns, scales, bends and twists vertices, selected by their "
@@ -152,10 +152,4 @@ int run_program(int argc, char** argv) {
     const auto dimension = cage_dimension(given.cage);
     if (!dimension) return fail(to_string(dimension.error()));
     return *dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("pose_cage", [&] { return run_program(argc, argv); });
 }

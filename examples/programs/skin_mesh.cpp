@@ -466,6 +466,8 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Finds the weights of bones on an OBJ figure, and writes the figure with its skin as glTF 2.0.");
@@ -508,10 +510,4 @@ int run_program(int argc, char** argv) {
     const auto bones = load_bones(given.bones);
     if (!bones) return fail(to_string(bones.error()));
     return skin_figure(given, *figure, *bones);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("skin_mesh", [&] { return run_program(argc, argv); });
 }

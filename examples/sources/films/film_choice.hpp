@@ -56,12 +56,8 @@ struct FilmChoice {
     enum class End { is_another, is_start };
     void write(OutputFiles& outputs, const std::vector<std::string>& documents, bool png, int width,
                End end = End::is_another) const {
-        for (int n = 0; !stills.empty() && n < int(documents.size()) && !outputs.error(); ++n) {
-            AtomicFile& file = outputs.add(still(n, ".svg"));
-            file.write(documents[std::size_t(n)]);
-            if (png) add_png(outputs, file, width);
-            (void)file.finish(); // commit() reports the error
-        }
+        for (int n = 0; !stills.empty() && n < int(documents.size()) && !outputs.error(); ++n)
+            add_svg(outputs, still(n, ".svg"), documents[std::size_t(n)], png ? width : 0);
         if (gif.empty()) return;
         Film film(outputs, gif, rate, width);
         const std::size_t played = documents.size() - (end == End::is_start ? 1 : 0);

@@ -153,6 +153,8 @@ std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops
     return times;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws a deformation of a closed curve into another one without corners or, if none "
                      "exists, where it fails.");
@@ -208,9 +210,8 @@ int run_program(int argc, char** argv) {
         strip += "<g transform=\"translate(" + text_of("%g", Tiles::width * column++) + ",0)\">\n" +
                  tiles.tile(s) + "</g>\n";
     OutputFiles outputs;
-    AtomicFile& file = outputs.add(out);
-    file.write(Tiles::document(Tiles::width * columns, strip));
-    if (png) add_png(outputs, file, int(Tiles::width) * columns);
+    const int width = int(Tiles::width) * columns;
+    add_svg(outputs, out, Tiles::document(Tiles::width * columns, strip), png ? width : 0);
     std::vector<std::string> frames;
     if (film.is_given()) {
         for (const double s : times_of(film.frames, stops))
@@ -219,10 +220,4 @@ int run_program(int argc, char** argv) {
     film.write(outputs, frames, png, int(Tiles::width));
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("plane_homotopy", [&] { return run_program(argc, argv); });
 }

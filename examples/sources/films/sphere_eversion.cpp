@@ -292,6 +292,8 @@ int play(const Arguments& given, Theatre theatre) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Turns a sphere inside out, without a tear or a crease, and draws it cut into bands. The outside is "
@@ -329,10 +331,4 @@ int run_program(int argc, char** argv) {
     if (!control) return fail(to_string(control.error()));
     if (const auto why = given.film.fault({given.out, given.volume}, ".png")) return fail(*why);
     return play(given, Theatre(given, std::move(*control)));
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("sphere_eversion", [&] { return run_program(argc, argv); });
 }

@@ -53,6 +53,8 @@ void print_levels(const SelfSimilarCurve& curve, int most) {
     std::cout << "dimension " << text_of("%.6f", curve.dimension()) << '\n';
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Zooms endlessly into a self-similar curve, and prints the lengths of its levels.");
     line.set_examples({"koch -o koch.svg --png --gif koch.gif", "peano -o peano.svg --level 2",
@@ -92,20 +94,12 @@ int run_program(int argc, char** argv) {
                  frame_of(curve, level, time, size) + "</g>\n";
     }
     OutputFiles outputs;
-    AtomicFile& file = outputs.add(out);
     const double width = gap + columns * (size + gap);
-    file.write(document(width, caption + size + gap, strip));
-    if (png) add_png(outputs, file, int(width));
+    add_svg(outputs, out, document(width, caption + size + gap, strip), png ? int(width) : 0);
     std::vector<std::string> frames;
     for (int n = 0; film.is_given() && n < film.frames; ++n)
         frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.frames - 1), size)));
     film.write(outputs, frames, png, size, FilmChoice::End::is_start);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("zooms", [&] { return run_program(argc, argv); });
 }

@@ -17,6 +17,8 @@ namespace {
 
 using namespace cageform_sources;
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws a hand in all its poses and builds, and measures how its skin follows its control points.");
@@ -42,10 +44,4 @@ int run_program(int argc, char** argv) {
     if (const auto failure = outputs.commit()) return fail(*failure);
     std::printf("%zu of %zu lines are missed\n", count.missed, count.lines);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("hand_sheet", [&] { return run_program(argc, argv); });
 }

@@ -122,6 +122,8 @@ Expected<std::string> clip_text(const BoundHand& bound) {
     return document.text(true);
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Makes the skin of a hand, its control points, some poses of its 22 joint angles, and a clip.");
@@ -160,10 +162,4 @@ int run_program(int argc, char** argv) {
               << shown(path / "hand_poses.csv") << ": " << hand_poses().size() << " poses\n"
               << shown(path / "hand.glb") << ": " << clip->size() << " bytes\n";
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("make_hand", [&] { return run_program(argc, argv); });
 }

@@ -59,6 +59,8 @@ Expected<std::vector<HandPose>> load_poses(const std::string& path) {
     return poses;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Poses a hand by 22 joint angles in degrees: draws it from the back and the inner side, "
                      "or writes it.");
@@ -112,10 +114,4 @@ int run_program(int argc, char** argv) {
     }
     if (const auto failure = outputs.commit()) return fail(*failure);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("pose_hand", [&] { return run_program(argc, argv); });
 }

@@ -238,6 +238,8 @@ int clone_region(const Given& given) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Puts a region of one picture into another without a seam, by mean value coordinates.");
     line.set_examples(
@@ -292,10 +294,4 @@ int run_program(int argc, char** argv) {
     if (given.out.empty() && given.frames.empty() && given.film.empty())
         return fail("nothing to write: give -o, --frames or --gif");
     return clone_region(given);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("clone_image", [&] { return run_program(argc, argv); });
 }

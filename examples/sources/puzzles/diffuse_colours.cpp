@@ -68,6 +68,8 @@ Expected<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light&
     return stroke;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Fills a drawing with smooth colours, diffused from the colours on both sides of its lines.");
@@ -129,10 +131,4 @@ int run_program(int argc, char** argv) {
     std::cout << file->lines.size() << " strokes, " << lattice.cells[0] << " x " << lattice.cells[1]
               << " pixels\n";
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("diffuse_colours", [&] { return run_program(argc, argv); });
 }

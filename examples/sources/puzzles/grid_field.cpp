@@ -93,6 +93,8 @@ FieldSurface surface_of(const Grid& grid, const PlaneBox& part) {
     return surface;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws a field on a grid from a CSV file with one row of cells per line.");
     line.set_examples({"hills.csv -o field.png", "hills.csv -o field.png --surface surface.png"});
@@ -125,10 +127,4 @@ int run_program(int argc, char** argv) {
     std::cout << grid->height() << " rows of " << grid->width << " cells: " << least << " to " << largest
               << '\n';
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("grid_field", [&] { return run_program(argc, argv); });
 }

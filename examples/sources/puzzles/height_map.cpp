@@ -167,6 +167,8 @@ Picture draw_hills(const StrokeFile& file, const cageform::Diffusion<double>& fi
     return draw_surface(surface, options.view, style);
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Diffuses the heights of drawn lines over a drawing: a height map, black for 0, white for 1.");
@@ -207,10 +209,4 @@ int run_program(int argc, char** argv) {
     const auto [least, largest] = std::minmax_element(field->field(0).begin(), field->field(0).end());
     std::cout << file->lines.size() << " strokes, heights " << *least << " to " << *largest << '\n';
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("height_map", [&] { return run_program(argc, argv); });
 }

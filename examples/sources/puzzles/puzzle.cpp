@@ -120,6 +120,8 @@ std::string picture(const Puzzle& puzzle, const std::vector<std::string>& words)
     return svg + "</svg>\n";
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Solves a table of numbers in which each unknown cell is the mean of its neighbours.");
     line.set_examples({"grid.csv -o solved.svg", "grid.csv --exact -o solved.svg"});
@@ -205,10 +207,4 @@ int run_program(int argc, char** argv) {
     if (!svg.empty()) outputs.add(svg).write(picture(*puzzle, words));
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("puzzle", [&] { return run_program(argc, argv); });
 }

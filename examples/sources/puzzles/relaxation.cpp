@@ -207,24 +207,24 @@ std::string at(double x, double y) {
 }
 
 /// All frames of both runs, side by side.
-void write_sheet(AtomicFile& out, const Line& line, const std::vector<Run>& runs) {
+std::string sheet_of(const Line& line, const std::vector<Run>& runs) {
     constexpr double width = 280, height = 170, title = 34;
     constexpr std::size_t columns = 5;
     const auto rows = [](const Run& run) { return (run.frames.size() + columns - 1) / columns; };
     double bottom = 0;
     for (const Run& run : runs) bottom += title + double(rows(run)) * height;
-    out.write(open_svg(double(columns) * width, bottom));
+    std::string text = open_svg(double(columns) * width, bottom);
     const LinePlot plot(line, width, height);
     double top = 0;
     for (const Run& run : runs) {
-        out.write(LinePlot::text(10, top + 25, "start", 18, run.name));
+        text += LinePlot::text(10, top + 25, "start", 18, run.name);
         for (std::size_t n = 0; n < run.frames.size(); ++n) {
-            out.write(at(double(n % columns) * width, top + title + double(n / columns) * height) +
-                      plot.ground() + plot.frame(run.frames[n].values, run.caption(n)) + "</g>\n");
+            text += at(double(n % columns) * width, top + title + double(n / columns) * height) +
+                    plot.ground() + plot.frame(run.frames[n].values, run.caption(n)) + "</g>\n";
         }
         top += title + double(rows(run)) * height;
     }
-    out.write("</svg>\n");
+    return text + "</svg>\n";
 }
 
 /// Animates both runs side by side; viewers without animation show the last frame.
@@ -262,6 +262,8 @@ void write_film(AtomicFile& out, const Line& line, const std::vector<Run>& runs)
     }
     out.write("</svg>\n");
 }
+
+} // namespace
 
 int run_program(int argc, char** argv) {
     CommandLine words(
@@ -317,16 +319,8 @@ int run_program(int argc, char** argv) {
     for (const Run& run : runs)
         std::cout << run.name << ": " << run.caption(run.frames.size() - 1) << " at most\n";
     OutputFiles outputs;
-    AtomicFile& file = outputs.add(sheet);
-    write_sheet(file, *line, runs);
-    if (png) add_png(outputs, file, 1400);
+    add_svg(outputs, sheet, sheet_of(*line, runs), png ? 1400 : 0);
     if (!film.empty()) write_film(outputs.add(film), *line, runs);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("relaxation", [&] { return run_program(argc, argv); });
 }

@@ -240,6 +240,8 @@ std::string draw(const Section& section, const PlaneBox& box) {
            "</svg>\n" + sizes + "</svg>\n";
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws the cells of the adaptive grid for a cage's harmonic functions: in the plane all "
                      "cells, in space the cells that a plane cuts. Finer cells are darker. Prints the number "
@@ -284,15 +286,7 @@ int run_program(int argc, char** argv) {
     OutputFiles outputs;
     const auto picture = draw(*section, parse_box(given.zoom).value_or(around));
     if (picture.empty()) return fail("no part of the grid is at --zoom " + given.zoom);
-    AtomicFile& file = outputs.add(given.out);
-    file.write(picture);
-    if (given.png) add_png(outputs, file, given.png_width);
+    add_svg(outputs, given.out, picture, given.png ? given.png_width : 0);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("adaptive_grid", [&] { return run_program(argc, argv); });
 }

@@ -577,6 +577,8 @@ void scale_and_memory() {
     }
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine options("Prints tables of fits of Bezier curves beside known numbers.");
     options.set_examples({"bezier_tables.csv"});
@@ -596,10 +598,4 @@ int run_program(int argc, char** argv) {
     for (const std::string& line : summaries) std::printf("%s\n", line.c_str());
     std::printf("%.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("bezier_tables", [&] { return run_program(argc, argv); });
 }

@@ -85,6 +85,8 @@ Nearest nearest_place(const CageFile& cage, const Point2& p) {
     return best;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Prints the values of a cage's harmonic function on its boundary, as formulas.");
     line.set_examples(
@@ -136,10 +138,4 @@ int run_program(int argc, char** argv) {
     }
     std::cout << text;
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("boundary_formula", [&] { return run_program(argc, argv); });
 }

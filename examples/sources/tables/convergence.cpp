@@ -433,6 +433,8 @@ std::string draw(const Diagrams& diagrams, std::size_t resolution) {
            svg + "</svg>\n";
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws how harmonic coordinates converge. For cages in the plane: against cycles and cells. For "
@@ -470,15 +472,7 @@ int run_program(int argc, char** argv) {
         if (!why.empty()) return fail(why);
     }
     OutputFiles outputs;
-    AtomicFile& file = outputs.add(out_path);
-    file.write(draw(diagrams, resolution));
-    if (png) add_png(outputs, file, 1100);
+    add_svg(outputs, out_path, draw(diagrams, resolution), png ? 1100 : 0);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("convergence", [&] { return run_program(argc, argv); });
 }

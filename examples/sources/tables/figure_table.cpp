@@ -76,6 +76,8 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     return {};
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Prints how long figures take to bind and clone, and how exact they are.");
     line.set_examples(
@@ -106,10 +108,4 @@ int run_program(int argc, char** argv) {
         }
     }
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("figure_table", [&] { return run_program(argc, argv); });
 }

@@ -127,6 +127,8 @@ std::vector<std::array<std::uint32_t, 3>> lines_of(const Lattice& lattice) {
     return lines;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws a face pulled out of a board by lattices of control points.");
     line.set_examples({"-o board.png"});
@@ -161,10 +163,4 @@ int run_program(int argc, char** argv) {
     draw_meshes(scenes, 1500, 480, {.turn = 22, .rise = 8}).write_png(outputs.add(out));
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("lattice_board", [&] { return run_program(argc, argv); });
 }

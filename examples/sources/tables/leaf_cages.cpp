@@ -130,6 +130,8 @@ std::string panel(const SvgDocument& document, const CageFile& cage, const ViewB
            text_of("%.9g", y + view.height + 24) + "\">" + title + "</text>\n";
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws a figure in a cage of curves beside the equivalent polygon, and prints handles and seconds.");
@@ -193,18 +195,12 @@ int run_program(int argc, char** argv) {
     std::printf("the figures differ by %.3g at most, %.2g of the picture's width\n", largest,
                 largest / view.width);
     OutputFiles outputs;
-    AtomicFile& svg = outputs.add(given.out);
-    svg.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%.9g", 2 * view.width) +
-              ' ' + text_of("%.9g", 2 * (view.height + gap)) +
-              "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" + text +
-              "</svg>\n");
-    if (given.png) add_png(outputs, svg, 1400);
+    add_svg(outputs, given.out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%.9g", 2 * view.width) +
+                ' ' + text_of("%.9g", 2 * (view.height + gap)) +
+                "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" +
+                text + "</svg>\n",
+            given.png ? 1400 : 0);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("leaf_cages", [&] { return run_program(argc, argv); });
 }

@@ -125,6 +125,8 @@ std::string draw(const CageFile& cage, const PathBoundary& boundary, const Point
            rays.text() + walks.text() + "</svg>\n";
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws rays and Brownian paths from a point to the boundary of its cage. Prints the "
                      "coordinates as means over them, and those of the library.");
@@ -161,9 +163,7 @@ int run_program(int argc, char** argv) {
     const PathBoundary boundary(loops);
     const double diagonal = cageform::bounds_of(cage->polygon<double>().vertices()).diagonal();
     OutputFiles outputs;
-    AtomicFile& svg = outputs.add(given.out);
-    svg.write(draw(*cage, boundary, p, given, diagonal));
-    if (given.png) add_png(outputs, svg, 1400);
+    add_svg(outputs, given.out, draw(*cage, boundary, p, given, diagonal), given.png ? 1400 : 0);
     if (const auto error = outputs.commit()) return fail(*error);
 
     std::mt19937_64 random(given.seed);
@@ -179,10 +179,4 @@ int run_program(int argc, char** argv) {
                     by_paths.mean[i], by_paths.error[i], (*harmonic)[i]);
     }
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("paths", [&] { return run_program(argc, argv); });
 }

@@ -201,6 +201,8 @@ int draw_in_space(const Arguments& given) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Draws poses of a figure by pins. Beside each it draws the pose with the least moves of the "
@@ -241,10 +243,4 @@ int run_program(int argc, char** argv) {
     }
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("pin_poses", [&] { return run_program(argc, argv); });
 }

@@ -541,6 +541,8 @@ void print_table() {
     print_rules<3>("a finger of close pairs of rings", finger());
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws how natural neighbour coordinates are defined and how they behave, and prints "
                      "measurements of their degrees.");
@@ -552,10 +554,8 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
 
     OutputFiles outputs;
-    AtomicFile& cells = outputs.add(folder + "/sibson_cells.svg");
     CellFigure figure;
-    cells.write(figure.draw());
-    add_png(outputs, cells, 1280);
+    add_svg(outputs, folder + "/sibson_cells.svg", figure.draw(), 1280);
     draw_types().write_png(outputs.add(folder + "/sibson_types.png"));
     draw_legs().write_png(outputs.add(folder + "/sibson_legs.png"));
     if (const auto error = outputs.commit()) return fail(*error);
@@ -563,10 +563,4 @@ int run_program(int argc, char** argv) {
                 figure.largest_difference());
     print_table();
     return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("sibson_figures", [&] { return run_program(argc, argv); });
 }

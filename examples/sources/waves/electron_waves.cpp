@@ -354,6 +354,8 @@ int tables() {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     Settings settings;
     CommandLine line("Simulates electrons as waves on a lattice, and measures the waves.");
@@ -430,10 +432,4 @@ int run_program(int argc, char** argv) {
         std::cout << "Fresnel's integral: bright fringes" << text_of(" %.1f", fresnel_fringe(scene, 1))
                   << text_of(" %.1f wavelengths from the middle", fresnel_fringe(scene, 2)) << std::endl;
     return write(settings, scene, runs, csv);
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("electron_waves", [&] { return run_program(argc, argv); });
 }

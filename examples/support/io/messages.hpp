@@ -25,3 +25,6 @@ void note(const std::string& text); ///< "program: note: text", escaped
 int guarded(const char* program, const std::function<int()>& run);
 
 } // namespace cageform_support
+
+/// Each program defines this function; main() in cli/main.cpp calls it. Returns the exit code.
+int run_program(int argc, char** argv);

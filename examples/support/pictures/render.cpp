@@ -72,15 +72,19 @@ std::filesystem::path png_of(const std::filesystem::path& svg) {
     return std::filesystem::path(svg).replace_extension(".png");
 }
 
-void add_png(OutputFiles& outputs, AtomicFile& svg, int width) {
-    AtomicFile& png = outputs.add(png_of(svg.path()));
-    if (svg.finish() || png.error()) return;
-    const int text = open(svg.temporary().c_str(), O_RDONLY | O_CLOEXEC);
-    if (text < 0) return png.refuse(std::strerror(errno));
+void add_svg(OutputFiles& outputs, const std::filesystem::path& path, std::string_view text, int png_width) {
+    AtomicFile& svg = outputs.add(path);
+    svg.write(text);
+    const bool is_written = !svg.finish(); // commit() returns the error
+    if (png_width == 0) return;
+    AtomicFile& png = outputs.add(png_of(path));
+    if (!is_written || png.error()) return;
+    const int file = open(svg.temporary().c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) return png.refuse(std::strerror(errno));
     pugi::xml_document drawing;
     if (drawing.load_file(svg.temporary().c_str())) note_linked_file(drawing, png.path());
-    const std::string fault = render_picture(text, width, png.descriptor());
-    close(text);
+    const std::string fault = render_picture(file, png_width, png.descriptor());
+    close(file);
     if (!fault.empty()) png.refuse(fault);
 }
 

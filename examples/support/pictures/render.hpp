@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <sys/types.h>
@@ -16,12 +17,12 @@ namespace cageform_support {
 /// The path of an SVG with the extension .png.
 std::filesystem::path png_of(const std::filesystem::path& svg);
 
-/// Renders `svg`, one of the outputs, to another output png_of(svg).
+/// Adds an SVG file to the outputs and, if asked, its picture: another output png_of(path).
 ///
-///   svg     is finished; a note on stderr names a linked file, which is not rendered
-///   width   of the picture, in pixels; white background
-///   fails   if rsvg-convert is missing or fails; commit() then returns the error, and nothing is written
-void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
+///   png_width   of the picture, in pixels; white background. 0: no picture. A note on stderr names a linked
+///               file, which is not rendered
+///   fails       if rsvg-convert is missing or fails; commit() then returns the error, and nothing is written
+void add_svg(OutputFiles& outputs, const std::filesystem::path& path, std::string_view text, int png_width);
 
 /// Runs rsvg-convert. It gets no file name, so it does not read files that the SVG references.
 ///
@@ -35,7 +36,7 @@ std::string run_rsvg(std::vector<std::string> options, int in, int out);
 ///
 ///   rate    frames per second; at most 25 in GIF
 ///   width   of SVG frames, in pixels; white background
-///   notes   as add_png(), for the first frame
+///   notes   as add_svg(), for the first frame
 ///   fails   if a program is missing or fails; commit() of the outputs then returns the error, and nothing is
 ///           written
 class Film {
