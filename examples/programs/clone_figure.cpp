@@ -365,10 +365,7 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("figure", given.figure, "the packed figure that bind_mesh or bind_tiles writes").required();
     line.add("--poses", given.poses, "a table of poses of its cage, or a clip: a CSV file").required();
-    line.add("--rows", given.rows, rows_help).check([](const std::string& text) -> std::string {
-        if (RowRange::of(text)) return {};
-        return "\"" + text + "\" is not A:B, two whole numbers from 0 with A at most B";
-    });
+    add_rows(line, given.rows);
     line.add("-o,--output", given.out,
              "the files to write, with %06d where the row's number goes: .ply, .obj, or .npy, an array of "
              "the points")

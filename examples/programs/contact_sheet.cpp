@@ -119,6 +119,5 @@ int run_program(int argc, char** argv) {
     root.append_attribute("height") = height;
     OutputFiles outputs;
     add_svg(outputs, out_path, to_text(sheet), png ? png_width : 0);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -379,6 +379,5 @@ int run_program(int argc, char** argv) {
         if (!surface) return fail(to_string(surface.error()));
         surface->write_png(outputs.add(given.view.path));
     }
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -56,6 +56,5 @@ int run_program(int argc, char** argv) {
                     {.parallel = cageform::ThreadedFor{}, .progress = {}});
     OutputFiles outputs;
     picture.write_png(outputs.add(out));
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

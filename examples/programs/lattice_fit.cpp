@@ -118,8 +118,7 @@ int fit_in_plane(const Arguments& given) {
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
     outputs.add(given.out).write(*text);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }
 
 int fit_in_space(const Arguments& given) {
@@ -150,8 +149,7 @@ int fit_in_space(const Arguments& given) {
              {{fit->moved, rest->triangles}, cage_view(*cage, fit->pose)}}};
         draw_meshes(scenes, 1500, 620, given.view.sight).write_png(outputs.add(given.picture));
     }
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }
 
 } // namespace

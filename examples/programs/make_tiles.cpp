@@ -100,9 +100,7 @@ int run_program(int argc, char** argv) {
     line.add("mesh", given.mesh, "an OBJ file with faces").required();
     line.add("--points", given.points, "the number of points in all tiles").show_default();
     line.add("--tiles", given.tiles, "the number of files").range(1, 1000000).show_default();
-    line.add("--rows", given.rows, rows_help).check([](const auto& text) {
-        return RowRange::of(text) ? std::string() : "\"" + text + "\" is no range of rows, such as 0:100";
-    });
+    add_rows(line, given.rows);
     line.add("--seed", given.seed, "the seed of the random positions").range(0, 1000000).show_default();
     line.add("-o,--output", given.output,
              "the files to write; with several a path with %d, or %03d, for the number of a tile")

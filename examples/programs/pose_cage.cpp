@@ -91,8 +91,7 @@ int pose_in_plane(const Arguments& given) {
         if (!picture) return fail(to_string(picture.error()));
         add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
     }
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }
 
 int pose_in_space(const Arguments& given) {
@@ -111,8 +110,7 @@ int pose_in_space(const Arguments& given) {
     OutputFiles outputs;
     if (!given.out.empty()) outputs.add(given.out).write(to_text(*cage, *pose));
     if (!given.picture.empty()) draw_pose(*cage, *pose).write_png(outputs.add(given.picture));
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }
 
 } // namespace

@@ -110,7 +110,7 @@ refuses 'character.obj: the memory holds no packed figure' "$clone" character.ob
 refuses 'nowhere.csv: no such file' "$clone" character.figure --poses nowhere.csv "$to"
 refuses 'empty.figure: is empty' "$clone" character.figure --poses empty.figure "$to"
 refuses 'has 112 vertices, the figure' "$clone" character.figure --poses poses.csv --mesh character_cage.obj "$to"
-refuses '"3:2" is not A:B' "$clone" character.figure --poses poses.csv --rows 3:2 "$to"
+refuses '"3:2" is no range of rows' "$clone" character.figure --poses poses.csv --rows 3:2 "$to"
 refuses 'several rows would have one name' "$clone" character.figure --poses poses.csv -o out.ply
 refuses 'write %06d once' "$clone" character.figure --poses poses.csv -o 'out.%s.ply'
 refuses 'does not end with .ply' "$clone" character.figure --poses poses.csv -o 'out.%d.stl'

@@ -56,27 +56,10 @@ function hoverMesh(view, place, event) {
 }
 /** Drags a vertex of the cage and fixes it; a click releases it. */
 function holdMeshVertex(view, vertex, place, slop) {
-  const { pose: begin, pinDrag: drag } = view, depth = view.places[vertex][2];
-  let moved = false;
-  return {
-    kind: 'pin',
-    move(to) {
-      if (!moved && distance(to, place) < slop) return;
-      if (!moved) view.history.remember();
-      if (!moved) drag.hold([vertex]);
-      moved = true;
-      const pose = view.pose.slice();
-      shiftOnScreen(view, depth, to[0] - place[0], to[1] - place[1]).forEach((x, k) => { pose[3 * vertex + k] = begin[3 * vertex + k] + x; });
-      drag.moveHeld(pose);
-    },
-    end(isCancelled) {
-      if (!moved && !isCancelled && view.pins.held.includes(vertex)) {
-        view.history.remember();
-        drag.hold([vertex], false);
-      }
-      view.redraw();
-    },
-  };
+  const { pose: begin } = view, depth = view.places[vertex][2];
+  return holdPoints(view, [vertex], vertex, place, slop, (pose, to) => {
+    shiftOnScreen(view, depth, to[0] - place[0], to[1] - place[1]).forEach((x, k) => { pose[3 * vertex + k] = begin[3 * vertex + k] + x; });
+  });
 }
 function turnView(view, place) {
   const turn = orbit(view);

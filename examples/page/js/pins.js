@@ -320,6 +320,30 @@ function dragPin(drag, kind, point, place, slop, targetAt, onClick = () => remov
     },
   };
 }
+/** Drags points of the cage and holds them; a click on `vertex` lets them go. put(pose, to) moves the points in a pose. */
+function holdPoints(owner, points, vertex, place, slop, put) {
+  const { pinDrag: drag } = owner;
+  let moved = false;
+  return {
+    kind: 'pin',
+    move(to) {
+      if (!moved && distance(to, place) < slop) return;
+      if (!moved) owner.history.remember();
+      if (!moved) drag.hold(points);
+      moved = true;
+      const pose = owner.pose.slice();
+      put(pose, to);
+      drag.moveHeld(pose);
+    },
+    end(isCancelled) {
+      if (!moved && !isCancelled && owner.pins.held.includes(vertex)) {
+        owner.history.remember();
+        drag.hold(points, false);
+      }
+      owner.redraw();
+    },
+  };
+}
 /** Removes a pin, unless the click is the second click of a double click that set the pin. */
 function removeByClick(drag, point) {
   const { owner, newest } = drag;

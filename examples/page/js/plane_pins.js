@@ -49,28 +49,11 @@ function pointUnder(app, type, place) {
 }
 /** Drags a point of the cage and its tangents, and fixes them; a click releases them. */
 function holdVertex(app, vertex, place, slop) {
-  const { cage, pose: begin } = app, drag = app.pinDrag, moveBy = (dx, dy, from) => kindOf(cage).move(cage, [vertex], (x, y) => [x + dx, y + dy], from);
+  const { cage, pose: begin } = app, moveBy = (dx, dy, from) => kindOf(cage).move(cage, [vertex], (x, y) => [x + dx, y + dy], from);
   const trial = moveBy(app.figure.size, 0, begin), held = allOf(begin.length / 2).filter(i => trial[2 * i] !== begin[2 * i]);
-  let moved = false;
-  return {
-    kind: 'pin',
-    move(to) {
-      if (!moved && distance(to, place) < slop) return;
-      if (!moved) app.history.remember();
-      if (!moved) drag.hold(held);
-      moved = true;
-      const pose = app.pose.slice();
-      for (const i of held) putPoint(pose, i, [begin[2 * i] + to[0] - place[0], begin[2 * i + 1] + to[1] - place[1]]);
-      drag.moveHeld(pose);
-    },
-    end(isCancelled) {
-      if (!moved && !isCancelled && app.pins.held.includes(vertex)) {
-        app.history.remember();
-        drag.hold(held, false);
-      }
-      app.redraw();
-    },
-  };
+  return holdPoints(app, held, vertex, place, slop, (pose, to) => {
+    for (const i of held) putPoint(pose, i, [begin[2 * i] + to[0] - place[0], begin[2 * i + 1] + to[1] - place[1]]);
+  });
 }
 /** Moves the view with the pointer. */
 function moveView(app, view, event) {

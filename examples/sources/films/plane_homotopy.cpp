@@ -218,6 +218,5 @@ int run_program(int argc, char** argv) {
             frames.push_back(Tiles::document(Tiles::width, tiles.tile(s)));
     }
     film.write(outputs, frames, png, int(Tiles::width));
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -100,6 +100,5 @@ int run_program(int argc, char** argv) {
     for (int n = 0; film.is_given() && n < film.frames; ++n)
         frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.frames - 1), size)));
     film.write(outputs, frames, png, size, FilmChoice::End::is_start);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -165,8 +165,7 @@ int run_program(int argc, char** argv) {
             return 0;
         }
         outputs.add(csv).write(text);
-        if (const auto error = outputs.commit()) return fail(*error);
-        return 0;
+        return commit(outputs);
     }
     if (path.empty()) return fail("a table, or --make, is required");
     auto puzzle = read_puzzle(path, neighbours);
@@ -205,6 +204,5 @@ int run_program(int argc, char** argv) {
         outputs.add(csv).write(text);
     }
     if (!svg.empty()) outputs.add(svg).write(picture(*puzzle, words));
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

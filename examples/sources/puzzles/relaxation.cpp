@@ -321,6 +321,5 @@ int run_program(int argc, char** argv) {
     OutputFiles outputs;
     add_svg(outputs, sheet, sheet_of(*line, runs), png ? 1400 : 0);
     if (!film.empty()) write_film(outputs.add(film), *line, runs);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -287,6 +287,5 @@ int run_program(int argc, char** argv) {
     const auto picture = draw(*section, parse_box(given.zoom).value_or(around));
     if (picture.empty()) return fail("no part of the grid is at --zoom " + given.zoom);
     add_svg(outputs, given.out, picture, given.png ? given.png_width : 0);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -473,6 +473,5 @@ int run_program(int argc, char** argv) {
     }
     OutputFiles outputs;
     add_svg(outputs, out_path, draw(diagrams, resolution), png ? 1100 : 0);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -161,6 +161,5 @@ int run_program(int argc, char** argv) {
                                            {{sharp->moved, board.triangles}, {}}}};
     OutputFiles outputs;
     draw_meshes(scenes, 1500, 480, {.turn = 22, .rise = 8}).write_png(outputs.add(out));
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -201,6 +201,5 @@ int run_program(int argc, char** argv) {
                 "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" +
                 text + "</svg>\n",
             given.png ? 1400 : 0);
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -197,8 +197,7 @@ int draw_in_space(const Arguments& given) {
         draw_meshes(scenes, 260 * scenes.size(), 330, given.view.sight)
             .write_png(outputs.add(given.out + (k == 0 ? "all.png" : "all_least.png")));
     }
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }
 
 } // namespace
@@ -241,6 +240,5 @@ int run_program(int argc, char** argv) {
     for (std::size_t n = 0; n < given.poses.size(); ++n) {
         if (const std::string why = sheet.add(n, outputs); !why.empty()) return fail(why);
     }
-    if (const auto error = outputs.commit()) return fail(*error);
-    return 0;
+    return commit(outputs);
 }

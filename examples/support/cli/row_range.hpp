@@ -3,6 +3,8 @@
 // Rows of a long job that one run processes (--rows A:B), and file names per row (a path with %06d). The
 // tasks of a render farm process different rows.
 
+#include "cli/command_line.hpp"
+
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -17,10 +19,15 @@ struct RowRange {
     static std::optional<RowRange> of(const std::string& text);
 };
 
-/// Help text of --rows.
-inline constexpr const char* rows_help =
-    "the rows to process, A:B, counted from 0: from A to B - 1; A or B can be omitted, and B can exceed the "
-    "number of rows";
+/// Adds the option --rows. RowRange::of(rows) is then valid.
+inline void add_rows(CommandLine& line, std::string& rows, const std::string& more_help = "") {
+    const std::string help = "the rows to process, A:B, counted from 0: from A to B - 1; A or B can be "
+                             "omitted, and B can exceed the "
+                             "number of rows";
+    line.add("--rows", rows, help + more_help).check([](const std::string& text) {
+        return RowRange::of(text) ? std::string() : "\"" + text + "\" is no range of rows, such as 0:100";
+    });
+}
 
 /// A path with a placeholder for a row number: %d, or %06d for at least six digits. %% is a percent sign.
 class RowPath {

@@ -19,10 +19,7 @@ void TileChoice::add_options(CommandLine& line) {
             "files of points, tiles: PLY, OBJ or .npy; quote patterns such as 'tiles/*.ply', which may match "
             "more files than a command line holds")
         .required();
-    line.add("--rows", rows, std::string(rows_help) + "; rows are the tiles, sorted by name")
-        .check([](const auto& text) {
-            return RowRange::of(text) ? std::string() : "\"" + text + "\" is no range of rows, such as 0:100";
-        });
+    add_rows(line, rows, "; rows are the tiles, sorted by name");
     line.add("-o,--output", output,
              "the figure to write; with several tiles a pattern whose * becomes the name of the tile")
         .required()

@@ -1,6 +1,7 @@
 #include "io/atomic_file.hpp"
 
 #include "io/input_file.hpp"
+#include "io/messages.hpp"
 
 #include <array>
 #include <atomic>
@@ -253,6 +254,11 @@ std::string OutputFiles::undo(std::string why) {
         if (const auto stays = file.undo()) why += "; " + *stays;
     }
     return why;
+}
+
+int commit(OutputFiles& outputs) {
+    const auto error = outputs.commit();
+    return error ? fail(*error) : 0;
 }
 
 std::string ending_of(const std::filesystem::path& path) {

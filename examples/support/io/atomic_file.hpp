@@ -99,6 +99,9 @@ private:
     std::deque<AtomicFile> files_;
 };
 
+/// Commits all files. Returns the exit code of the program; prints the error, if any.
+int commit(OutputFiles& outputs);
+
 /// The extension of a path in lower case, such as ".svg".
 std::string ending_of(const std::filesystem::path& path);
 
