@@ -12,24 +12,6 @@ import sys
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 SITE = "examples/site"
-ROOMS = {
-    "core": "points, views, handles, statuses",
-    "parallel": "threads, progress and cancellation",
-    "adapt": "points of Eigen and GLM",
-    "cage": "polygons, meshes, cells inside, control points; checks of cages",
-    "grid": "the Laplace equation on lattices and adaptive trees",
-    "coordinates": "one header per coordinate type",
-    "binding": "bind, pack, unpack",
-    "figure": "bindings and packed figures at run time; open",
-    "clone": "the functions of every frame",
-    "animate": "conversion of key frames to cubic pieces",
-    "clip": "the motion of a cage at run time",
-    "enclose": "a cage for any figure",
-    "pose": "pins on the figure move the cage",
-    "fields": "the same solvers for your own data",
-    "exchange": "animation curves of other programs",
-    "skeleton": "bones fitted to a sequence of meshes",
-}
 SOLVERS = ("grid/",)  # internal headers of these rooms are not shown, except types/
 # Other languages and programs in the order of the menu: the page, its name in the menu, and its README.
 LANGUAGES = [
@@ -42,6 +24,11 @@ LANGUAGES = [
 def read(path):
     with open(os.path.join(ROOT, path), encoding="utf-8") as file:
         return file.read()
+
+
+# What each room does, from the floor plan of the README, without marks of code.
+ROOMS = {room: words.replace("`", "").strip() for room, words in
+         re.findall(r"^\| \[`(\w+)/`\]\(include/[^|]* \| ([^;|]*).*\|$", read("README.md"), flags=re.M)}
 
 
 def files(folder, ending):
@@ -256,10 +243,10 @@ def relinked(text, folder, headers):
         if bang:
             return "![%s](%s)" % (words, os.path.basename(path))
         if path.startswith("include/cageform/") and path[len("include/cageform/"):] in headers:
-            return "\\ref %s \"%s\"" % (path[len("include/"):], words.replace("`", ""))
+            return "\\ref %s \"%s\"" % (path[len("include/"):], words.replace("`", "").strip())
         label = label_of(path)
         if label:
-            return "\\ref %s \"%s\"" % (label, words.replace("`", "").replace("\\", ""))
+            return "\\ref %s \"%s\"" % (label, words.replace("`", "").strip().replace("\\", ""))
         if path.startswith("examples/pictures/"):
             return "<a href=\"%s\">%s</a>" % (os.path.basename(path), words)
         return words

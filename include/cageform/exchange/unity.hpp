@@ -60,10 +60,8 @@ inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& seco
     double out_tangent = detail::infinite(), in_tangent = out_tangent;
     double out = third, in = third;
     if (kind != KeyKind::hold) {
-        status = detail::slope_of(p[1] - p[0], out_tangent);
-        if (status != Status::ok) return status;
-        status = detail::slope_of(p[3] - p[2], in_tangent);
-        if (status != Status::ok) return status;
+        if (status = detail::slope_of(p[1] - p[0], out_tangent); status != Status::ok) return status;
+        if (status = detail::slope_of(p[3] - p[2], in_tangent); status != Status::ok) return status;
     }
     if (kind == KeyKind::bezier) {
         out = (p[1][0] - p[0][0]) / (p[3][0] - p[0][0]);

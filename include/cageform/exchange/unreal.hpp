@@ -60,10 +60,8 @@ inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& s
     if (kind == KeyKind::bezier) {
         const Vec<double, 2> leave = p[1] - p[0], arrive = p[3] - p[2];
         double leave_tangent = 0, arrive_tangent = 0;
-        status = detail::slope_of(leave, leave_tangent);
-        if (status != Status::ok) return status;
-        status = detail::slope_of(arrive, arrive_tangent);
-        if (status != Status::ok) return status;
+        if (status = detail::slope_of(leave, leave_tangent); status != Status::ok) return status;
+        if (status = detail::slope_of(arrive, arrive_tangent); status != Status::ok) return status;
         const double length = p[3][0] - p[0][0];
         first.leave_tangent = leave_tangent;
         first.leave_weight = std::hypot(leave[0], leave[1]);

@@ -88,8 +88,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
             }
         }
         detail::GraphEquations equations(graph, given);
-        status = detail::prepare(equations, report);
-        if (status != Status::ok) return status;
+        if (status = detail::prepare(equations, report); status != Status::ok) return status;
         const auto nodes = equations.nodes();
         if (nodes.empty()) return running.end(Status::ok);
         std::vector<T> solved(fields.size() / size * nodes.size());
@@ -102,8 +101,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
                 for (std::size_t f = 0; f < count; ++f)
                     block[row * count + f] += k * double(fields[begin + f * size + from]);
             });
-            status = equations.solve(block, count);
-            if (status != Status::ok) return status;
+            if (status = equations.solve(block, count); status != Status::ok) return status;
             for (std::size_t f = 0; f < count; ++f) {
                 T* const out = &solved[(begin / size + f) * nodes.size()];
                 for (std::size_t row = 0; row < nodes.size(); ++row) {
@@ -136,16 +134,14 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
         Status status = detail::check_graph(graph, false, report);
         if (status != Status::ok) return status;
         detail::GraphEquations equations(graph, given);
-        status = detail::prepare(equations, report);
-        if (status != Status::ok) return status;
+        if (status = detail::prepare(equations, report); status != Status::ok) return status;
         std::vector<double> solved(equations.nodes().size()); // the source: sum of conductances per node
         for (const GraphLink& link : graph.links) {
             for (const std::uint32_t end : {link.a, link.b}) {
                 if (equations.row(end) >= 0) solved[std::size_t(equations.row(end))] += link.conductance;
             }
         }
-        status = equations.solve(solved, 1);
-        if (status != Status::ok) return status;
+        if (status = equations.solve(solved, 1); status != Status::ok) return status;
         for (const double value : solved) {
             if (!std::isfinite(static_cast<T>(value))) return Status::not_converged;
         }
@@ -173,16 +169,14 @@ Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, st
         Status status = detail::check_graph(graph, false, report);
         if (status != Status::ok) return status;
         detail::GraphEquations equations(graph, given);
-        status = detail::prepare(equations, report);
-        if (status != Status::ok) return status;
+        if (status = detail::prepare(equations, report); status != Status::ok) return status;
         std::vector<double> flow(graph.nodes);
         if (equations.row(from) < 0) {
             flow[from] = 1;
         } else {
             std::vector<double> potential(equations.nodes().size());
             potential[std::size_t(equations.row(from))] = 1;
-            status = equations.solve(potential, 1);
-            if (status != Status::ok) return status;
+            if (status = equations.solve(potential, 1); status != Status::ok) return status;
             equations.for_each_given_link(
                 [&](std::size_t row, std::uint32_t to, double k) { flow[to] += k * potential[row]; });
         }

@@ -52,11 +52,9 @@ public:
         report.size = size_of_points();
         pieces_.resize(blocks_);
         if (has_order()) {
-            status = choose_all_rows(report);
-            if (status != Status::ok) return status;
+            if (status = choose_all_rows(report); status != Status::ok) return status;
         }
-        status = count_rows();
-        if (status != Status::ok) return status;
+        if (status = count_rows(); status != Status::ok) return status;
         PackedBinding<T, D> result(header());
         fill_tables(result);
         report.errors.resize(points_);

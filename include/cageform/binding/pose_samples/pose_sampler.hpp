@@ -49,8 +49,7 @@ public:
         cluster_of_ = std::move(clusters.cluster_of);
         report_.rotations = clusters.centres.size();
         SampleSums<T, D> sums(handles_.count, clusters.centres.size());
-        status = add_samples(to, sums, running.subtask(0.4, 0.9));
-        if (status != Status::ok) return status;
+        if (status = add_samples(to, sums, running.subtask(0.4, 0.9)); status != Status::ok) return status;
         if (report_.spokes > 0) status = add_spokes(to, sums, clusters.centres, running.subtask(0.9, 1));
         if (status != Status::ok) return status;
         sums.write(to);

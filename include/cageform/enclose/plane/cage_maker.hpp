@@ -393,8 +393,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     Status status = check_figure(figure, areas, options, report);
     if (status != Status::ok) return status;
     FramedFigure framed;
-    status = frame_figure(figure, options.mirror, framed);
-    if (status != Status::ok) return status;
+    if (status = frame_figure(figure, options.mirror, framed); status != Status::ok) return status;
     MakeCageOptions wanted = options;
     if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 200 : 24;
     const double margin = (options.margin > 0 ? options.margin : 0.025) * framed.diagonal;
@@ -410,8 +409,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
         std::vector<Loop> loops;
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // a second try is rare
         const Running subtask = running.subtask(done[round], done[round + 1]);
-        status = maker.make(level, subtask, report, loops);
-        if (status != Status::ok) return status;
+        if (status = maker.make(level, subtask, report, loops); status != Status::ok) return status;
         std::vector<Vec<T, 2>> vertices;
         std::vector<std::size_t> sizes;
         for (const auto& loop : loops) {
