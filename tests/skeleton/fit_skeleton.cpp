@@ -275,8 +275,7 @@ TEST_CASE("the smallest number of bones tried within the distance is returned", 
 
     cageform::detail::Motion motion;
     cageform::SkeletonReport read;
-    REQUIRE(cageform::detail::read_motion(given.rest, given.frames, given.faces, options, motion, read) ==
-            Status::ok);
+    REQUIRE(cageform::detail::read_motion(given.rest, given.frames, given.faces, motion, read) == Status::ok);
     motion.prepare();
     const Running alone;
     cageform::detail::SkeletonSearch search(motion, options, alone);

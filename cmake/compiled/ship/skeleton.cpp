@@ -10,8 +10,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 #define CAGEFORM_SKELETON(T, D)                                                                              \
     CAGEFORM_COMPILE Status fit_motion(Motion&, const SkeletonOptions&, const Running&,                      \
                                        Result<FittedSkeleton<T>, SkeletonReport>&);                          \
-    CAGEFORM_COMPILE Status make_keys(const FittedSkeleton<T>&, const std::vector<Vec<double, D>>&,          \
-                                      std::span<const T>, const SkeletonKeyOptions&, const Running&,         \
+    CAGEFORM_COMPILE Status make_keys(const SkeletonFrames<T>&, const SkeletonKeyOptions&, const Running&,   \
                                       Result<SkeletonKeys<T>, SkeletonKeysReport>&);
 CAGEFORM_FOR_SCALARS(CAGEFORM_SKELETON, 3)
 

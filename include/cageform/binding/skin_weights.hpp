@@ -35,8 +35,8 @@ template <Scalar T, std::size_t D>
 Result<SkinWeights, SkinWeightsReport> skin_weights(const BindingView<T, D>& binding,
                                                     const SkinWeightsOptions& options = {},
                                                     const Running& running = {}) {
-    return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
-        return detail::Skinner<T, D>(binding, options, running).run(skin, report);
+    return detail::make_skin(binding, options, [&](Result<SkinWeights, SkinWeightsReport>& result) {
+        return detail::Skinner<T, D>(binding, options, running).run(result.value, result.report);
     });
 }
 template <Scalar T, std::size_t D>
@@ -76,9 +76,7 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(const Shares& bone_shares, s
             std::vector<std::uint16_t> order(bones);
             for (std::size_t i = begin; i < end; ++i) {
                 points[i] = detail::keep_largest(shares.subspan(i * bones, bones), options.threshold,
-                                                 std::span(order),
-                                                 std::span(result.value.joints).subspan(i * most, most),
-                                                 std::span(result.value.weights).subspan(i * most, most));
+                                                 std::span(order), detail::row_of(result.value, i));
             }
         });
         if (status == Status::ok) detail::gather_skin(points, result.report);

@@ -28,11 +28,11 @@ template <Scalar T, std::size_t D, FaceRange F>
 Result<SkinWeights, SkinWeightsReport>
 smooth_skin_weights(const BindingView<T, D>& binding, const F& triangles,
                     const SkinWeightsOptions& options = {}, const Running& running = {}) {
-    return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
+    return detail::make_skin(binding, options, [&](Result<SkinWeights, SkinWeightsReport>& result) {
         std::vector<detail::MeshFace> faces;
         for (std::size_t f = 0; f < std::size(triangles); ++f)
             faces.push_back(detail::checked_face(triangles[f], binding.point_count()));
-        return detail::make_smooth_skin<T, D>(binding, faces, options, running, skin, report);
+        return detail::make_smooth_skin<T, D>(binding, faces, options, running, result);
     });
 }
 template <Scalar T, std::size_t D, FaceRange F>

@@ -39,7 +39,8 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
     SkeletonReport timed;
     detail::run_into(timed, [&] {
         detail::Motion motion;
-        const Status status = detail::read_motion(rest, frames, faces, options, motion, result.report);
+        Status status = detail::check(options);
+        if (status == Status::ok) status = detail::read_motion(rest, frames, faces, motion, result.report);
         return status == Status::ok ? detail::fit_motion(motion, options, running, result) : status;
     });
     result.report.status = timed.status;
@@ -75,7 +76,8 @@ fit_skeleton_keys(const FittedSkeleton<T>& skeleton, const R& rest,
     detail::run_into(timed, [&] {
         std::vector<Vec<double, 3>> places;
         for (std::size_t i = 0; i < std::size(rest); ++i) places.push_back(to_vec<double>(rest[i]));
-        return detail::make_keys(skeleton, places, times, options, running, result);
+        return detail::make_keys(detail::SkeletonFrames<T>{skeleton, places, times}, options, running,
+                                 result);
     });
     result.report.status = timed.status;
     result.report.seconds = timed.seconds;

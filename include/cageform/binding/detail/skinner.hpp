@@ -30,6 +30,16 @@ struct SkinnedPoint {
     bool fades = false;
 };
 
+/// The K entries of one point in a skin.
+struct SkinRow {
+    std::span<std::uint16_t> joints;
+    std::span<float> weights;
+};
+inline SkinRow row_of(SkinWeights& skin, std::size_t i) {
+    const std::size_t most = skin.influences;
+    return {std::span(skin.joints).subspan(i * most, most), std::span(skin.weights).subspan(i * most, most)};
+}
+
 inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsReport& report) {
     report.weight_errors.resize(points.size());
     std::size_t used = 0;
@@ -71,7 +81,8 @@ inline void absorb_rounding(std::span<std::uint16_t> joints, std::span<float> we
 /// not finite. `order` is scratch memory, one entry per bone.
 template <Scalar W>
 SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span<std::uint16_t> order,
-                          std::span<std::uint16_t> joints, std::span<float> weights) {
+                          const SkinRow& row) {
+    const auto [joints, weights] = row;
     SkinnedPoint result;
     double sum = 0;
     for (std::size_t b = 0; b < shares.size(); ++b) {
@@ -159,18 +170,20 @@ public:
 
     /// Stores weights in descending order and compares them with the binding's.
     ///
-    ///  weight    weight(handle)
-    ///  support   handles by descending weight; stops at the first weight that rounds to 0 beside 1 in
-    ///            single precision
-    template <class Weight>
-    void store(std::size_t i, const SkinPoint& point, std::span<const std::size_t> support,
-               const Weight& weight, std::span<std::uint16_t> joints, std::span<float> weights,
-               SkinnedPoint& result) const {
-        for (const std::size_t h : support) {
+    ///   found      support(): handles by descending weight; weight(handle). Stops at the first weight that
+    ///              rounds to 0 beside 1 in single precision
+    ///   is_exact   whether the weights reproduce the point
+    template <class Found>
+    SkinnedPoint store(std::size_t i, const SkinPoint& point, const Found& found, bool is_exact,
+                       const SkinRow& row) const {
+        const auto [joints, weights] = row;
+        SkinnedPoint result;
+        result.kind = is_exact ? SkinnedPoint::Kind::reproduced : SkinnedPoint::Kind::not_reproduced;
+        for (const std::size_t h : found.support()) {
             constexpr double rounding = 0x1p-26; // of 1, in single precision
-            if (!(weight(h) > rounding)) break;
+            if (!(found.weight(h) > rounding)) break;
             joints[result.used] = static_cast<std::uint16_t>(h);
-            weights[result.used++] = static_cast<float>(weight(h));
+            weights[result.used++] = static_cast<float>(found.weight(h));
         }
         if (result.used == 0) { // overflow
             result.kind = SkinnedPoint::Kind::not_reproduced;
@@ -195,6 +208,7 @@ public:
         result.partition = std::fabs(result.partition);
         result.error = (std::max)(result.error, 0.0);
         result.reproduction = size_ * std::sqrt(dot(missed, missed));
+        return result;
     }
 
 private:
@@ -221,8 +235,7 @@ public:
     Status run(SkinWeights& skin, SkinWeightsReport& report);
 
 private:
-    SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
-                      std::span<float> weights) const;
+    SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, const SkinRow& row) const;
 
     const BindingView<T, D>& binding_;
     const SkinWeightsOptions& options_;
@@ -235,14 +248,10 @@ private:
 // Not inline, for `extern template` below, as BlockCloner::run.
 template <Scalar T, std::size_t D>
 Status Skinner<T, D>::run(SkinWeights& skin, SkinWeightsReport& report) {
-    const std::size_t most = options_.influences;
     points_.assign(count_, {});
     const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
         ConvexWeights<D> solver;
-        for (std::size_t i = begin; i < end; ++i) {
-            points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
-                              std::span(skin.weights).subspan(i * most, most));
-        }
+        for (std::size_t i = begin; i < end; ++i) points_[i] = make(solver, i, row_of(skin, i));
     });
     if (status != Status::ok) return status;
     gather_skin(points_, report);
@@ -250,21 +259,16 @@ Status Skinner<T, D>::run(SkinWeights& skin, SkinWeightsReport& report) {
 }
 
 template <Scalar T, std::size_t D>
-SkinnedPoint Skinner<T, D>::make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
-                                 std::span<float> weights) const {
+SkinnedPoint Skinner<T, D>::make(ConvexWeights<D>& solver, std::size_t i, const SkinRow& row) const {
     const auto point = measure_.point_of(i);
     if (!point.is_bound) return {};
     solver.load(binding_.handle_view(), measure_.frame_of(point),
                 [&](std::size_t h) { return measure_.unfaded_weight(i, point, h); });
-    SkinnedPoint result;
-    result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
-                                                                   : SkinnedPoint::Kind::not_reproduced;
-    measure_.store(
-        i, point, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights, result);
-    return result;
+    const bool is_exact = solver.reduce(row.joints.size(), options_.threshold);
+    return measure_.store(i, point, solver, is_exact, row);
 }
 
-/// Checks the binding and the options, and calls make(skin, report), which returns a Status.
+/// Checks the binding and the options, and calls make(result), which returns a Status.
 template <Scalar T, std::size_t D, class Make>
 Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& binding,
                                                  const SkinWeightsOptions& options, const Make& make) {
@@ -278,7 +282,7 @@ Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& bindin
         result.value.influences = options.influences;
         result.value.joints.assign(binding.point_count() * options.influences, 0);
         result.value.weights.assign(binding.point_count() * options.influences, 0.0F);
-        return make(result.value, result.report);
+        return make(result);
     });
     if (result.report.status != Status::ok) result.value = {};
     return result;

@@ -11,8 +11,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// Fills a skin and its report. Vertices out of range must be `no_vertex`.
 template <class T, std::size_t D>
 Status make_smooth_skin(const BindingView<T, D>& binding, std::span<const MeshFace> triangles,
-                        const SkinWeightsOptions& options, const Running& running, SkinWeights& skin,
-                        SkinWeightsReport& report);
+                        const SkinWeightsOptions& options, const Running& running,
+                        Result<SkinWeights, SkinWeightsReport>& result);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
 

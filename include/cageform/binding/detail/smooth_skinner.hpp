@@ -48,14 +48,12 @@ public:
         if (const Status status = weights.solve(solving); status != Status::ok) return status;
 
         std::vector<SkinnedPoint> points(binding_.point_count());
-        const std::size_t most = options_.influences;
         const Status status = for_each_block(points.size(), storing, [&](std::size_t begin, std::size_t end) {
             NearWeights<D> nearest;
             ConvexWeights<D> convex;
             for (std::size_t i = begin; i < end; ++i) {
                 if (!points_[i].is_bound) continue;
-                points[i] = make(nearest, convex, i, weights, std::span(skin.joints).subspan(i * most, most),
-                                 std::span(skin.weights).subspan(i * most, most));
+                points[i] = make(nearest, convex, i, weights, row_of(skin, i));
             }
         });
         if (status == Status::ok) gather_skin(points, report);
@@ -99,16 +97,10 @@ private:
     /// Returns the smooth weights of a point. If they do not reproduce its position, returns the
     /// closest weights that do, starting from the smooth weights for twice as many handles.
     SkinnedPoint make(NearWeights<D>& nearest, ConvexWeights<D>& convex, std::size_t i,
-                      const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
-                      std::span<float> weights) const {
+                      const SmoothWeights<D>& smooth, const SkinRow& row) const {
         const auto frame = measure_.frame_of(points_[i]);
-        const auto store = [&](auto& found, bool is_exact) {
-            SkinnedPoint result;
-            result.kind = is_exact ? SkinnedPoint::Kind::reproduced : SkinnedPoint::Kind::not_reproduced;
-            measure_.store(
-                i, points_[i], found.support(), [&](std::size_t h) { return found.weight(h); }, joints,
-                weights, result);
-            return result;
+        const auto store = [&](const auto& found, bool is_exact) {
+            return measure_.store(i, points_[i], found, is_exact, row);
         };
         nearest.load(smooth.row(node_[i]), binding_.handle_view(), frame);
         if (nearest.reproduce(options_.threshold)) return store(nearest, true);
@@ -133,9 +125,9 @@ private:
 
 template <class T, std::size_t D>
 Status make_smooth_skin(const BindingView<T, D>& binding, std::span<const MeshFace> triangles,
-                        const SkinWeightsOptions& options, const Running& running, SkinWeights& skin,
-                        SkinWeightsReport& report) {
-    return SmoothSkinner<T, D>(binding, options, running).run(triangles, skin, report);
+                        const SkinWeightsOptions& options, const Running& running,
+                        Result<SkinWeights, SkinWeightsReport>& result) {
+    return SmoothSkinner<T, D>(binding, options, running).run(triangles, result.value, result.report);
 }
 
 } // namespace detail

@@ -17,9 +17,15 @@ template <class T>
 Status fit_motion(Motion& motion, const SkeletonOptions& options, const Running& running,
                   Result<FittedSkeleton<T>, SkeletonReport>& result);
 
+/// Arguments of `fit_skeleton_keys`.
 template <class T>
-Status make_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
-                 std::span<const T> times, const SkeletonKeyOptions& options, const Running& running,
+struct SkeletonFrames {
+    const FittedSkeleton<T>& skeleton;
+    const std::vector<Vec<double, 3>>& rest; ///< #vertices
+    std::span<const T> times;                ///< #frames, in seconds
+};
+template <class T>
+Status make_keys(const SkeletonFrames<T>& given, const SkeletonKeyOptions& options, const Running& running,
                  Result<SkeletonKeys<T>, SkeletonKeysReport>& result);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -71,29 +71,30 @@ struct FrameErrors {
     std::vector<std::uint32_t> beyond; ///< vertices beyond the maximum distance
 };
 
-/// Measures a skeleton in frame t.
-///
-///   copies  number of input vertices that each vertex was welded from
-///   given   first of these input vertices
-///   most    maximum distance; 0: no limit
+/// The input vertices that a vertex of Motion was welded from.
+struct WeldedFrom {
+    std::uint32_t count = 0, first = 0;
+};
+
+/// Measures a skeleton in frame t. `from` has an entry per vertex of `motion`. `most` is the maximum distance;
+/// 0: no limit.
 template <class T>
 FrameErrors frame_errors(const Motion& motion, const FittedSkeleton<T>& skeleton, std::size_t t,
-                         std::span<const std::uint32_t> copies, std::span<const std::uint32_t> given,
-                         double most) {
+                         std::span<const WeldedFrom> from, double most) {
     FrameErrors frame;
     std::vector<Vec<double, 3>> right(motion.vertices), played(motion.vertices);
     for (std::uint32_t i = 0; i < motion.vertices; ++i) {
         for (std::size_t k = 0; k < 3; ++k) right[i][k] = motion.path(i)[k * motion.lanes + t];
         const auto rest = vec_cast<T>(motion.size * motion.rest[i] + motion.centre);
-        const auto place = vec_cast<double>(skeleton.place(t, given[i], rest));
+        const auto place = vec_cast<double>(skeleton.place(t, from[i].first, rest));
         for (std::size_t k = 0; k < 3; ++k) played[i][k] = (place[k] - motion.centres[t][k]) / motion.size;
         const auto d = played[i] - right[i];
         const double square = dot(d, d);
-        frame.sum += copies[i] * square;
+        frame.sum += from[i].count * square;
         if (most > 0 && square > most * most) frame.beyond.push_back(i);
         if (square <= frame.largest) continue;
         frame.largest = square;
-        frame.vertex = given[i];
+        frame.vertex = from[i].first;
     }
     for (const auto& face : motion.faces) {
         const auto a = cross(right[face[1]] - right[face[0]], right[face[2]] - right[face[0]]);
@@ -110,15 +111,14 @@ FrameErrors frame_errors(const Motion& motion, const FittedSkeleton<T>& skeleton
 template <class T>
 void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double most, SkeletonReport& report,
              const Running& running) {
-    std::vector<std::uint32_t> copies(motion.vertices, 0), given(motion.vertices, 0);
+    std::vector<WeldedFrom> from(motion.vertices);
     for (std::size_t i = motion.welded.size(); i-- > 0;) {
-        ++copies[motion.welded[i]];
-        given[motion.welded[i]] = std::uint32_t(i);
+        ++from[motion.welded[i]].count;
+        from[motion.welded[i]].first = std::uint32_t(i);
     }
     std::vector<FrameErrors> frames(motion.frames);
     in_parallel(running, motion.frames, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t)
-            frames[t] = frame_errors(motion, skeleton, t, copies, given, most);
+        for (std::size_t t = begin; t < end; ++t) frames[t] = frame_errors(motion, skeleton, t, from, most);
     });
     double sum = 0, largest = -1;
     std::vector<float> turns;
@@ -127,7 +127,7 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
         const FrameErrors& frame = frames[t];
         sum += frame.sum;
         turns.insert(turns.end(), frame.turns.begin(), frame.turns.end());
-        for (const std::uint32_t i : frame.beyond) report.beyond += std::exchange(copies[i], 0);
+        for (const std::uint32_t i : frame.beyond) report.beyond += std::exchange(from[i].count, 0);
         if (frame.largest <= largest) continue;
         largest = frame.largest;
         report.frame = t;

@@ -104,6 +104,7 @@ private:
     void grow() {
         const std::size_t bones = fit_.bones();
         std::vector<std::pair<Pair, const Shared*>> edges;
+        edges.reserve(shared_.size());
         for (const auto& [pair, shared] : shared_) edges.push_back({pair, &shared});
         std::stable_sort(edges.begin(), edges.end(),
                          [](const auto& a, const auto& b) { return a.second->value > b.second->value; });

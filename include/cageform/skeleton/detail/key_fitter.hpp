@@ -69,6 +69,11 @@ private:
         std::size_t from, to;
         std::array<double, NodeTransform::size> out{}, in{};
     };
+    struct Key {
+        double time;
+        const NodeTransform& value;
+        const double *in = nullptr, *out = nullptr; ///< tangents; null in linear channels
+    };
     struct Segments {
         bool cubic = false;
         std::vector<Segment> list;
@@ -193,7 +198,7 @@ private:
         return (exact_[b].values[c] - exact_[a].values[c]) / (times_[b] - times_[a]);
     }
     /// Interpolation of a segment: slerp, nlerp, or cubic.
-    enum class Play { linear, nlerp, cubic };
+    enum class Play : std::uint8_t { linear, nlerp, cubic };
 
     /// Largest angle between rotations at which slerp and nlerp agree within a distance; at most 90°.
     static double largest_step(double distance, double radius) {
@@ -219,17 +224,19 @@ private:
     /// Bisects between two frames until slerp and nlerp agree, and stores the midpoints. Both interpolations
     /// have the same midpoint.
     template <class Store>
-    void bisect(double begin, const NodeTransform& a, double end, const NodeTransform& b, const Range& range,
-                const Store& store) const {
-        const auto time = double(float(0.5 * (begin + end))); // files have single precision
-        if (!(begin < time && time < end) || !exceeds_angle(a, b, range, cosine_of_half_step_)) return;
+    void bisect(const Key& a, const Key& b, const Range& range, const Store& store) const {
+        const auto time = double(float(0.5 * (a.time + b.time))); // files have single precision
+        if (!(a.time < time && time < b.time) ||
+            !exceeds_angle(a.value, b.value, range, cosine_of_half_step_))
+            return;
         NodeTransform middle;
         for (std::size_t c = range.begin; c < range.end; ++c)
-            middle.values[c] = 0.5 * (a.values[c] + b.values[c]);
+            middle.values[c] = 0.5 * (a.value.values[c] + b.value.values[c]);
         normalise(middle, range);
-        bisect(begin, a, time, middle, range, store);
-        store(time, middle);
-        bisect(time, middle, end, b, range, store);
+        const Key between{time, middle};
+        bisect(a, between, range, store);
+        store(between);
+        bisect(between, b, range, store);
     }
     /// Evaluates a segment at a frame.
     void play(const Segment& of, Play how, std::size_t t, const Range& range, NodeTransform& local) const {
@@ -321,13 +328,13 @@ private:
         for (std::size_t c = range.begin; c < range.end; ++c) local.values[c] = by.values[c];
         return local;
     }
-    /// Makes keys of a range of values, and computes the motion that they reproduce. store(time, values, in,
-    /// out) receives each key.
+    /// Makes keys of a range of values, and computes the motion that they reproduce. store(key) receives
+    /// each Key.
     template <class Store>
     void fit(const Range& range, double share, const Store& store) {
         if (NodeTransform mean; is_constant(range, share, mean)) {
             set_constant(range, mean);
-            return store(times_[0], mean, nullptr, nullptr);
+            return store({times_[0], mean});
         }
         Segments best = segments(false, range, share);
         if (tangents_) {
@@ -336,7 +343,8 @@ private:
         }
         constexpr std::array<double, NodeTransform::size> none{};
         NodeTransform last = exact_[0];
-        const auto store_near = [&](double time, NodeTransform value) { // with the sign of the last key
+        const auto store_near = [&](const Key& key) { // with the sign of the last key
+            NodeTransform value = key.value;
             for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
                 Quaternion<double> q = value.turn(at);
                 if (cosine_of_half(q, last.turn(at)) >= 0) continue;
@@ -344,63 +352,55 @@ private:
                 value.set_turn(at, q);
             }
             last = value;
-            store(time, value, nullptr, nullptr);
+            store({key.time, value});
         };
         for (std::size_t k = 0; k <= best.list.size(); ++k) {
             const std::size_t t = k == 0 ? 0 : best.list[k - 1].to, from = k == 0 ? 0 : best.list[k - 1].from;
             if (best.cubic) { // signs follow the path
-                store(times_[t], exact_[t], k == 0 ? none.data() : best.list[k - 1].in.data(),
-                      k == best.list.size() ? none.data() : best.list[k].out.data());
+                store({times_[t], exact_[t], k == 0 ? none.data() : best.list[k - 1].in.data(),
+                       k == best.list.size() ? none.data() : best.list[k].out.data()});
                 continue;
             }
-            if (t == from + 1) bisect(times_[from], exact_[from], times_[t], exact_[t], range, store_near);
-            store_near(times_[t], exact_[t]);
+            if (t == from + 1)
+                bisect({times_[from], exact_[from]}, {times_[t], exact_[t]}, range, store_near);
+            store_near({times_[t], exact_[t]});
         }
         played_ = std::move(best.played);
     }
     template <class V>
-    void append(Keys::Channel<V>& to, std::size_t at, double time, const NodeTransform& value,
-                const double* in, const double* out) const {
+    void append(Keys::Channel<V>& to, std::size_t at, const Key& key) const {
         constexpr std::size_t size = std::is_same_v<V, Quaternion<double>> ? 4 : 3;
         const auto slice = [&](const double* all) {
             V result{};
             for (std::size_t k = 0; k < size; ++k) result[k] = all[at + k];
             return result;
         };
-        to.times.push_back(time);
-        to.values.push_back(slice(value.values.data()));
-        if (in == nullptr) return;
-        to.in_tangents.push_back(slice(in));
-        to.out_tangents.push_back(slice(out));
+        to.times.push_back(key.time);
+        to.values.push_back(slice(key.value.values.data()));
+        if (key.in == nullptr) return;
+        to.in_tangents.push_back(slice(key.in));
+        to.out_tangents.push_back(slice(key.out));
     }
     void fit_bone(Keys::Bone& to) {
         // Cumulative shares of the distance.
         constexpr double of_translation = 0.4, of_axes = 0.5, of_scale = 0.7;
         using Node = NodeTransform;
-        fit({0, Node::rotation}, of_translation, [&](double time, const Node& v, auto... tangents) {
-            append(to.translation, 0, time, v, tangents...);
-        });
-        const auto take_scale = [&](double time, const Node& v, auto... tangents) {
-            append(to.scale, Node::scale, time, v, tangents...);
-        };
-        const auto take_rotation = [&](double time, const Node& v, auto... tangents) {
-            append(to.rotation, Node::rotation, time, v, tangents...);
-        };
-        const auto take_axes = [&](double time, const Node& v, auto... tangents) {
-            append(to.axes, Node::axes, time, v, tangents...);
-        };
+        fit({0, Node::rotation}, of_translation, [&](const Key& key) { append(to.translation, 0, key); });
+        const auto take_scale = [&](const Key& key) { append(to.scale, Node::scale, key); };
+        const auto take_rotation = [&](const Key& key) { append(to.rotation, Node::rotation, key); };
+        const auto take_axes = [&](const Key& key) { append(to.axes, Node::axes, key); };
         const Range axes{Node::axes, Node::size};
         NodeTransform standing;
         if (!may_be_constant(axes, of_axes, standing) && !is_constant(axes, of_axes, standing)) {
-            fit({Node::rotation, Node::size}, 1, [&](double time, const Node& v, auto... tangents) {
-                take_rotation(time, v, tangents...);
-                take_scale(time, v, tangents...);
-                take_axes(time, v, tangents...);
+            fit({Node::rotation, Node::size}, 1, [&](const Key& key) {
+                take_rotation(key);
+                take_scale(key);
+                take_axes(key);
             });
             return;
         }
         set_constant(axes, standing);
-        take_axes(times_[0], standing, nullptr, nullptr);
+        take_axes({times_[0], standing});
         fit({Node::scale, Node::axes}, of_scale, take_scale);
         fit({Node::rotation, Node::scale}, 1, take_rotation);
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/core/result.hpp>
+#include <cageform/skeleton/detail/fit_motion.hpp>
 #include <cageform/skeleton/detail/key_fitter.hpp>
 #include <cageform/skeleton/detail/motion.hpp>
 
@@ -18,8 +19,8 @@ typename FittedSkeleton<To>::Map map_cast(const typename FittedSkeleton<T>::Map&
 }
 
 template <class T>
-Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, std::span<const T> times,
-                      double max_distance) noexcept {
+Status check_frames(const SkeletonFrames<T>& given, double max_distance) noexcept {
+    const auto& [skeleton, rest, times] = given;
     if (!(max_distance >= 0) || !std::isfinite(max_distance)) return Status::value_not_finite;
     const SkinWeights& skin = skeleton.skin;
     if (skeleton.bones == 0 || skeleton.frames == 0 || skeleton.parents.size() != skeleton.bones ||
@@ -33,7 +34,7 @@ Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, s
     for (const std::uint16_t joint : skin.joints) {
         if (joint >= skeleton.bones) return Status::input_malformed;
     }
-    if (times.size() != skeleton.frames || skin.joints.size() != vertices * skin.influences)
+    if (times.size() != skeleton.frames || skin.joints.size() != rest.size() * skin.influences)
         return Status::frames_do_not_match;
     for (std::size_t t = 0; t < times.size(); ++t) {
         if (!is_finite(times[t])) return Status::value_not_finite;
@@ -44,9 +45,9 @@ Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, s
 
 /// Measures the maximum distance between the positions of a vertex by maps and by keys, relative to `size`.
 template <class T>
-void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
-                  std::span<const T> times, double size, const SkeletonKeys<T>& keys,
+void measure_keys(const SkeletonFrames<T>& given, double size, const SkeletonKeys<T>& keys,
                   typename SkeletonKeys<T>::Turn way, SkeletonKeysReport& report) {
+    const auto& [skeleton, rest, times] = given;
     FittedSkeleton<T> played = skeleton;
     played.frames = 1;
     for (std::size_t t = 0; t < times.size(); ++t) {
@@ -84,22 +85,20 @@ void store_channel(To& to, const From& from, SkeletonKeysReport& report) {
 }
 
 template <class T>
-Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3>>& rest,
-                 std::span<const T> times, const SkeletonKeyOptions& options, const Running& running,
+Status make_keys(const SkeletonFrames<T>& given, const SkeletonKeyOptions& options, const Running& running,
                  Result<SkeletonKeys<T>, SkeletonKeysReport>& result) {
-    if (const Status status = check_skeleton(given, rest.size(), times, options.max_distance);
-        status != Status::ok)
-        return status;
+    if (const Status status = check_frames(given, options.max_distance); status != Status::ok) return status;
+    const auto& [fitted, rest, times] = given;
     for (const auto& p : rest) {
         if (!is_finite(p)) return Status::value_not_finite;
     }
     FittedSkeleton<double> skeleton;
-    skeleton.bones = given.bones;
-    skeleton.frames = given.frames;
-    skeleton.skin = given.skin;
-    skeleton.parents = given.parents;
-    for (const auto& map : given.maps) skeleton.maps.push_back(map_cast<double, T>(map));
-    for (const auto& joint : given.joints) skeleton.joints.push_back(vec_cast<double>(joint));
+    skeleton.bones = fitted.bones;
+    skeleton.frames = fitted.frames;
+    skeleton.skin = fitted.skin;
+    skeleton.parents = fitted.parents;
+    for (const auto& map : fitted.maps) skeleton.maps.push_back(map_cast<double, T>(map));
+    for (const auto& joint : fitted.joints) skeleton.joints.push_back(vec_cast<double>(joint));
     double size = figure_size(rest);
     if (!(size > 0)) size = 1;
     const std::vector<double> seconds(times.begin(), times.end());
@@ -120,8 +119,8 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
             store_channel<T>(to.axes, bone.axes, result.report);
         }
         SkeletonKeysReport by_nlerp;
-        measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::slerp, result.report);
-        measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::nlerp, by_nlerp);
+        measure_keys(given, size, result.value, SkeletonKeys<T>::Turn::slerp, result.report);
+        measure_keys(given, size, result.value, SkeletonKeys<T>::Turn::nlerp, by_nlerp);
         const double most = (std::max)(options.max_distance, result.report.max_distance); // covers rounding
         if (smaller.max_distance == 0 || by_nlerp.max_distance <= most) break;
         smaller.max_distance *= round + 2 < rounds ? 0.97 * most / by_nlerp.max_distance : 0;

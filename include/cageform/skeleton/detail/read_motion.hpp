@@ -17,9 +17,8 @@ inline Status check(const SkeletonOptions& options) noexcept {
 }
 
 template <class R, class Frames, class F>
-Status read_motion(const R& rest, const Frames& frames, const F& faces, const SkeletonOptions& options,
-                   Motion& motion, SkeletonReport& report) {
-    if (const Status status = check(options); status != Status::ok) return status;
+Status read_motion(const R& rest, const Frames& frames, const F& faces, Motion& motion,
+                   SkeletonReport& report) {
     const std::size_t vertices = std::size(rest), count = std::size(frames);
     if (vertices == 0 || count < 2) return Status::motion_empty;
     for (std::size_t t = 0; t < count; ++t) {

@@ -220,6 +220,7 @@ private:
         const std::size_t count = (std::min)(patch_size, order.size());
         std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(count), order.end());
         std::vector<std::uint32_t> result;
+        result.reserve(count);
         for (std::size_t n = 0; n < count; ++n) result.push_back(order[n].second);
         return result;
     }

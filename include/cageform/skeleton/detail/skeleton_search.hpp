@@ -4,7 +4,6 @@
 #include <cageform/skeleton/detail/skeleton_fitter.hpp>
 
 #include <limits>
-#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -21,10 +20,11 @@ public:
         : options_(options)
         , running_(running)
         , moves_((std::max)(std::size_t{1}, options.moves / 4))
-        , fitter_(motion, options, running) {}
+        , fitter_(motion, options, running)
+        , best_(fitter_.fit()) {}
 
     /// The valid fit with the fewest bones; if there is none, the one with the smallest distance.
-    const BoneFit& best() const noexcept { return *best_; }
+    const BoneFit& best() const noexcept { return best_; }
     /// Numbers of bones tried, in order.
     const std::vector<Trial>& trials() const noexcept { return trials_; }
 
@@ -56,13 +56,13 @@ private:
     /// once more. If that fails too, returns to the best fit and removes fewer bones.
     template <class Holds>
     bool shrink(std::size_t low, const Holds& holds) {
-        std::size_t high = best_->bones();
+        std::size_t high = best_.bones();
         std::size_t step = high > low ? (std::max)(std::size_t{1}, (high - low) / 2) : 1;
         bool again = true;
         while (high > step + 1 && is_affordable(high - step)) {
             if (!change(high - step) || !polish(holds)) return false;
             if (found_) {
-                high = best_->bones();
+                high = best_.bones();
                 step = (std::max)(std::size_t{1}, high / 16);
                 again = true;
             } else if (again) {
@@ -71,7 +71,7 @@ private:
                 break;
             } else {
                 step /= 2;
-                fitter_.restore(*best_);
+                fitter_.restore(best_);
                 again = true;
             }
         }
@@ -80,7 +80,7 @@ private:
     /// Runs rounds as in a fit by number. They lower the mean distance.
     template <class Holds>
     bool smooth(const Holds& holds) {
-        fitter_.restore(*best_);
+        fitter_.restore(best_);
         for (std::size_t n = 0; n < options_.rounds / 2; ++n) {
             if (!fitter_.reweight_by_error()) return false;
             fitter_.weights();
@@ -116,7 +116,7 @@ private:
             const double now = largest_of(squares);
             trial_distance_ = (std::fmin)(trial_distance_, now);
             found_ = now <= options_.max_distance && holds(fitter_.fit());
-            if (found_ || !best_ || now < best_distance_) {
+            if (found_ || best_.bones() == 0 || now < best_distance_) {
                 best_ = fitter_.fit();
                 best_distance_ = found_ ? 0 : now;
             }
@@ -147,7 +147,7 @@ private:
     const Running& running_;
     std::size_t moves_; ///< relocations per number of bones
     SkeletonFitter fitter_;
-    std::optional<BoneFit> best_;
+    BoneFit best_;              ///< without bones before the first trial
     double best_distance_ = 0;  ///< maximum distance of the best fit; 0: within the limit
     double trial_distance_ = 0; ///< smallest maximum distance in the last trial
     double spent_ = 0;

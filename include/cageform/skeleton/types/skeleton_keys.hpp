@@ -16,7 +16,7 @@ struct SkeletonKeys {
     using Map = typename FittedSkeleton<T>::Map;
 
     /// Interpolation of rotations without tangents: slerp as glTF requires, or nlerp as in many players.
-    enum class Turn { slerp, nlerp };
+    enum class Turn : std::uint8_t { slerp, nlerp };
 
     /// Without tangents, values are interpolated linearly and rotations by slerp along the shorter arc
     /// (LINEAR). With tangents, values are cubic splines; those of rotations are normalised (CUBICSPLINE).
