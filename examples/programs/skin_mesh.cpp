@@ -292,7 +292,7 @@ Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, con
     GltfJson roots;
     for (const GltfMesh& mesh : meshes) {
         GltfJson attributes = gltf_attributes(document, mesh, figure);
-        add_skin_attributes<std::uint16_t, float>(document, attributes, mesh, skin, skin.weights, 0);
+        attributes.update(skin_attributes<std::uint16_t, float>(document, mesh, skin, skin.weights, 0));
         const std::size_t index = document.append(
             "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
         roots.push_back(document.append("nodes", {{"name", mesh.name}, {"mesh", index}, {"skin", 0}}));

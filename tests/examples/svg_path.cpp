@@ -188,7 +188,7 @@ TEST_CASE("path data: arcs follow their ellipse", "[examples][svg_path][arc]") {
             const Point2 middle = apply(frame, {std::cos(from + turn / 2), std::sin(from + turn / 2)});
             PathBuilder builder;
             builder.move_to(begin);
-            builder.arc_to(rx, ry, degrees, std::abs(turn) > std::numbers::pi, turn > 0, end);
+            builder.arc_to({rx, ry, degrees, std::abs(turn) > std::numbers::pi, turn > 0}, end);
             const Path path = builder.take();
             CHECK(deviation_from_circle(path, *inverse(frame)) < 3e-4);
             double nearest = 1e9; // it passes the middle of the angle, so it is the right one

@@ -175,7 +175,7 @@ int draw_in_space(const Arguments& given) {
         if (!pins) return fail(to_string(pins.error()));
         const auto moves = least_moves(coordinates, *pins);
         auto pinned = PinnedCage<double, 3>::make(coordinates, {cage->name, given.choice.name, faults},
-                                                  std::move(*pins), {}, given.pins, {});
+                                                  {std::move(*pins), {}}, given.pins, {});
         if (!pinned) return fail(to_string(pinned.error()));
         std::array poses{pinned->rest(), pinned->rest()};
         if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), poses[0]); !done)

@@ -22,7 +22,7 @@ inline constexpr const char* auto_cage_help =
     "plane, lattice:4x4x4 in space, or a .lattice.json file";
 
 /// The files that a program accepts as --cage.
-enum class CageFiles { drawing, drawing_or_sites, mesh, mesh_or_sites };
+enum class CageFiles : std::uint8_t { drawing, drawing_or_sites, mesh, mesh_or_sites };
 
 /// Adds the required option --cage.
 void add_cage(CommandLine& line, std::string& cage, CageFiles files);
@@ -104,7 +104,7 @@ void add_flip_faces(CommandLine& line, bool& flips_faces);
 /// Adds --strict for load_mesh_figure().
 void add_strict(CommandLine& line, bool& is_strict);
 
-enum class MeshFormats { obj, obj_or_medit };
+enum class MeshFormats : std::uint8_t { obj, obj_or_medit };
 
 /// Reads a figure. Unused vertices that are not finite are left out with a warning; a strict reader rejects
 /// them.

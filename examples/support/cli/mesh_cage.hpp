@@ -47,7 +47,7 @@ struct CageFaces {
 };
 
 /// Which faces with more than three corners become fans.
-enum class FacesAsFans { none, not_planar, all };
+enum class FacesAsFans : std::uint8_t { none, not_planar, all };
 
 /// Classifies the faces with more than three corners. They are kept as polygons if wanted and planar to a
 /// millionth of the cage's diagonal (the precision of six digits). The others become fans if wanted and the

@@ -25,8 +25,9 @@ Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::sp
     auto held = given.pins.held_handles(rest.first(to.saved), still, &parts);
     if (!held) return held.error();
     const std::string kind = to.cage.lattice ? "lattice" : given.choice.name;
-    auto pinned = PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
-                                              std::move(*pins), std::move(*held), given.pins, given.outside);
+    auto pinned =
+        PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
+                                    {std::move(*pins), std::move(*held)}, given.pins, given.outside);
     if (!pinned) return pinned.error();
     auto pose = pinned->rest();
     std::copy(to.pose.vertices.begin(), to.pose.vertices.end(), pose.begin());

@@ -63,16 +63,18 @@ public:
     using Pose = std::vector<cageform::Vec<T, D>>;
     using Targets = std::vector<cageform::Vec<double, D>>;
     using Turns = std::vector<cageform::PoseTurn<D>>;
+    struct Handles {
+        std::vector<Pin<D>> pins;
+        std::vector<std::uint32_t> held; ///< handles that `settle` does not move
+    };
 
     /// Samples the inside of a cage and binds the pins. Warns if a pin is outside and follows the extension
     /// of the coordinates.
     ///
-    ///   held    handles that `settle` does not move
     ///   fails   if the coordinates have no gradients or cannot be sampled, a pin has no weights, or no
     ///           handle moves it; the message names the pin
     static Expected<PinnedCage> make(const ChosenCoordinates<T, D>& coordinates, const PinnedCageNames& names,
-                                     std::vector<Pin<D>> pins, std::vector<std::uint32_t> held,
-                                     const PinChoice& choice, const OutsideChoice& outside);
+                                     Handles handles, const PinChoice& choice, const OutsideChoice& outside);
 
     const std::vector<Pin<D>>& pins() const { return pins_; }
     Pose rest() const { return solver_.samples().rest_handles; } ///< of all handles

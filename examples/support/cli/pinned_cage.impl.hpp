@@ -111,10 +111,10 @@ Expected<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates, 
 
 template <cageform::Scalar T, std::size_t D>
 Expected<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>& coordinates,
-                                                  const PinnedCageNames& names, std::vector<Pin<D>> pins,
-                                                  std::vector<std::uint32_t> held, const PinChoice& choice,
-                                                  const OutsideChoice& outside) {
+                                                  const PinnedCageNames& names, Handles handles,
+                                                  const PinChoice& choice, const OutsideChoice& outside) {
     using cageform::Status;
+    auto& [pins, held] = handles;
     PinnedCage made;
     detail::warn_of_far_targets(coordinates.handles(), pins);
     const auto begin = detail::Clock::now();

@@ -108,7 +108,7 @@ Expected<PinnedFigure> PinnedFigure::make(FigureControl& control, const PinnedCo
                                           std::vector<Pin<2>> pins) {
     auto cage = PinnedCage<double, 2>::make(control.coordinates,
                                             {control.name, by.coordinates.name, control.describe_faults},
-                                            std::move(pins), by.held, by.pins, by.outside);
+                                            {std::move(pins), by.held}, by.pins, by.outside);
     if (!cage) return cage.error();
     PinnedFigure made(std::move(*cage));
     made.pose_ = made.cage_.rest();

@@ -15,7 +15,7 @@
 
 namespace cageform_support {
 
-enum class PoseOperation { move, turn, scale, bend, twist, curve };
+enum class PoseOperation : std::uint8_t { move, turn, scale, bend, twist, curve };
 
 /// Help text on pose operations.
 inline constexpr const char* pose_operations_format =

@@ -160,7 +160,7 @@ inline constexpr const char* cage_formats =
     "Options and messages count vertices and points from 0, blocks from 1.\n";
 
 /// Whether edges are lines or curves.
-enum class CageEdges {
+enum class CageEdges : std::uint8_t {
     lines,   ///< curves are an error
     curves,  ///< lines become curves
     as_drawn ///< curves if the outline has any

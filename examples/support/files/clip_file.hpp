@@ -137,7 +137,7 @@ std::string clip_text(const ClipFile& clip, const std::string& heading);
 Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
 
 /// Interpolation at a pose.
-enum class PoseWay { smooth, linear, ease };
+enum class PoseWay : std::uint8_t { smooth, linear, ease };
 
 struct PoseKey {
     double time = 0;

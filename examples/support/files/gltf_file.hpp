@@ -26,7 +26,7 @@ using GltfJson = nlohmann::ordered_json;
 /// A document under construction: JSON and buffer.
 class GltfDocument {
 public:
-    enum class Use { vertices = 34962, indices = 34963, other = 0 }; // 5.11.5
+    enum class Use : std::uint16_t { vertices = 34962, indices = 34963, other = 0 }; // 5.11.5
 
     GltfJson json = {{"asset", {{"version", "2.0"}, {"generator", "cageform export_gltf"}}}};
 
@@ -217,15 +217,15 @@ std::vector<Point3> joined_places(const ObjFile& figure);
 /// weights.
 cageform::SkinWeights first_set(const cageform::SkinWeights& skin);
 
-/// Appends JOINTS_0, WEIGHTS_0, JOINTS_1, … with four joints per set. Points without weights get the joint
+/// Returns the attributes JOINTS_0, WEIGHTS_0, JOINTS_1, … with four joints per set. Points without weights get the joint
 /// `still`. Sets without weights are omitted.
 ///
 ///   Index     std::uint8_t or std::uint16_t
 ///   weights   #points · influences: float, or normalised integers
 template <class Index, class Weight>
-void add_skin_attributes(GltfDocument& document, GltfJson& attributes, const GltfMesh& mesh,
-                         const cageform::SkinWeights& skin, std::span<const Weight> weights,
-                         std::size_t still) {
+GltfJson skin_attributes(GltfDocument& document, const GltfMesh& mesh, const cageform::SkinWeights& skin,
+                         std::span<const Weight> weights, std::size_t still) {
+    GltfJson attributes = GltfJson::object();
     constexpr bool integer = !std::is_same_v<Weight, float>;
     constexpr Weight one = integer ? std::numeric_limits<Weight>::max() : Weight(1);
     const std::size_t most = skin.influences, sets = joint_sets(skin);
@@ -250,6 +250,7 @@ void add_skin_attributes(GltfDocument& document, GltfJson& attributes, const Glt
         attributes["JOINTS_" + number] = document.add(joints, GltfDocument::Use::vertices);
         attributes["WEIGHTS_" + number] = document.add(shares, GltfDocument::Use::vertices, false, integer);
     }
+    return attributes;
 }
 
 } // namespace cageform_support

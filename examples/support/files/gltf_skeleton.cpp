@@ -9,10 +9,9 @@ void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes
         for (const GltfMesh& mesh : meshes) {
             GltfJson attributes = gltf_attributes(document, mesh, figure);
             const std::span<const Weight> all(list);
-            if (joints <= 256)
-                add_skin_attributes<std::uint8_t>(document, attributes, mesh, skin, all, still);
-            else
-                add_skin_attributes<std::uint16_t>(document, attributes, mesh, skin, all, still);
+            attributes.update(joints <= 256
+                                  ? skin_attributes<std::uint8_t>(document, mesh, skin, all, still)
+                                  : skin_attributes<std::uint16_t>(document, mesh, skin, all, still));
             document.append(
                 "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
         }
@@ -63,6 +62,46 @@ void add_channel(GltfJson& animation, std::size_t node, const char* path, std::s
         {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
 }
 
+namespace {
+
+struct BoneAnimation {
+    GltfDocument& document;
+    GltfJson json;
+    std::map<std::vector<double>, std::size_t> inputs = {}; ///< accessors of times
+
+    /// Appends the keys of a channel of a bone; a single key becomes the node's property.
+    template <class V>
+    void add(std::size_t node, const char* path, const cageform::SkeletonKeys<double>::Channel<V>& keys) {
+        constexpr std::size_t size = sizeof(V) / sizeof(double);
+        const auto single = [](const V& value) {
+            std::array<float, size> result{};
+            for (std::size_t k = 0; k < size; ++k) result[k] = float(value[k]);
+            return result;
+        };
+        if (keys.times.size() == 1) {
+            document.json["nodes"][node][path] = single(keys.values[0]);
+            return;
+        }
+        const auto [input, is_new] = inputs.insert({keys.times, 0});
+        if (is_new) {
+            std::vector<std::array<float, 1>> times;
+            for (const double time : keys.times) times.push_back({float(time)});
+            input->second = document.add(times, GltfDocument::Use::other, true);
+        }
+        const bool cubic = !keys.in_tangents.empty();
+        std::vector<std::array<float, size>> values;
+        for (std::size_t k = 0; k < keys.times.size(); ++k) { // 3.11: in-tangent, value, out-tangent
+            if (cubic) values.push_back(single(keys.in_tangents[k]));
+            values.push_back(single(keys.values[k]));
+            if (cubic) values.push_back(single(keys.out_tangents[k]));
+        }
+        add_channel(json, node, path, input->second, cubic ? "CUBICSPLINE" : "LINEAR",
+                    document.add(values, GltfDocument::Use::other));
+    }
+};
+
+} // namespace
+
 void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
                   const cageform::FittedSkeleton<double>& skeleton,
                   const cageform::SkeletonKeys<double>& keys, const std::string& name, const Point3& origin) {
@@ -93,22 +132,20 @@ void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
         }
         inverse.push_back(inverse_bind(place));
     }
-    GltfJson animation = {{"name", name}};
-    std::map<std::vector<double>, std::size_t> inputs;
+    BoneAnimation animation{document, {{"name", name}}};
     for (std::size_t b = 0; b < skeleton.bones; ++b) {
         const auto& bone = keys.bones[b];
-        detail::add_keys(document, animation, nodes[b], "translation", bone.translation, inputs);
-        detail::add_keys(document, animation, nodes[b], "rotation", bone.rotation, inputs);
+        animation.add(nodes[b], "translation", bone.translation);
+        animation.add(nodes[b], "rotation", bone.rotation);
         if (bone.scale.times.size() > 1 || bone.scale.values[0] != Point3{1, 1, 1})
-            detail::add_keys(document, animation, nodes[b], "scale", bone.scale, inputs);
-        if (joints[b] != nodes[b])
-            detail::add_keys(document, animation, joints[b], "rotation", bone.axes, inputs);
+            animation.add(nodes[b], "scale", bone.scale);
+        if (joints[b] != nodes[b]) animation.add(joints[b], "rotation", bone.axes);
     }
     document.append("skins", {{"inverseBindMatrices", document.add(inverse, GltfDocument::Use::other)},
                               {"skeleton", roots.back()},
                               {"joints", joints}});
     document.append("scenes", {{"nodes", roots}});
-    if (animation.contains("channels")) document.append("animations", std::move(animation));
+    if (animation.json.contains("channels")) document.append("animations", std::move(animation.json));
 }
 
 std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,

@@ -41,43 +41,6 @@ std::array<float, 16> inverse_bind(const std::array<double, 3>& place);
 void add_channel(GltfJson& animation, std::size_t node, const char* path, std::size_t input,
                  const char* interpolation, std::size_t output);
 
-namespace detail {
-
-/// Appends the keys of a channel of a bone; a single key becomes the node's property. `inputs` maps times to
-/// accessors.
-template <class V>
-void add_keys(GltfDocument& document, GltfJson& animation, std::size_t node, const char* path,
-              const typename cageform::SkeletonKeys<double>::Channel<V>& keys,
-              std::map<std::vector<double>, std::size_t>& inputs) {
-    constexpr std::size_t size = sizeof(V) / sizeof(double);
-    const auto single = [](const V& value) {
-        std::array<float, size> result{};
-        for (std::size_t k = 0; k < size; ++k) result[k] = float(value[k]);
-        return result;
-    };
-    if (keys.times.size() == 1) {
-        document.json["nodes"][node][path] = single(keys.values[0]);
-        return;
-    }
-    const auto [input, is_new] = inputs.insert({keys.times, 0});
-    if (is_new) {
-        std::vector<std::array<float, 1>> times;
-        for (const double time : keys.times) times.push_back({float(time)});
-        input->second = document.add(times, GltfDocument::Use::other, true);
-    }
-    const bool cubic = !keys.in_tangents.empty();
-    std::vector<std::array<float, size>> values;
-    for (std::size_t k = 0; k < keys.times.size(); ++k) { // 3.11: in-tangent, value, out-tangent
-        if (cubic) values.push_back(single(keys.in_tangents[k]));
-        values.push_back(single(keys.values[k]));
-        if (cubic) values.push_back(single(keys.out_tangents[k]));
-    }
-    add_channel(animation, node, path, input->second, cubic ? "CUBICSPLINE" : "LINEAR",
-                document.add(values, GltfDocument::Use::other));
-}
-
-} // namespace detail
-
 /// Appends the nodes of the meshes and of a skeleton, the skin and its animation. The meshes must have been
 /// added with the skeleton's skin.
 ///

@@ -61,9 +61,9 @@ inline void add_lottie_intervals(const nlohmann::ordered_json& keys, const std::
         const bool path_in_space = moves_along_a_path(key);
         const std::size_t components = path_in_space || !begin.is_array() ? 1 : begin.size();
         for (std::size_t c = 0; c < components; ++c) {
-            cageform::LottieEasing easing{lottie_handle(key, "o", c, {0, 0}),
-                                          lottie_handle(key, "i", c, {1, 1}),
-                                          key.contains("h") && key.at("h") == 1};
+            const cageform::LottieEasing easing{lottie_handle(key, "o", c, {0, 0}),
+                                                lottie_handle(key, "i", c, {1, 1}),
+                                                key.contains("h") && key.at("h") == 1};
             const double from = path_in_space ? 0 : lottie_number(begin, c);
             const double to = path_in_space ? 1 : easing.hold ? from : lottie_number(end, c);
             curves.push_back(
@@ -87,8 +87,9 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
         add_lottie_intervals(*keys, path + "/k", layer, curves);
         return;
     }
+    const std::string parent = path.empty() ? "" : path + "/";
     for (const auto& [name, part] : json.items())
-        add_lottie_curves(part, path.empty() ? name : path + "/" + name, layer, curves, depth + 1);
+        add_lottie_curves(part, parent + name, layer, curves, depth + 1);
 }
 
 } // namespace detail

@@ -81,7 +81,7 @@ struct ObjFile {
 };
 
 /// Handling of unused vertices that are not finite or far away.
-enum class StrayVertices { refuse, leave_out };
+enum class StrayVertices : std::uint8_t { refuse, leave_out };
 inline StrayVertices strays_of(bool is_strict) {
     return is_strict ? StrayVertices::refuse : StrayVertices::leave_out;
 }

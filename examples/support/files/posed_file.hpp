@@ -13,7 +13,7 @@
 
 namespace cageform_support {
 
-enum class PosedFormat { obj, ply, ply_text, npy };
+enum class PosedFormat : std::uint8_t { obj, ply, ply_text, npy };
 
 /// Writes poses of a figure. Everything that does not move is formatted once.
 ///

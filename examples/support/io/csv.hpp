@@ -176,7 +176,7 @@ Expected<TableSize> read_table(const std::string& path,
 
 /// A block of lines of a cage's file.
 struct CageBlock {
-    enum class Kind { loop, chain, point };
+    enum class Kind : std::uint8_t { loop, chain, point };
 
     Kind kind = Kind::loop;
     double radius = 0; // of a point

@@ -39,7 +39,7 @@ inline Box3 box_of(const std::vector<std::span<const Point3>>& lists) {
 /// Looks at the centre of all points, which fill a picture of the given size up to a margin.
 class Camera {
 public:
-    enum class Rays { converging, parallel };
+    enum class Rays : std::uint8_t { converging, parallel };
 
     Camera(const ViewDirections& view, Rays rays, const std::vector<std::span<const Point3>>& lists,
            double width, double height)

@@ -49,7 +49,8 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
     const auto place = [&](const Side& side) {
         const auto& [i, down] = side;
         const double a = values[i], b = values[i + (down ? width : 1)], t = (level - a) / (b - a);
-        const double x = double(i % width), y = double(i / width);
+        const std::size_t row = i / width;
+        const double x = double(i % width), y = double(row);
         return down ? Point2{x, y + t} : Point2{x + t, y};
     };
     std::vector<std::vector<Point2>> lines;

@@ -26,7 +26,7 @@ inline std::string number_on_axis(double x, double step) {
         return text_of(("%." + std::to_string(std::max(-last, 0)) + "f").c_str(), x);
     const int digits =
         std::max(int(std::floor(std::log10(std::fabs(x)) + 1e-9)) - last, 0); // after the point
-    std::string text = text_of(("%." + std::to_string(std::min(digits, 17)) + "e").c_str(), x);
+    const std::string text = text_of(("%." + std::to_string(std::min(digits, 17)) + "e").c_str(), x);
     const std::size_t e = text.find('e'); // 1e-7, not 1e-07
     const std::string exponent = std::to_string(std::stoi(text.substr(e + 1)));
     return text.substr(0, e + 1) + exponent;

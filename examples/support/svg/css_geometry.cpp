@@ -622,7 +622,7 @@ private:
             const Point2 from = k % 2 == 0 ? upright : flat, to = k % 2 == 0 ? flat : upright;
             if (k == 0) builder.move_to(from);
             if (!(builder.current() == from)) builder.line_to(from);
-            if (x > 0 && y > 0) builder.arc_to(x, y, 0, false, true, to);
+            if (x > 0 && y > 0) builder.arc_to({x, y}, to);
         }
         builder.close();
         return true;

@@ -331,7 +331,8 @@ private:
             }
             return true;
         };
-        const auto steps = static_cast<double>(piece.samples.size() / frames_ - 1);
+        const std::size_t intervals = piece.samples.size() / frames_ - 1;
+        const auto steps = static_cast<double>(intervals);
         const double size = piece.to - piece.from;
         Piece part{piece.curve,
                    piece.from + size * (static_cast<double>(first) / steps),

@@ -245,18 +245,14 @@ private:
     }
 
     bool arc() {
-        double rx = 0;
-        double ry = 0;
-        double degrees = 0;
-        bool large = false;
-        bool sweep = false;
+        Arc arc;
         Point2 end;
-        if (!scan_.number(rx) || !next_number(ry) || !next_number(degrees)) return false;
+        if (!scan_.number(arc.rx) || !next_number(arc.ry) || !next_number(arc.degrees)) return false;
         scan_.skip_separator();
-        if (!scan_.flag(large)) return false;
+        if (!scan_.flag(arc.large)) return false;
         scan_.skip_separator();
-        if (!scan_.flag(sweep) || !next_point(end)) return false;
-        builder_.arc_to(rx, ry, degrees, large, sweep, end);
+        if (!scan_.flag(arc.sweep) || !next_point(end)) return false;
+        builder_.arc_to(arc, end);
         forget_controls();
         return true;
     }

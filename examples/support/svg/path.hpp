@@ -94,6 +94,13 @@ Path transformed(Path path, const Affine2& map);
 /// Largest angle of an arc per cubic, in radians. Errors: 2.8e-4 of the radius in figures, 4e-6 in cages.
 constexpr double arc_of_figure = std::numbers::pi / 2, arc_of_cage = std::numbers::pi / 4;
 
+/// Elliptical arc of an SVG path.
+struct Arc {
+    double rx = 0, ry = 0;
+    double degrees = 0; ///< rotation of the x axis
+    bool large = false, sweep = true;
+};
+
 /// Builds absolute subpaths from SVG commands. A drawing command after close() starts a new subpath at the
 /// start of the closed one. Overflow is recorded, see finite().
 class PathBuilder {
@@ -122,10 +129,10 @@ public:
 
     /// Maps the ellipse to the unit circle. There `h` is half the chord, and its length the sine of half the
     /// angle. If the length exceeds one, the radii are too small and are scaled by the length.
-    void arc_to(double rx, double ry, double degrees, bool large, bool sweep, const Point2& end) {
+    void arc_to(const Arc& arc, const Point2& end) {
         if (end == current_) return;
-        rx = std::abs(rx);
-        ry = std::abs(ry);
+        const auto [given_rx, given_ry, degrees, large, sweep] = arc;
+        double rx = std::abs(given_rx), ry = std::abs(given_ry);
         if (rx == 0 || ry == 0) return line_to(end);
 
         const double tilt = std::fmod(degrees, 360.0) * std::numbers::pi / 180;

@@ -11,7 +11,7 @@
 
 namespace cageform_support::detail {
 
-enum class PropertyUse {
+enum class PropertyUse : std::uint8_t {
     unknown,
     placing,    // geometry or transform of an element, also an attribute
     read,       // used by the deformation

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -45,7 +46,18 @@ struct Selector {
 };
 
 struct SimpleSelector {
-    enum class Kind { type, id, class_name, attribute, any_of, none_of, nth, root, empty, state };
+    enum class Kind : std::uint8_t {
+        type,
+        id,
+        class_name,
+        attribute,
+        any_of,
+        none_of,
+        nth,
+        root,
+        empty,
+        state
+    };
     Kind kind = Kind::type;
     std::string name, value; // value: of attributes only
     char comparison = 0;     // of attributes: '=', '~', '|', '^', '$', '*'; 0: none

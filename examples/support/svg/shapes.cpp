@@ -146,10 +146,10 @@ Expected<double> length_of(const SvgDocument& document, pugi::xml_node node, con
 
 void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double ry) {
     builder.move_to({centre.x + rx, centre.y});
-    builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y + ry});
-    builder.arc_to(rx, ry, 0, false, true, {centre.x - rx, centre.y});
-    builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y - ry});
-    builder.arc_to(rx, ry, 0, false, true, {centre.x + rx, centre.y});
+    builder.arc_to({rx, ry}, {centre.x, centre.y + ry});
+    builder.arc_to({rx, ry}, {centre.x - rx, centre.y});
+    builder.arc_to({rx, ry}, {centre.x, centre.y - ry});
+    builder.arc_to({rx, ry}, {centre.x + rx, centre.y});
     builder.close();
 }
 
@@ -229,7 +229,7 @@ private:
             if (!(p == builder.current())) builder.line_to(p);
         };
         const auto corner = [&](const Point2& p) {
-            if (round) builder.arc_to(rx, ry, 0, false, true, p);
+            if (round) builder.arc_to({rx, ry}, p);
         };
         builder.move_to({x + rx, y});
         line({x + width - rx, y});

@@ -49,7 +49,7 @@ std::string property_name(std::string_view written);
 
 /// The value of a property on an element, not inherited, and its origin.
 struct StyleValue {
-    enum class Source { none, attribute, sheet, style };
+    enum class Source : std::uint8_t { none, attribute, sheet, style };
     std::string text; // unescaped; empty: none
     Source source = Source::none;
     bool important = false;
@@ -112,7 +112,7 @@ public:
     UnappliedReport report; // properties that are not applied, rules that are not supported
 
 private:
-    enum class Applies { never, by_window, always };
+    enum class Applies : std::uint8_t { never, by_window, always };
     /// The numbers of the enclosing layers, outermost first, then its own. The greater number wins.
     using Layer = std::vector<std::size_t>;
     /// Position of rules or declarations in a sheet.

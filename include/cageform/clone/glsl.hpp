@@ -229,11 +229,16 @@ highp vec3 cageform_skin(highp uvec4 joints, highp vec4 weights) {
 } // namespace glsl
 
 // Header fields read by `glsl::blob`, in words of four bytes.
-static_assert(offsetof(BlobHeader, dimension) == 9 * 4 && offsetof(BlobHeader, format) == 10 * 4 &&
-              offsetof(BlobHeader, handles) == 12 * 4 && offsetof(BlobHeader, points) == 14 * 4 &&
-              offsetof(BlobHeader, weights) == 22 * 4 && offsetof(BlobHeader, row_begin) == 24 * 4 &&
-              offsetof(BlobHeader, row_handle) == 26 * 4 && offsetof(BlobHeader, order) == 28 * 4 &&
-              offsetof(BlobHeader, scale) == 30 * 4 && offsetof(BlobHeader, residual) == 32 * 4 &&
-              offsetof(BlobHeader, rest) == 36 * 4 && lane_count<float> == 16);
+static_assert(offsetof(BlobHeader, dimension) == 9 * sizeof(float) &&
+              offsetof(BlobHeader, format) == 10 * sizeof(float) &&
+              offsetof(BlobHeader, handles) == 12 * sizeof(float) &&
+              offsetof(BlobHeader, points) == 14 * sizeof(float) &&
+              offsetof(BlobHeader, weights) == 22 * sizeof(float) &&
+              offsetof(BlobHeader, row_begin) == 24 * sizeof(float) &&
+              offsetof(BlobHeader, row_handle) == 26 * sizeof(float) &&
+              offsetof(BlobHeader, order) == 28 * sizeof(float) &&
+              offsetof(BlobHeader, scale) == 30 * sizeof(float) &&
+              offsetof(BlobHeader, residual) == 32 * sizeof(float) &&
+              offsetof(BlobHeader, rest) == 36 * sizeof(float) && lane_count<float> == 16);
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -225,6 +225,7 @@ cageform_status cageform_binding_set_labels(cageform_binding* binding, const cha
         return c::with(binding->figure, [&](auto& its) {
             if (count != its.points.handle_count()) return c::code_of(cageform::Status::labels_do_not_match);
             std::vector<std::string_view> texts;
+            texts.reserve(count);
             for (std::size_t n = 0; n < count; ++n)
                 texts.push_back(labels[n] == nullptr ? std::string_view{} : std::string_view(labels[n]));
             return c::code_of(its.set_labels(texts));

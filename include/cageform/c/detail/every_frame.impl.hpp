@@ -165,7 +165,7 @@ cageform_status cageform_open(const void* data, size_t bytes, const cageform_ope
     if (culprit != nullptr) *culprit = 0;
     if (data == nullptr || figure == nullptr) return CAGEFORM_ARGUMENT_NULL;
     cageform_open_options own;
-    cageform_status status = c::read_struct(options, own);
+    const cageform_status status = c::read_struct(options, own);
     if (status != CAGEFORM_OK) return status;
     const cageform::BlobExpectation expected{own.cage_hash, own.figure_hash,
                                              own.skip_checksum != 0 ? cageform::BlobCheck::structure
