@@ -120,6 +120,7 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
     for (std::size_t z = 0; z + 1 < n[2]; ++z) {
         for (std::size_t y = 0; y + 1 < n[1]; ++y) {
             for (std::size_t x = 0; x + 1 < n[0]; ++x) {
+                const std::size_t lowest = node(x, y, z);
                 // The mean of the intersections with the twelve edges.
                 Point3 sum{};
                 int crossings = 0;
@@ -129,7 +130,7 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
                         Point3 from{};
                         from[u] = double(edge % 2);
                         from[v] = edge < 2 ? 0 : 1;
-                        const std::size_t i = node(x, y, z) + (edge % 2) * stride[u] + (edge / 2) * stride[v];
+                        const std::size_t i = lowest + (edge % 2) * stride[u] + (edge / 2) * stride[v];
                         const double a = value[i], b = value[i + stride[axis]];
                         if ((a < 0) == (b < 0)) continue;
                         from[axis] = a / (a - b);
@@ -143,7 +144,7 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
                     const Point3 g = slope(f, p);
                     p = p - (f(p) / dot(g, g)) * g;
                 }
-                vertex[node(x, y, z)] = std::uint32_t(mesh.vertices.size());
+                vertex[lowest] = std::uint32_t(mesh.vertices.size());
                 mesh.vertices.push_back(p);
             }
         }

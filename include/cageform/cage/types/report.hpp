@@ -105,13 +105,10 @@ struct CageFault {
 
 /// Returns the Status of a fault; ok for a warning.
 constexpr Status status_of(CageFaultKind fault) noexcept {
-    switch (fault) {
-#define CAGEFORM_DETAIL_CASE(kind, status, text, meaning)                                                    \
-    case CageFaultKind::kind: return Status::status;
-        CAGEFORM_DETAIL_FAULTS(CAGEFORM_DETAIL_CASE)
-#undef CAGEFORM_DETAIL_CASE
-    }
-    return Status::ok;
+#define CAGEFORM_DETAIL_STATUS(kind, status, text, meaning) Status::status,
+    constexpr Status statuses[] = {CAGEFORM_DETAIL_FAULTS(CAGEFORM_DETAIL_STATUS)};
+#undef CAGEFORM_DETAIL_STATUS
+    return statuses[std::size_t(fault)];
 }
 constexpr const char* to_string(CageFaultKind fault) noexcept {
     switch (fault) {
