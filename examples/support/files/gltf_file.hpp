@@ -217,7 +217,7 @@ std::vector<Point3> joined_places(const ObjFile& figure);
 /// weights.
 cageform::SkinWeights first_set(const cageform::SkinWeights& skin);
 
-/// Returns the attributes JOINTS_0, WEIGHTS_0, JOINTS_1, … with four joints per set. Points without weights get the joint
+/// Returns JOINTS_0, WEIGHTS_0, JOINTS_1, … with four joints per set. Points without weights get the joint
 /// `still`. Sets without weights are omitted.
 ///
 ///   Index     std::uint8_t or std::uint16_t

@@ -76,8 +76,10 @@ struct WeldedFrom {
     std::uint32_t count = 0, first = 0;
 };
 
-/// Measures a skeleton in frame t. `from` has an entry per vertex of `motion`. `most` is the maximum distance;
-/// 0: no limit.
+/// Measures a skeleton in frame t.
+///
+///   from   per vertex of `motion`
+///   most   maximum distance; 0: no limit
 template <class T>
 FrameErrors frame_errors(const Motion& motion, const FittedSkeleton<T>& skeleton, std::size_t t,
                          std::span<const WeldedFrom> from, double most) {
