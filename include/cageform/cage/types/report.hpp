@@ -4,6 +4,7 @@
 #include <cageform/core/detail/guard_memory.hpp>
 
 #include <cstddef>
+#include <iterator>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -108,7 +109,7 @@ constexpr Status status_of(CageFaultKind fault) noexcept {
 #define CAGEFORM_DETAIL_STATUS(kind, status, text, meaning) Status::status,
     constexpr Status statuses[] = {CAGEFORM_DETAIL_FAULTS(CAGEFORM_DETAIL_STATUS)};
 #undef CAGEFORM_DETAIL_STATUS
-    return statuses[std::size_t(fault)];
+    return std::size_t(fault) < std::size(statuses) ? statuses[std::size_t(fault)] : Status::ok;
 }
 constexpr const char* to_string(CageFaultKind fault) noexcept {
     switch (fault) {

@@ -268,7 +268,7 @@ public:
         }
     }
     void finish(grid::TreeLinks& out) {
-        auto& [neighbours, diagonal] = out.equations;
+        auto& diagonal = out.equations.diagonal;
         rows_.flush(
             [&](std::uint32_t node, std::uint32_t vertex, double amount) {
                 data_.for_each_weight({{vertex}, {1}}, [&](std::uint32_t handle, double) {
@@ -277,7 +277,7 @@ public:
                 });
             },
             [&](std::uint32_t node, double factor) {
-                for (auto& [column, weight] : neighbours.of(node - first_)) {
+                for (auto& [column, weight] : out.equations.neighbours.of(node - first_)) {
                     const auto scaled = float(factor * double(weight));
                     diagonal[node - first_] += double(scaled) - double(weight);
                     weight = scaled;
