@@ -392,7 +392,8 @@ TEST_CASE("faulty polyhedral cages are refused by both types", "[coordinates][po
     CHECK(harmonic.cage_report().faults.front().b == 3);
     // A cage that allows corners off the planes, by a negligible distance.
     data.vertices[3][2] = 1e-4;
-    const MeanValue<double> lenient(data.vertices, data.faces, {.off_plane = 1e-3});
+    const MeanValue<double> lenient(data.vertices, data.faces,
+                                    cageform::PolyhedralOptions{.off_plane = 1e-3});
     const auto found = evaluate_all(lenient, points);
     REQUIRE(found.status() == Status::ok);
     CHECK(distance(combine(found.rows[0], lenient.handles()), points[0]) <= 1e-4);
