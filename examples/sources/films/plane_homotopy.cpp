@@ -33,7 +33,7 @@ std::string parse_turns(std::string_view text, int& turns) {
 }
 
 /// circle, loops, eight, random:TURNS:SEED or TURNS:A1,A2,…
-Expected<TurningCurve> parse_curve(const std::string& word) {
+TurningCurve parse_curve(const std::string& word) {
     if (word == "circle") return TurningCurve{1};
     if (word == "loops") return TurningCurve{1, {0, 2.5}};
     if (word == "eight")
@@ -43,25 +43,25 @@ Expected<TurningCurve> parse_curve(const std::string& word) {
     const std::string_view rest = std::string_view(word).substr(is_random ? 7 : 0);
     const std::size_t colon = rest.find(':');
     if (colon == rest.npos)
-        return FileError{
-            start + "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5"};
+        throw Failure(start +
+                      "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5");
     int turns = 0;
     if (const std::string why = parse_turns(rest.substr(0, colon), turns); !why.empty())
-        return FileError{start + why};
+        throw Failure(start + why);
     TurningCurve curve{turns};
     std::string_view numbers = rest.substr(colon + 1);
     while (!numbers.empty()) {
         const std::size_t comma = std::min(numbers.find(','), numbers.size());
         double& number = curve.sines.emplace_back(0.0);
         if (const std::string why = detail::parse_number(numbers.substr(0, comma), number); !why.empty())
-            return FileError{start + why};
+            throw Failure(start + why);
         if (!(std::fabs(number) <= 20) || curve.sines.size() > 16)
-            return FileError{start + "at most 16 numbers from -20 to 20 are allowed"};
+            throw Failure(start + "16 numbers from -20 to 20 are the most");
         numbers.remove_prefix(std::min(comma + 1, numbers.size()));
     }
     if (!is_random) return curve;
     if (curve.sines.size() != 1 || !(curve.sines[0] >= 0) || curve.sines[0] != std::round(curve.sines[0]))
-        return FileError{start + "the seed is a whole number from 0 to 20"};
+        throw Failure(start + "the seed is a whole number from 0 to 20");
     return random_curve(turns, unsigned(curve.sines[0]));
 }
 
@@ -178,11 +178,9 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     std::vector<TurningCurve> curves;
     for (const std::string& word : words) {
-        auto curve = parse_curve(word);
-        if (!curve) return fail(to_string(curve.error()));
-        curves.push_back(std::move(*curve));
+        curves.push_back(parse_curve(word));
     }
-    if (const auto why = film.fault({out}, ".svg")) return fail(*why);
+    fail_if(film.fault({out}, ".svg"));
 
     const Homotopy homotopy(curves[0], curves[1]);
     std::vector<Homotopy::Stop> stops;
@@ -210,13 +208,20 @@ int run_program(int argc, char** argv) {
         strip += "<g transform=\"translate(" + text_of("%g", Tiles::width * column++) + ",0)\">\n" +
                  tiles.tile(s) + "</g>\n";
     OutputFiles outputs;
-    const int width = int(Tiles::width) * columns;
-    add_svg(outputs, out, Tiles::document(Tiles::width * columns, strip), png ? width : 0);
+    add_svg(outputs, out, Tiles::document(Tiles::width * columns, strip),
+            png ? int(Tiles::width) * columns : 0);
     std::vector<std::string> frames;
     if (film.is_given()) {
         for (const double s : times_of(film.frames, stops))
             frames.push_back(Tiles::document(Tiles::width, tiles.tile(s)));
     }
     film.write(outputs, frames, png, int(Tiles::width));
-    return commit(outputs);
+    fail_if(outputs.commit());
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("plane_homotopy", [&] { return run_program(argc, argv); });
 }

@@ -260,7 +260,8 @@ int write(const Settings& settings, const WaveScene& scene, const std::vector<Re
             frame.write_png(outputs.add(settings.stills + (k < 10 ? "0" : "") + std::to_string(k) + ".png"));
     }
     if (film) film->finish();
-    return commit(outputs);
+    fail_if(outputs.commit());
+    return 0;
 }
 
 /// Memory of two runs, with their frames and pictures, in bytes.
@@ -404,7 +405,7 @@ int run_program(int argc, char** argv) {
         return fail("nothing to write: give -o, --csv, --gif or --stills");
     std::vector<std::filesystem::path> paths{settings.out, settings.csv, settings.gif};
     if (!settings.stills.empty()) paths.emplace_back(settings.stills + "00.png");
-    if (const auto fault = fault_of_outputs(paths)) return fail(*fault);
+    fail_if(fault_of_outputs(paths));
 
     const double wide = settings.lattice.width(), high = settings.lattice.height();
     if (wide < 12 || high < 9)
