@@ -444,6 +444,8 @@ void add_further_files(CommandLine& line, Settings& settings) {
     line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Animates an SVG figure by a moving cage.");
     line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",

@@ -457,6 +457,8 @@ std::vector<double> poses_of(const Job& job, const ObjFile& cage, const PoseClip
     return value_or_fail(poses_of_handles(bound.value, motion, sample_poses(motion)));
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Binds files of points to a cage, each in bounded memory, and packs each into a figure.");

@@ -133,12 +133,5 @@ int run_program(int argc, char** argv) {
 
     OutputFiles outputs;
     add_svg(outputs, out_path, to_text(sheet_of(words, columns, tile)), png ? png_width : 0);
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("contact_sheet", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

@@ -329,6 +329,8 @@ void set_values(Arguments& given, const CageFile& cage) {
     given.style.set_range(least, largest > least ? largest : least + 1);
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
                      "are positive, blue is negative, green is the "
@@ -360,12 +362,5 @@ int run_program(int argc, char** argv) {
     if (!given.classes.empty()) draw_classes(given, cage).write_png(outputs.add(given.classes));
     if (!given.view.path.empty())
         draw_as_surface(given, cage, field, zoomed.value_or(around)).write_png(outputs.add(given.view.path));
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("coordinate_field", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

@@ -278,6 +278,8 @@ int deform_figure(const Arguments& given, SvgDocument document) {
     return 0;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Deforms an SVG figure by a cage and a pose of the cage. Strokes keep their width; "
                      "gradients and patterns follow the affine map that fits the deformation best.");

@@ -53,12 +53,5 @@ int run_program(int argc, char** argv) {
                     {.parallel = cageform::ThreadedFor{}, .progress = {}});
     OutputFiles outputs;
     picture.write_png(outputs.add(out));
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("draw_splats", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

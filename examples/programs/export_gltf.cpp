@@ -771,6 +771,8 @@ void check_options(const Arguments& given, std::span<const CommandOption> of_bon
         throw Failure("--morph needs poses: give --clip, --pose, or operations such as --turn");
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");

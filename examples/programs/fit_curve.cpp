@@ -693,6 +693,8 @@ std::string results_of_cases(const Arguments& given) {
     return all.dump(1) + "\n";
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Replaces a Bézier curve between two keys by a few polynomials in time.");
     line.set_examples({"--css ease-in-out --pieces 4 --plot curve.svg --png", "--lottie ball.json"});
@@ -719,6 +721,5 @@ int run_program(int argc, char** argv) {
     OutputFiles outputs;
     if (!json.empty()) outputs.add(given.json).write(json);
     if (!svg.empty()) add_svg(outputs, given.plot, svg, given.png ? 1200 : 0);
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }

@@ -112,8 +112,7 @@ int fit_in_plane(const Arguments& given) {
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
     outputs.add(given.out).write(*text);
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }
 
 int fit_in_space(const Arguments& given) {
@@ -139,8 +138,7 @@ int fit_in_space(const Arguments& given) {
              {{fit.moved, rest.triangles}, cage_view(cage, fit.pose)}}};
         draw_meshes(scenes, 1500, 620, given.view.sight).write_png(outputs.add(given.picture));
     }
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }
 
 } // namespace

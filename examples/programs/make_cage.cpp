@@ -274,6 +274,8 @@ void check_options(const Arguments& given) {
     }
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
                      "parts, or a mesh, which may have holes or several pieces.");

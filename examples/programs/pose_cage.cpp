@@ -84,8 +84,7 @@ int pose_in_plane(const Arguments& given) {
             value_or_fail(draw_pose(cage, pose, given.figure.empty() ? nullptr : &below, given.picture));
         add_svg(outputs, given.picture, to_text(picture), given.png ? 1200 : 0);
     }
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }
 
 int pose_in_space(const Arguments& given) {
@@ -102,8 +101,7 @@ int pose_in_space(const Arguments& given) {
     OutputFiles outputs;
     if (!given.out.empty()) outputs.add(given.out).write(to_text(cage, pose));
     if (!given.picture.empty()) draw_pose(cage, pose).write_png(outputs.add(given.picture));
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }
 
 } // namespace

@@ -216,12 +216,5 @@ int run_program(int argc, char** argv) {
             frames.push_back(Tiles::document(Tiles::width, tiles.tile(s)));
     }
     film.write(outputs, frames, png, int(Tiles::width));
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("plane_homotopy", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

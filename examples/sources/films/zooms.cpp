@@ -78,7 +78,7 @@ int run_program(int argc, char** argv) {
     const Kind kind = name == "koch" ? Kind::koch : name == "peano" ? Kind::peano : Kind::sierpinski;
     if (!levels.is_given()) level = kind == Kind::peano ? 3 : 4;
     if (kind == Kind::peano && level > 4)
-        return fail("--level: 4 is the most for peano, whose sides are 9 times as many each");
+        return fail("--level: 4 is the most for peano: each level has 9 times as many sides");
     fail_if(film.fault({out}, ".svg"));
 
     const SelfSimilarCurve curve(kind);
@@ -100,12 +100,5 @@ int run_program(int argc, char** argv) {
     for (int n = 0; film.is_given() && n < film.frames; ++n)
         frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.frames - 1), size)));
     film.write(outputs, frames, png, size, FilmChoice::End::is_start);
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("zooms", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

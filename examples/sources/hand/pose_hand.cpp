@@ -111,6 +111,5 @@ int run_program(int argc, char** argv) {
         for (const auto& skin : skins) scenes.push_back({{skin, bound.hand.skin.faces}, {}});
         draw_meshes(scenes, 450 * scenes.size(), 650).write_png(outputs.add(picture));
     }
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }

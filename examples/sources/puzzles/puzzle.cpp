@@ -190,6 +190,8 @@ std::vector<std::string> print(const Puzzle& puzzle, const std::vector<double>& 
     return words;
 }
 
+} // namespace
+
 int run_program(int argc, char** argv) {
     CommandLine line("Solves a table of numbers in which each unknown cell is the mean of its neighbours.");
     line.set_examples({"grid.csv -o solved.svg", "grid.csv --exact -o solved.svg"});
@@ -219,12 +221,5 @@ int run_program(int argc, char** argv) {
         outputs.add(given.csv).write(text);
     }
     if (!given.svg.empty()) outputs.add(given.svg).write(picture(puzzle, words));
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("puzzle", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

@@ -44,7 +44,7 @@ Line load_line(const std::string& path) {
                       std::to_string(size.columns) + " cells; a line is one row, or one column");
     }
     if (count > most_cells)
-        throw Failure(path + ": holds " + std::to_string(count) + " cells; 1000 are the most");
+        throw Failure(path + ": holds " + std::to_string(count) + " cells; the limit is 1000");
     const auto given = std::count(line.given.begin(), line.given.end(), true);
     if (given == 0) throw Failure(path + ": no cell has a value");
     if (std::size_t(given) == count) throw Failure(path + ": every cell has a value, none is unknown (.)");
@@ -302,7 +302,7 @@ int run_program(int argc, char** argv) {
         good = solution_of(line);
     } else {
         for (std::size_t c = 0; c < line.values.size(); ++c) {
-            std::size_t off = 0; // to the nearest given cell, the one before where two are
+            std::size_t off = 0; // distance to the nearest given cell, on ties the one before
             while (!(c >= off && line.given[c - off]) &&
                    !(c + off < line.given.size() && line.given[c + off]))
                 ++off;
@@ -317,16 +317,7 @@ int run_program(int argc, char** argv) {
     for (const Run& run : runs)
         std::cout << run.name << ": " << run.caption(run.frames.size() - 1) << " at most\n";
     OutputFiles outputs;
-    AtomicFile& file = outputs.add(sheet);
-    write_sheet(file, line, runs);
-    if (png) add_png(outputs, file, 1400);
+    add_svg(outputs, sheet, sheet_of(line, runs), png ? 1400 : 0);
     if (!film.empty()) write_film(outputs.add(film), line, runs);
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("relaxation", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

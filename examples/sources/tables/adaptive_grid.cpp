@@ -278,12 +278,5 @@ int run_program(int argc, char** argv) {
     const auto picture = draw(section, parse_box(given.zoom).value_or(around));
     if (picture.empty()) return fail("no part of the grid is at --zoom " + given.zoom);
     add_svg(outputs, given.out, picture, given.png ? given.png_width : 0);
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("adaptive_grid", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

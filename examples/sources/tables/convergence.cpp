@@ -469,12 +469,5 @@ int run_program(int argc, char** argv) {
     }
     OutputFiles outputs;
     add_svg(outputs, out_path, draw(diagrams, resolution), png ? 1100 : 0);
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return cageform_support::guarded("convergence", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

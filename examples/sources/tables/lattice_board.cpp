@@ -159,12 +159,5 @@ int run_program(int argc, char** argv) {
                                            {{sharp.moved, board.triangles}, {}}}};
     OutputFiles outputs;
     draw_meshes(scenes, 1500, 480, {.turn = 22, .rise = 8}).write_png(outputs.add(out));
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("lattice_board", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

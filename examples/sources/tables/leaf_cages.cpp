@@ -197,12 +197,5 @@ int run_program(int argc, char** argv) {
                 "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" +
                 text + "</svg>\n",
             given.png ? 1400 : 0);
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("leaf_cages", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

@@ -187,8 +187,7 @@ int draw_in_space(const Arguments& given) {
         draw_meshes(scenes, 260 * scenes.size(), 330, given.view.sight)
             .write_png(outputs.add(given.out + (k == 0 ? "all.png" : "all_least.png")));
     }
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }
 
 } // namespace
@@ -229,12 +228,5 @@ int run_program(int argc, char** argv) {
     for (std::size_t n = 0; n < given.poses.size(); ++n) {
         fail_if(sheet.add(n, outputs));
     }
-    fail_if(outputs.commit());
-    return 0;
-}
-
-} // namespace
-
-int main(int argc, char** argv) {
-    return guarded("pin_poses", [&] { return run_program(argc, argv); });
+    return commit(outputs);
 }

@@ -260,8 +260,7 @@ int write(const Settings& settings, const WaveScene& scene, const std::vector<Re
             frame.write_png(outputs.add(settings.stills + (k < 10 ? "0" : "") + std::to_string(k) + ".png"));
     }
     if (film) film->finish();
-    fail_if(outputs.commit());
-    return 0;
+    return commit(outputs);
 }
 
 /// Memory of two runs, with their frames and pictures, in bytes.

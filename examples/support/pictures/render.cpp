@@ -88,12 +88,6 @@ void add_svg(OutputFiles& outputs, const std::filesystem::path& path, std::strin
     if (!fault.empty()) png.refuse(fault);
 }
 
-void add_svg(OutputFiles& outputs, const std::filesystem::path& path, std::string_view text, int png_width) {
-    AtomicFile& svg = outputs.add(path);
-    svg.write(text);
-    if (png_width > 0) add_png(outputs, svg, png_width);
-}
-
 Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width)
     : file_(outputs.add(path))
     , width_(width) {

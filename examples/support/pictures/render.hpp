@@ -24,9 +24,6 @@ std::filesystem::path png_of(const std::filesystem::path& svg);
 ///   fails       if rsvg-convert is missing or fails; commit() then returns the error, and nothing is written
 void add_svg(OutputFiles& outputs, const std::filesystem::path& path, std::string_view text, int png_width);
 
-/// Adds an SVG file to the outputs, and unless `png_width` is 0 its PNG file, see add_png().
-void add_svg(OutputFiles& outputs, const std::filesystem::path& path, std::string_view text, int png_width);
-
 /// Runs rsvg-convert. It gets no file name, so it does not read files that the SVG references.
 ///
 ///   options   such as --format svg
