@@ -153,6 +153,26 @@ std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops
     return times;
 }
 
+/// Prints the least speed of a regular homotopy, otherwise where its speed is 0.
+void print(const Homotopy& homotopy, const TurningCurve& first, const TurningCurve& last,
+           const std::vector<Homotopy::Stop>& stops) {
+    if (homotopy.is_regular()) {
+        const auto bound = homotopy.least_speed();
+        std::cout << "both tangents turn " << first.turns << " times: the speed is at least "
+                  << text_of("%.4g", bound.least) << " (" << bound.intervals
+                  << " intervals; smallest found: " << text_of("%.4g", bound.reached) << ")\n";
+        if (homotopy.start() > 0)
+            std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
+                      << " because from t = 0 both curves would cancel each other\n";
+    } else {
+        std::cout << "the tangents turn " << first.turns << " and " << last.turns
+                  << " times, so no homotopy is regular; the speed of this one is 0\n";
+        for (const auto& stop : stops)
+            std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau)
+                      << ": speed " << text_of("%.2g", stop.speed) << '\n';
+    }
+}
+
 } // namespace
 
 int run_program(int argc, char** argv) {
@@ -177,30 +197,12 @@ int run_program(int argc, char** argv) {
     film.add_options(line, 48, "SVG files");
     if (const auto code = line.parse(argc, argv)) return *code;
     std::vector<TurningCurve> curves;
-    for (const std::string& word : words) {
-        curves.push_back(parse_curve(word));
-    }
+    for (const std::string& word : words) curves.push_back(parse_curve(word));
     fail_if(film.fault({out}, ".svg"));
 
     const Homotopy homotopy(curves[0], curves[1]);
-    std::vector<Homotopy::Stop> stops;
-    if (homotopy.is_regular()) {
-        const auto bound = homotopy.least_speed();
-        std::cout << "both tangents turn " << curves[0].turns << " times: the speed is at least "
-                  << text_of("%.4g", bound.least) << " (" << bound.intervals
-                  << " intervals; smallest found: " << text_of("%.4g", bound.reached) << ")\n";
-        if (homotopy.start() > 0)
-            std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
-                      << " because from t = 0 both curves would cancel each other\n";
-    } else {
-        stops = homotopy.stops();
-        std::cout << "the tangents turn " << curves[0].turns << " and " << curves[1].turns
-                  << " times, so no homotopy is regular; the speed of this one is 0\n";
-        for (const auto& stop : stops)
-            std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau)
-                      << ": speed " << text_of("%.2g", stop.speed) << '\n';
-    }
-
+    const auto stops = homotopy.is_regular() ? std::vector<Homotopy::Stop>() : homotopy.stops();
+    print(homotopy, curves[0], curves[1], stops);
     const Tiles tiles(homotopy, stops);
     std::string strip;
     int column = 0;

@@ -68,6 +68,27 @@ Expected<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light&
     return stroke;
 }
 
+/// The bytes of a picture. Each pixel is the mean of four places, so that the lines are smooth.
+std::string bytes_of(const cageform::Diffusion<double>& field, const Light& light) {
+    const auto lattice = field.lattice();
+    std::string bytes;
+    std::vector<cageform::Vec<double, 2>> places(4 * lattice.cells[0]);
+    std::vector<double> values(channels * places.size());
+    for (std::size_t row = 0; row < lattice.cells[1]; ++row) {
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double dx = 0.25 + 0.5 * double(i % 2), dy = 0.25 + 0.5 * double(i / 2 % 2);
+            places[i] = {lattice.origin[0] + (double(i / 4) + dx) * lattice.spacing,
+                         lattice.origin[1] + (double(row) + dy) * lattice.spacing};
+        }
+        if (field.sample(places, std::span(values)) != cageform::Status::ok) throw Failure("no field");
+        for (std::size_t i = 0; i < places.size(); i += 4) {
+            const auto pixel = light.bytes(values.data() + channels * i, 4);
+            bytes.append(pixel.data(), pixel.size());
+        }
+    }
+    return bytes;
+}
+
 } // namespace
 
 int run_program(int argc, char** argv) {
@@ -107,25 +128,9 @@ int run_program(int argc, char** argv) {
         }
         if (solved.status != cageform::Status::ok) return fail(file.name + ": " + to_string(solved.status));
     }
-    // Each pixel is the mean of four places, so that the lines are smooth.
     const auto lattice = field.lattice();
-    std::string bytes;
-    std::vector<cageform::Vec<double, 2>> places(4 * lattice.cells[0]);
-    std::vector<double> values(channels * places.size());
-    for (std::size_t row = 0; row < lattice.cells[1]; ++row) {
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const double dx = 0.25 + 0.5 * double(i % 2), dy = 0.25 + 0.5 * double(i / 2 % 2);
-            places[i] = {lattice.origin[0] + (double(i / 4) + dx) * lattice.spacing,
-                         lattice.origin[1] + (double(row) + dy) * lattice.spacing};
-        }
-        if (field.sample(places, std::span(values)) != cageform::Status::ok) return fail("no field");
-        for (std::size_t i = 0; i < places.size(); i += 4) {
-            const auto pixel = light.bytes(values.data() + channels * i, 4);
-            bytes.append(pixel.data(), pixel.size());
-        }
-    }
     AtomicFile out(out_path);
-    write_png(out, lattice.cells[0], lattice.cells[1], int(channels), bytes);
+    write_png(out, lattice.cells[0], lattice.cells[1], int(channels), bytes_of(field, light));
     fail_if(out.commit());
     std::cout << file.lines.size() << " strokes, " << lattice.cells[0] << " x " << lattice.cells[1]
               << " pixels\n";
