@@ -72,6 +72,30 @@ Point3 slope(const F& f, const Point3& p) {
     return g;
 }
 
+/// Adds two triangles around every edge of a grid that the surface intersects.
+///
+///   value    of the function, by node
+///   vertex   of the mesh, by the lowest node of its cell
+inline void add_faces(ImplicitMesh& mesh, const std::vector<double>& value,
+                      const std::vector<std::uint32_t>& vertex, const std::array<std::size_t, 3>& stride) {
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];
+            if (i + stride[axis] >= value.size()) continue;
+            const bool inside = value[i] < 0;
+            if (inside == (value[i + stride[axis]] < 0)) continue;
+            // The border of the grid is outside, so all four cells around the edge exist.
+            std::array<std::uint32_t, 4> quad{vertex[i - u - v], vertex[i - v], vertex[i], vertex[i - u]};
+            if (!inside) std::swap(quad[1], quad[3]);
+            const auto& p = mesh.vertices;
+            const bool other = length(p[quad[1]] - p[quad[3]]) < length(p[quad[0]] - p[quad[2]]);
+            const std::size_t first = other ? 1 : 0;
+            for (const std::size_t k : {first + 1, first + 2})
+                mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
+        }
+    }
+}
+
 /// The surface where a function is zero, by surface nets (Gibson 1998): a vertex in every cell of a grid that
 /// the surface intersects, and a quadrilateral around every edge of the grid that it crosses.
 template <class F>
@@ -123,23 +147,7 @@ ImplicitMesh surface_nets(const F& f, const Point3& low, const Point3& high, dou
             }
         }
     }
-
-    for (std::size_t i = 0; i < value.size(); ++i) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::size_t u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];
-            if (i + stride[axis] >= value.size()) continue;
-            const bool inside = value[i] < 0;
-            if (inside == (value[i + stride[axis]] < 0)) continue;
-            // The border of the grid is outside, so all four cells around the edge exist.
-            std::array<std::uint32_t, 4> quad{vertex[i - u - v], vertex[i - v], vertex[i], vertex[i - u]};
-            if (!inside) std::swap(quad[1], quad[3]);
-            const auto& p = mesh.vertices;
-            const bool other = length(p[quad[1]] - p[quad[3]]) < length(p[quad[0]] - p[quad[2]]);
-            const std::size_t first = other ? 1 : 0;
-            for (const std::size_t k : {first + 1, first + 2})
-                mesh.faces.push_back({quad[first], quad[k % 4], quad[(k + 1) % 4]});
-        }
-    }
+    add_faces(mesh, value, vertex, stride);
     return mesh;
 }
 
