@@ -173,6 +173,32 @@ int print_skins(const NamedCage& cage, const cageform_bench::ObjMesh& figure, st
     return 0;
 }
 
+/// Prints the time, the memory and the errors of harmonic coordinates.
+///
+///   count   of the points, those below faces; the others are inside
+///   known   reference weights, #points · #vertices
+void print_errors(const NamedCage& cage, const std::vector<Point>& points, std::size_t count,
+                  const std::vector<double>& known, double accuracy) {
+    const auto start = std::clock();
+    const cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh, {.accuracy = accuracy});
+    const auto bound = cageform::bind(coordinates, points);
+    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    std::vector<double> skin, inside;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        double worst = 0;
+        for (std::size_t i = 0; i < cage.mesh.size(); ++i)
+            worst = std::fmax(worst, std::fabs(bound.value.weight(n, i) - known[n * cage.mesh.size() + i]));
+        (n < count ? skin : inside).push_back(worst);
+    }
+    const auto& solver = bound.report.solver;
+    std::printf("%6g %7zu nodes %5.2f s %4.0f MB", accuracy, solver.cells, seconds,
+                double(solver.bytes) / 1e6);
+    print("skin", skin, accuracy);
+    print("inside", inside, accuracy);
+    std::printf("  restored %.1e, estimate %.1e, factor %.2f\n", bound.report.weight_change.value,
+                solver.grid_error(), solver.multigrid.convergence_factor);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -218,26 +244,6 @@ int main(int argc, char** argv) {
         std::printf("%s: %zu handles; standard error of a reference at most %.1e; max, 99 %%, 90 %%, median "
                     "(share of points over the accuracy)\n",
                     cage.name.c_str(), cage.mesh.size(), 0.5 / std::sqrt(double(walks)));
-        for (const double accuracy : accuracies) {
-            const auto start = std::clock();
-            const cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh, {.accuracy = accuracy});
-            const auto bound = cageform::bind(coordinates, points);
-            const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
-            std::vector<double> skin, inside;
-            for (std::size_t n = 0; n < points.size(); ++n) {
-                double worst = 0;
-                for (std::size_t i = 0; i < cage.mesh.size(); ++i)
-                    worst = std::fmax(worst,
-                                      std::fabs(bound.value.weight(n, i) - known[n * cage.mesh.size() + i]));
-                (n < count ? skin : inside).push_back(worst);
-            }
-            const auto& solver = bound.report.solver;
-            std::printf("%6g %7zu nodes %5.2f s %4.0f MB", accuracy, solver.cells, seconds,
-                        double(solver.bytes) / 1e6);
-            print("skin", skin, accuracy);
-            print("inside", inside, accuracy);
-            std::printf("  restored %.1e, estimate %.1e, factor %.2f\n", bound.report.weight_change.value,
-                        solver.grid_error(), solver.multigrid.convergence_factor);
-        }
+        for (const double accuracy : accuracies) print_errors(cage, points, count, known, accuracy);
     }
 }

@@ -104,29 +104,22 @@ ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
     return clip;
 }
 
-Expected<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
-    if (!settings.markers.empty()) return load_markers(settings.markers);
-    if (settings.pins.is_given()) {
-        const auto pins = settings.pins.pins<2>();
-        if (!pins) return pins.error();
-        return motion_to(*pins, settings.seconds);
-    }
+ClipFile read_clip(const Settings& settings, const CageFile& cage) {
+    if (!settings.markers.empty()) return value_or_fail(load_markers(settings.markers));
+    if (settings.pins.is_given()) return motion_to(value_or_fail(settings.pins.pins<2>()), settings.seconds);
     if (!settings.clip.empty()) {
-        const auto held = settings.operations.still(cage.lattice);
-        if (!held) return held.error();
-        auto clip = load_clip(settings.clip, cage.vertices.size());
-        if (!clip) return clip;
-        for (ClipControl& control : clip->controls) {
+        const auto held = value_or_fail(settings.operations.still(cage.lattice));
+        ClipFile clip = value_or_fail(load_clip(settings.clip, cage.vertices.size()));
+        for (ClipControl& control : clip.controls) {
             std::erase_if(control.shares, [&](const auto& share) {
-                return std::find(held->begin(), held->end(), share.vertex) != held->end();
+                return std::find(held.begin(), held.end(), share.vertex) != held.end();
             });
         }
         return clip;
     }
-    const auto pose =
-        read_pose(settings.pose, settings.operations, cage, CageWord::of(settings.cage).is_auto);
-    if (!pose) return pose.error();
-    return clip_to(*pose, cage, settings.seconds);
+    const bool is_made = CageWord::of(settings.cage).is_auto;
+    return clip_to(value_or_fail(read_pose(settings.pose, settings.operations, cage, is_made)), cage,
+                   settings.seconds);
 }
 
 /// The keys of all handles, and their rest positions.
@@ -135,45 +128,37 @@ struct HandleKeys {
     std::vector<Point2> rest;
 };
 
-/// Converts a motion of pins to keys of the cage. Other motions are used unchanged.
-Expected<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
-                             FigureControl& control) {
+/// Solves for the cage if the motion is one of pins. Other motions are used unchanged.
+HandleKeys keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
+                   FigureControl& control) {
     if (!motion.has_pins()) {
-        if (!settings.pins.held.empty()) return FileError{"--hold is for pins, and the motion has none"};
-        return HandleKeys{motion, cage.vertices};
+        if (!settings.pins.held.empty()) throw Failure("--hold is for pins, and the motion has none");
+        return {motion, cage.vertices};
     }
-    const auto still = settings.operations.still(cage.lattice);
-    if (!still) return still.error();
+    const auto still = value_or_fail(settings.operations.still(cage.lattice));
     const auto places = cage.places();
     const std::size_t count = cage.lattice ? cage.lattice->points() : places.size();
-    auto held = settings.pins.held_handles(std::span(places).first(count), *still);
-    if (!held) return held.error();
-    auto figure = PinnedFigure::make(
-        control, {settings.choice, settings.pins, settings.outside, cage.vertices, std::move(*held)},
-        pins_of(motion));
-    if (!figure) return figure.error();
-    auto keys = figure->keys_of(motion);
-    if (!keys) return keys.error();
+    auto held = value_or_fail(settings.pins.held_handles(std::span(places).first(count), still));
+    auto figure = value_or_fail(PinnedFigure::make(
+        control, {settings.choice, settings.pins, settings.outside, cage.vertices, std::move(held)},
+        pins_of(motion)));
+    auto keys = value_or_fail(figure.keys_of(motion));
     if (settings.report) {
-        std::cout << figure->cage().report() << "keys: " << keys->controls.front().rows.size()
+        std::cout << figure.cage().report() << "keys: " << keys.controls.front().rows.size()
                   << " of every vertex\n";
     }
-    if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
+    warn(figure.cage().warning());
     if (!settings.save_clip.empty() && control.poses_all_handles)
-        return FileError{
-            "--save-clip " + settings.save_clip +
-            ": with these coordinates pins also pose edges, which a clip cannot store; use mean-value or "
-            "harmonic"};
-    return HandleKeys{std::move(*keys), figure->rest()};
+        throw Failure("--save-clip " + settings.save_clip +
+                      ": with these coordinates pins pose the edges beside the vertices, and a clip has "
+                      "vertices alone; take mean-value or harmonic");
+    return {std::move(keys), figure.rest()};
 }
 
 /// Writes the positions of figure points in every frame; the last row repeats the first.
-Expected<std::string> tracks_of(const Settings& settings, const FigureControl& control,
-                                const ClipFile& file) {
+std::string tracks_of(const Settings& settings, const FigureControl& control, const ClipFile& file) {
     Tracks tracks{settings.tracked, {}, {}};
-    auto places = move_points(tracks.rest, settings.figure, control, settings.outside);
-    if (!places) return places.error();
-    tracks.places = std::move(*places);
+    tracks.places = value_or_fail(move_points(tracks.rest, settings.figure, control, settings.outside));
     tracks.places.push_back(tracks.places.front());
     for (std::size_t f = 0; f <= control.frames; ++f)
         tracks.times.push_back(file.length * double(f) / double(control.frames));
@@ -191,17 +176,17 @@ struct PlayedFile {
 ///
 ///   most    the largest tolerance to try
 ///   fails   if the file is larger even then
-Expected<PlayedFile> played_file(AnimatedSvg& drawing, const Settings& settings, double seconds,
-                                 double tolerance, double most) {
+PlayedFile played_file(AnimatedSvg& drawing, const Settings& settings, double seconds, double tolerance,
+                       double most) {
     PlayedFile file;
     for (file.tolerance = tolerance;; file.tolerance *= 2) {
         file.keys = drawing.play(seconds, file.tolerance);
         file.text = to_text(drawing.document);
         if (settings.size_limit == 0 || file.text.size() <= settings.size_limit) return file;
         if (2 * file.tolerance > most)
-            return FileError{settings.out + ": has " + std::to_string(file.text.size()) +
-                             " bytes with key frames within " + detail::short_number(file.tolerance) +
-                             " units, more than --size-limit " + std::to_string(settings.size_limit)};
+            throw Failure(settings.out + ": has " + std::to_string(file.text.size()) +
+                          " bytes with key frames within " + detail::short_number(file.tolerance) +
+                          " units, more than --size-limit " + std::to_string(settings.size_limit));
     }
 }
 
@@ -225,19 +210,19 @@ struct Plan {
     double passed = 0; // how far the ground moves during the clip
 };
 
-Expected<Plan> plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {
+Plan plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {
     const double frames = std::max(1.0, std::round(file.length * settings.rate));
     const double most = settings.films.empty() ? 1e5 : 3600;
     if (!(frames <= most))
-        return FileError{settings.clip + ": its length needs " + detail::short_number(frames) + " frames; " +
-                         (settings.films.empty() ? "at most " : "a film has at most ") +
-                         std::to_string(int(most)) + "; a smaller --rate needs fewer"};
+        throw Failure(settings.clip + ": its length needs " + detail::short_number(frames) + " frames; " +
+                      (settings.films.empty() ? "at most " : "a film has at most ") +
+                      std::to_string(int(most)) + "; a smaller --rate needs fewer");
     const double passed = file.ground ? file.ground->speed * file.length : 0;
     if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view.width && std::fabs(passed) <= 1e3 * view.width))
-        return FileError{settings.clip + ": during the clip the ground moves by " +
-                         detail::short_number(passed) +
-                         " units; allowed are 0.001 to 1000 times the picture's width"};
-    return Plan{std::size_t(frames), passed};
+        throw Failure(settings.clip + ": during the clip the ground passes by " +
+                      detail::short_number(passed) +
+                      " units; it can be a thousandth to a thousand times the picture's width");
+    return {std::size_t(frames), passed};
 }
 
 /// The vertices of the cage in all frames. Each delayed layer has its own player, so every player moves
@@ -258,108 +243,122 @@ std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& c
     return poses;
 }
 
-int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
-            const ClipFile& file) {
-    const auto view = view_box(document);
-    const auto plan = plan_of(settings, file, view);
-    if (!plan) return fail(to_string(plan.error()));
-    const auto& [frames, passed] = *plan;
-    std::vector<std::filesystem::path> outputs_asked(settings.films.begin(), settings.films.end());
+/// Fails before the computation if a file cannot be written.
+void check_outputs(const Settings& settings) {
+    std::vector<std::filesystem::path> outputs(settings.films.begin(), settings.films.end());
     for (const std::string& path : {settings.out, settings.save_clip, settings.save_tracks})
-        outputs_asked.emplace_back(path);
-    for (std::size_t n = 0; n < still_count_of(settings); ++n)
-        outputs_asked.emplace_back(still_path(settings, n));
-    if (const auto why = fault_of_outputs(outputs_asked)) return fail(*why);
-    FigureControl control = control_of(settings.choice, cage);
-    control.pose_name = settings.clip;
-    control.frames = frames;
-    const auto keys = keys_of(settings, cage, file, control);
-    if (!keys) return fail(to_string(keys.error()));
-    const auto clip = make_clip(keys->file, keys->rest);
-    if (!clip) return fail(to_string(clip.error()));
-    control.poses = poses_of(*clip, file, frames, keys->rest.size());
-    DeformOptions options = settings.options;
-    for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
-    if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view.width, view.height);
-    auto moved = move_figure(document, settings.figure, control, settings.outside, options,
-                             cageform::ThreadedFor{unsigned(settings.threads)});
-    if (!moved) return fail(to_string(moved.error()));
-    const std::string fault = pose_faults(control, cage);
-    if (!fault.empty()) warn(fault);
+        outputs.emplace_back(path);
+    for (std::size_t n = 0; n < still_count_of(settings); ++n) outputs.emplace_back(still_path(settings, n));
+    fail_if(fault_of_outputs(outputs));
+}
 
-    AnimatedSvg& drawing = moved->drawing;
-    pugi::xml_node ground;
-    if (file.ground)
-        ground =
-            draw_ground(drawing.document, file.ground->y, passed != 0 ? std::fabs(passed) : view.width / 8);
-    const auto text_of_frame = [&, passed = passed, frames = frames](std::size_t f) {
-        drawing.show(f);
-        if (ground) {
-            const double x = passed * double(f) / double(frames);
-            detail::set_attribute(ground, "transform", "translate(" + format_number(x, 2) + ')');
-        }
-        return to_text(drawing.document);
-    };
-    OutputFiles outputs;
-    std::string size; // of the SVG, for the report
-    // Stills and films use absolute positions and come first; then the animation.
-    const std::size_t stills = still_count_of(settings);
-    for (std::size_t n = 0; n < stills; ++n)
-        outputs.add(still_path(settings, n)).write(text_of_frame(n * frames / stills));
-    if (!settings.films.empty()) {
+/// The figure in all frames, and the ground below it.
+class Play {
+public:
+    Play(const Settings& settings, const ClipFile& file, const Plan& plan, AnimatedSvg& drawing,
+         const ViewBox& view)
+        : settings_(settings)
+        , file_(file)
+        , plan_(plan)
+        , drawing_(drawing)
+        , diagonal_(std::hypot(view.width, view.height)) {
+        const double period = plan.passed != 0 ? std::fabs(plan.passed) : view.width / 8;
+        if (file.ground) ground_ = draw_ground(drawing.document, file.ground->y, period);
+    }
+
+    void write_stills(OutputFiles& outputs) {
+        const std::size_t stills = still_count_of(settings_);
+        for (std::size_t n = 0; n < stills; ++n)
+            outputs.add(still_path(settings_, n)).write(text_of_frame(n * plan_.frames / stills));
+    }
+
+    void write_films(OutputFiles& outputs) {
+        if (settings_.films.empty()) return;
         ProgressBar bar("frames");
         const auto tell = bar.callback();
         std::deque<Film> films;
-        for (const std::string& path : settings.films)
-            films.emplace_back(outputs, path, double(frames) / file.length, int(settings.width));
-        for (std::size_t f = 0; f < frames && !outputs.error(); ++f) {
+        for (const std::string& path : settings_.films)
+            films.emplace_back(outputs, path, double(plan_.frames) / file_.length, int(settings_.width));
+        for (std::size_t f = 0; f < plan_.frames && !outputs.error(); ++f) {
             const std::string text = text_of_frame(f);
             for (Film& film : films) film.add_frame(text);
-            if (tell) tell(double(f + 1) / double(frames));
+            if (tell) tell(double(f + 1) / double(plan_.frames));
         }
         for (Film& film : films) film.finish();
-        if (const auto error = outputs.error()) return fail(*error);
+        fail_if(outputs.error());
     }
-    if (!settings.out.empty()) {
-        drawing.show(0);
-        if (ground) {
-            ground.remove_attribute("transform");
-            AnimatedSvg::append_animation(ground, "transform", "translate", file.length,
-                                          "0 0;" + format_number(passed, 2) + " 0");
+
+    /// Writes the animation and returns its size for the report. Stills and films use absolute positions, so
+    /// they come first.
+    std::string write_animation(OutputFiles& outputs, double tolerance) {
+        drawing_.show(0);
+        if (ground_) {
+            ground_.remove_attribute("transform");
+            AnimatedSvg::append_animation(ground_, "transform", "translate", file_.length,
+                                          "0 0;" + format_number(plan_.passed, 2) + " 0");
         }
-        const auto played = played_file(drawing, settings, file.length, options.tolerance,
-                                        0.02 * std::hypot(view.width, view.height));
-        if (!played) return fail(to_string(played.error()));
-        outputs.add(settings.out).write(played->text);
-        size = ", " + std::to_string(played->text.size()) + " bytes, " + std::to_string(played->keys) +
-               " key frames of attributes, within " + detail::short_number(played->tolerance) + " units";
+        const auto played = played_file(drawing_, settings_, file_.length, tolerance, 0.02 * diagonal_);
+        outputs.add(settings_.out).write(played.text);
+        return ", " + std::to_string(played.text.size()) + " bytes, " + std::to_string(played.keys) +
+               " key frames of attributes, within " + detail::short_number(played.tolerance) + " units";
     }
+
+private:
+    std::string text_of_frame(std::size_t f) {
+        drawing_.show(f);
+        if (ground_) {
+            const double x = plan_.passed * double(f) / double(plan_.frames);
+            detail::set_attribute(ground_, "transform", "translate(" + format_number(x, 2) + ')');
+        }
+        return to_text(drawing_.document);
+    }
+
+    const Settings& settings_;
+    const ClipFile& file_;
+    const Plan& plan_;
+    AnimatedSvg& drawing_;
+    double diagonal_; // of the view
+    pugi::xml_node ground_;
+};
+
+int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
+            const ClipFile& file) {
+    const auto view = view_box(document);
+    const Plan plan = plan_of(settings, file, view);
+    check_outputs(settings);
+    FigureControl control = control_of(settings.choice, cage);
+    control.pose_name = settings.clip;
+    control.frames = plan.frames;
+    const HandleKeys keys = keys_of(settings, cage, file, control);
+    const auto clip = value_or_fail(make_clip(keys.file, keys.rest));
+    control.poses = poses_of(clip, file, plan.frames, keys.rest.size());
+    DeformOptions options = settings.options;
+    for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
+    if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view.width, view.height);
+    auto moved = value_or_fail(move_figure(document, settings.figure, control, settings.outside, options,
+                                           cageform::ThreadedFor{unsigned(settings.threads)}));
+    warn(pose_faults(control, cage));
+
+    Play play(settings, file, plan, moved.drawing, view);
+    OutputFiles outputs;
+    play.write_stills(outputs);
+    play.write_films(outputs);
+    const std::string size = settings.out.empty() ? "" : play.write_animation(outputs, options.tolerance);
     if (!settings.save_clip.empty())
         outputs.add(settings.save_clip)
-            .write(clip_text(keys->file, "A motion of the cage, by keys of its vertices"));
-    if (!settings.save_tracks.empty()) {
-        const auto tracks = tracks_of(settings, control, file);
-        if (!tracks) return fail(to_string(tracks.error()));
-        outputs.add(settings.save_tracks).write(*tracks);
-    }
-    if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(settings.out.empty() ? settings.films.front() : settings.out) << ": " << frames
-              << " frames of " << file.length << " s, " << drawing.report.segments << " segments, "
-              << drawing.report.points << " points bound, clip of " << clip->bytes() << " bytes" << size
-              << '\n';
+            .write(clip_text(keys.file, "A motion of the cage, by keys of its vertices"));
+    if (!settings.save_tracks.empty())
+        outputs.add(settings.save_tracks).write(tracks_of(settings, control, file));
+    fail_if(outputs.commit());
+    std::cout << printable(settings.out.empty() ? settings.films.front() : settings.out) << ": "
+              << plan.frames << " frames of " << file.length << " s, " << moved.drawing.report.segments
+              << " segments, " << moved.drawing.report.points << " points bound, clip of " << clip.bytes()
+              << " bytes" << size << '\n';
     return 0;
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line("Animates an SVG figure by a moving cage.");
-    line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",
-                       "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
-    Settings settings;
-    line.add("figure", settings.figure, "the SVG file to animate").required();
-    add_cage(line, settings.cage, CageFiles::drawing);
-    CommandOption clip =
+void add_motion(CommandLine& line, Settings& settings) {
+    const CommandOption clip =
         line.add("--clip", settings.clip, "its motion: a CSV file of keys of the cage or of pins");
     line.add("--markers", settings.markers,
              "its motion: a CSV file of tracked points of the figure, for example from motion capture");
@@ -374,6 +373,9 @@ int run_program(int argc, char** argv) {
         .range(0.01, 1000.0)
         .show_default()
         .excludes(clip);
+}
+
+void add_animation(CommandLine& line, Settings& settings) {
     line.add("-o,--output", settings.out,
              "the file to write: an SVG that browsers play, or, if ffmpeg is installed, a GIF, an animated "
              "PNG or a video")
@@ -398,9 +400,10 @@ int run_program(int argc, char** argv) {
         .range(1, 1000000000);
     line.add_flag("--fit", settings.options.fit,
                   "enlarge the viewBox and the size of the picture so that all frames fit");
-    line.add_flag(
-        "--text-as-paths", settings.text_as_paths,
-        "deform the outlines of letters (as rsvg-convert draws them); otherwise a text moves as a whole");
+    add_text_as_paths(line, settings.text_as_paths);
+}
+
+void add_further_files(CommandLine& line, Settings& settings) {
     line.add("--stills", settings.stills, "also write frames to files with this prefix: 01.svg, 02.svg, …");
     line.add("--still-count", settings.still_count, "the number of these frames, equally spaced")
         .range(1, 99)
@@ -409,7 +412,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".csv"});
     line.add_text(
             "--track",
-            [&](const std::string& word) {
+            [&settings](const std::string& word) {
                 std::array<double, 2> p{};
                 detail::parse_point(word, p);
                 settings.tracked.push_back({p[0], p[1]});
@@ -431,7 +434,7 @@ int run_program(int argc, char** argv) {
     const auto add_film = [&](const std::string& name, const std::string& help,
                               const std::vector<std::string>& endings) {
         line.add_text(
-                "--" + name, [&](const std::string& path) { settings.films.push_back(path); },
+                "--" + name, [&settings](const std::string& path) { settings.films.push_back(path); },
                 "also write " + help + ", if ffmpeg is installed")
             .ends_with(endings);
     };
@@ -439,33 +442,42 @@ int run_program(int argc, char** argv) {
     add_film("apng", "an animated PNG", {".png", ".apng"});
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Animates an SVG figure by a moving cage.");
+    line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",
+                       "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
+    Settings settings;
+    line.add("figure", settings.figure, "the SVG file to animate").required();
+    add_cage(line, settings.cage, CageFiles::drawing);
+    add_motion(line, settings);
+    add_animation(line, settings);
+    add_further_files(line, settings);
     settings.outside.add_options(line);
-    line.add("--threads", settings.threads, "the number of threads that bind; 0: all processors")
-        .range(0, 1024)
-        .show_default();
+    add_threads(line, settings.threads);
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
                     pins_format + "\n" + clip_format + "\n" + markers_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (const std::string why = fault_of(settings); !why.empty()) return fail(why);
-    if (const std::string why = settings.outside.fault(); !why.empty()) return fail(why);
+    fail_if(fault_of(settings));
+    fail_if(settings.outside.fault());
     if (ending_of(settings.out) != ".svg") {
         settings.films.insert(settings.films.begin(), settings.out);
         settings.out.clear();
     }
     if (settings.rate == 0) settings.rate = settings.out.empty() ? 25 : 60;
-    const auto document = load_figure(settings.figure, settings.text_as_paths);
-    if (!document) return fail(to_string(document.error()));
+    const auto document = value_or_fail(load_figure(settings.figure, settings.text_as_paths));
     settings.outside.cage_is_made = CageWord::of(settings.cage).is_auto;
     const bool is_first_look = settings.clip.empty() && settings.markers.empty() &&
                                !settings.pins.is_given() && settings.pose.empty() &&
                                settings.operations.operations.empty();
     settings.options.fit = settings.options.fit || is_first_look;
-    const auto cage = load_or_make_cage(settings.cage, *document, settings.choice.edges());
-    if (!cage) return fail(to_string(cage.error()));
-    const auto file = read_clip(settings, *cage);
-    if (!file) return fail(to_string(file.error()));
-    settings.clip = file->name;
-    return animate(settings, *document, *cage, *file);
+    const auto cage = value_or_fail(load_or_make_cage(settings.cage, document, settings.choice.edges()));
+    const ClipFile file = read_clip(settings, cage);
+    settings.clip = file.name;
+    return animate(settings, document, cage, file);
 }

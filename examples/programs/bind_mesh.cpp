@@ -69,7 +69,7 @@ std::vector<Point3> normals_of(const ObjFile& figure) {
 }
 
 /// The motion, packed exactly and periodic. Fails if it exceeds single precision.
-Expected<cageform::PackedClip<float, 3>> packed_clip(const PoseClip& clip) {
+cageform::PackedClip<float, 3> packed_clip(const PoseClip& clip) {
     std::vector<cageform::PiecewiseCubic<float>> curves;
     std::vector<double> values(clip.keys.size());
     for (std::size_t n = 0; n < 3 * clip.keys[0].places.size(); ++n) {
@@ -80,8 +80,8 @@ Expected<cageform::PackedClip<float, 3>> packed_clip(const PoseClip& clip) {
             pieces.push_back({float(begin), float(c0), float(c1), float(c2), float(c3)});
             for (const double number : {c0, c1, c2, c3}) {
                 if (std::isfinite(float(number))) continue;
-                return FileError{clip.name + ": v " + std::to_string(n / 3 + 1) + " moves too fast after " +
-                                 std::to_string(begin) + " s: single precision cannot represent its curve"};
+                throw Failure(clip.name + ": v " + std::to_string(n / 3 + 1) + " moves too fast after " +
+                              std::to_string(begin) + " s: single precision cannot represent its curve");
             }
         }
         curves.emplace_back(std::move(pieces), float(clip.length));
@@ -114,14 +114,14 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
 }
 
 /// Samples the inside of the cage for pins and packs the samples. Prints their size if `tells`.
-Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
-                                                     const std::string& cage, bool tells) {
+cageform::PackedPoseSamples packed_samples(const ChosenCoordinates<float, 3>& coordinates,
+                                           const std::string& cage, bool tells) {
     ProgressBar bar("sampling");
     const auto [samples, report] = pose_samples(coordinates, {}, {.progress = bar.callback()});
     if (report.status != Status::ok)
-        return FileError{cage + ": --pose-samples: " + cageform::to_string(report.status)};
+        throw Failure(cage + ": --pose-samples: " + cageform::to_string(report.status));
     auto packed = cageform::pack(samples);
-    if (!packed) return FileError{cage + ": --pose-samples: " + cageform::to_string(packed.status())};
+    if (!packed) throw Failure(cage + ": --pose-samples: " + cageform::to_string(packed.status()));
     if (tells) {
         std::cout << "samples for pins: " << packed.value.bytes().size() << " bytes, of " << report.samples
                   << " points in " << report.rotations << " clusters, " << report.seconds << " s\n";
@@ -130,17 +130,18 @@ Expected<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<flo
 }
 
 /// Binds and packs the normals of the OBJ file, with the tolerance of tangents.
-Expected<cageform::PackedBinding<float, 3>>
-packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector<Point3>& places,
-               const std::vector<Point3>& normals, const Arguments& given, cageform::PackOptions options) {
+cageform::PackedBinding<float, 3> packed_normals(const ChosenCoordinates<float, 3>& coordinates,
+                                                 const std::vector<Point3>& places, const ObjFile& figure,
+                                                 const Arguments& given, cageform::PackOptions options) {
+    const std::vector<Point3> normals = normals_of(figure);
     ProgressBar bar("binding normals");
     const auto bound =
         cageform::bind_vectors(coordinates, places, std::array{std::span<const Point3>(normals)},
                                given.outside.bind_options(coordinates), {.progress = bar.callback()});
-    if (!bound) return FileError{std::string("normals: ") + cageform::to_string(bound.report.status)};
+    if (!bound) throw Failure(figure.name + ": normals: " + cageform::to_string(bound.report.status));
     options.tolerance = std::min(1.0, of_vectors * given.weights.distance);
     auto packed = cageform::pack(bound.value[0], options);
-    if (!packed) return FileError{std::string("normals: ") + cageform::to_string(packed.report.status)};
+    if (!packed) throw Failure(figure.name + ": normals: " + cageform::to_string(packed.report.status));
     return std::move(packed.value);
 }
 
@@ -151,25 +152,21 @@ struct Motion {
     SampledPoses poses;
 };
 
-Expected<Motion> motion_of(const Arguments& given, const ObjFile& cage) {
-    auto clip = given.moves.motion(cage);
-    if (!clip) return clip.error();
-    Motion motion;
-    if (clip->keys.empty()) return motion;
-    for (PoseKey& key : clip->keys) key.places = counted_from(given.outside.origin, key.places);
-    auto packed = packed_clip(*clip);
-    if (!packed) return packed.error();
-    motion = {std::move(*clip), std::move(*packed), {}};
+Motion motion_of(const Arguments& given, const ObjFile& cage) {
+    Motion motion{value_or_fail(given.moves.motion(cage)), {}, {}};
+    if (motion.clip.keys.empty()) return motion;
+    for (PoseKey& key : motion.clip.keys) key.places = counted_from(given.outside.origin, key.places);
+    motion.packed = packed_clip(motion.clip);
     motion.poses = sample_poses(motion.clip);
     return motion;
 }
 
 /// Binds points and normals, and prints warnings. `labels` are those of the cage's vertices, or empty.
-Expected<cageform::FigureBinding<float, 3>> bound_figure(const Arguments& given, const ObjFile& figure,
-                                                         const ObjFile& cage,
-                                                         const ChosenCoordinates<float, 3>& coordinates,
-                                                         const std::vector<Point3>& places,
-                                                         const std::vector<std::string>& labels) {
+cageform::FigureBinding<float, 3> bound_figure(const Arguments& given, const ObjFile& figure,
+                                               const ObjFile& cage,
+                                               const ChosenCoordinates<float, 3>& coordinates,
+                                               const std::vector<Point3>& places,
+                                               const std::vector<std::string>& labels) {
     const std::vector<Point3> normals = normals_of(figure);
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
@@ -184,12 +181,10 @@ Expected<cageform::FigureBinding<float, 3>> bound_figure(const Arguments& given,
     const cageform::BindReport& of_points = bound.report.points;
     if (!bound) {
         const bool fault_of_points = of_points.status != Status::ok;
-        return FileError{describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors)};
+        throw Failure(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
     warn_of_coarse_grid(cage.name, of_points.solver);
-    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
-    if (!outside.fault.empty()) return FileError{outside.fault};
-    if (!outside.warning.empty()) warn(outside.warning);
+    given.outside.check(coordinates, of_points, figure.vertices, figure.name, cage.name);
     if (const auto& still = bound.report.vectors.unreached; !still.empty()) {
         warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
              " vertices, first " + name_points(figure.vertices, still));
@@ -198,7 +193,7 @@ Expected<cageform::FigureBinding<float, 3>> bound_figure(const Arguments& given,
         auto of_handles = labels; // faces have none
         of_handles.resize(bound.value.points.handle_count());
         const Status status = bound.value.set_labels(of_handles);
-        if (status != Status::ok) return FileError{given.labels + ": " + cageform::to_string(status)};
+        if (status != Status::ok) throw Failure(given.labels + ": " + cageform::to_string(status));
     }
     return std::move(bound.value);
 }
@@ -230,43 +225,32 @@ std::string judge_packing(const Arguments& given, const ObjFile& figure,
 /// Binds, packs and writes. `labels` are those of the cage's vertices, or empty.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
                 const std::vector<std::string>& labels) {
-    if (const auto why = fault_of_outputs({given.out})) return fail(*why);
+    fail_if(fault_of_outputs({given.out}));
     const Point3& origin = given.outside.origin;
     const std::vector<Point3> places = counted_from(origin, joined_places(figure));
     ObjFile cage = cage_of_file;
     cage.vertices = counted_from(origin, cage.vertices);
     if (cage.lattice) cage.lattice->frame.translation = cage.lattice->frame.translation - origin;
     const auto coordinates = make_coordinates<float>(given.choice, cage);
-    warn_of_closed_gaps(cage.name, coordinates.cage_report());
-    if (!coordinates.note.empty()) note(coordinates.note);
-    const auto motion = motion_of(given, cage_of_file);
-    if (!motion) return fail(to_string(motion.error()));
+    print_notes(cage.name, coordinates.cage_report(), coordinates.note);
+    const Motion motion = motion_of(given, cage_of_file);
     const auto bound = bound_figure(given, figure, cage, coordinates, places, labels);
-    if (!bound) return fail(bound.error().message);
-    if (const std::string pose = first_mirror(figure, bound->points, motion->clip); !pose.empty())
+    if (const std::string pose = first_mirror(figure, bound.points, motion.clip); !pose.empty())
         warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces reverses its faces");
     cageform::FigurePackOptions options;
     options.weights.format = given.weights.format;
     options.weights.largest = given.weights.largest;
-    const auto posed = poses_of_handles(bound->points, motion->clip, motion->poses);
-    if (!posed) return fail(to_string(posed.error()));
-    options.weights.poses = *posed;
+    const auto posed = value_or_fail(poses_of_handles(bound.points, motion.clip, motion.poses));
+    options.weights.poses = posed;
     options.weights.tolerance = given.weights.distance * size_of(figure);
-    const std::string clip_name = std::filesystem::path(motion->clip.name).stem().string();
-    const cageform::FigureClipData clips[] = {{clip_name, motion->packed.bytes()}};
-    if (!motion->packed.bytes().empty()) options.clips = clips;
+    const std::string clip_name = std::filesystem::path(motion.clip.name).stem().string();
+    const cageform::FigureClipData clips[] = {{clip_name, motion.packed.bytes()}};
+    if (!motion.packed.bytes().empty()) options.clips = clips;
     cageform::PackedPoseSamples samples;
-    if (given.pose_samples) {
-        auto packed = packed_samples(coordinates, cage.name, given.report);
-        if (!packed) return fail(to_string(packed.error()));
-        samples = std::move(*packed);
-    }
+    if (given.pose_samples) samples = packed_samples(coordinates, cage.name, given.report);
     cageform::PackedBinding<float, 3> across;
-    if (given.keeps_normals(figure)) {
-        auto packed = packed_normals(coordinates, places, normals_of(figure), given, options.weights);
-        if (!packed) return fail(figure.name + ": " + packed.error().message);
-        across = std::move(*packed);
-    }
+    if (given.keeps_normals(figure))
+        across = packed_normals(coordinates, places, figure, given, options.weights);
     std::span<const std::byte> place;
     if (origin != Point3{}) {
         place = std::as_bytes(std::span(origin.v));
@@ -282,11 +266,10 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
         ProgressBar bar("packing");
-        made = cageform::pack(*bound, options, {.progress = bar.callback()});
+        made = cageform::pack(bound, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
-    if (const std::string why = judge_packing(given, figure, report, motion->poses); !why.empty())
-        return fail(why);
+    fail_if(judge_packing(given, figure, report, motion.poses));
     const std::string others = describe_others(figure, {"v", "vn", "f"});
     if (given.report && !others.empty()) std::cout << "not stored: " << others << '\n';
     if (given.report && !labels.empty()) {
@@ -296,7 +279,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     }
     AtomicFile out(given.out);
     out.write({reinterpret_cast<const char*>(packed.bytes().data()), packed.bytes().size()});
-    if (const auto error = out.commit()) return fail(*error);
+    fail_if(out.commit());
     return 0;
 }
 
@@ -331,26 +314,21 @@ int run_program(int argc, char** argv) {
                     pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.moves.order_poses();
-    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
+    fail_if(given.outside.fault());
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals need mean-value, harmonic or green");
-    if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
-        return fail(why);
+    fail_if(given.weights.fault(given.choice, given.moves.is_given()));
 
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (figure->faces.empty()) return fail(figure->name + ": has no faces, so no normals");
-    const auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
-    for (const auto* file : {&*figure, &*cage}) {
-        if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
+    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    if (figure.faces.empty()) return fail(figure.name + ": has no faces, so no normals");
+    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure));
+    for (const auto* file : {&figure, &cage}) {
+        fail_if(single_precision_fault(*file));
     }
     std::vector<std::string> labels;
     if (!given.labels.empty()) {
-        auto read = read_labels(given.labels, cage->vertices.size());
-        if (!read) return fail(to_string(read.error()));
-        labels = std::move(*read);
+        labels = value_or_fail(read_labels(given.labels, cage.vertices.size()));
     }
-    given.outside.origin = far_origin(*figure);
-    return bind_figure(given, *figure, *cage, labels);
+    given.outside.origin = far_origin(figure);
+    return bind_figure(given, figure, cage, labels);
 }

@@ -317,18 +317,18 @@ std::uint64_t hash_of_parameters(const Arguments& given, const ObjFile& cage, co
     return cageform::hash_memory(std::span<const double>(job.poses), hash);
 }
 
-/// Prints the peak memory and returns the number of threads that fit into the limit, possibly 0.
+/// Prints the peak memory and returns the number of threads that fit into the limit.
+///
+///   of_solver   out: the bytes that remain for the solver, if there is one
 std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tiles, std::size_t& of_solver) {
     constexpr std::size_t mega = 1000000, of_program = 32 * mega;
     const std::size_t each = bytes_of_tile(job.piece, job.coordinates.handles().count);
     const std::size_t all = given.memory * mega;
     const bool solves = !job.coordinates.closed_form();
     const std::size_t least = of_program + each + (solves ? each : 0);
-    if (all < least) {
-        (void)fail("--memory " + std::to_string(given.memory) + ": a tile takes " +
-                   std::to_string(least / mega + 1) + " MB with this cage, for any number of points");
-        return 0;
-    }
+    if (all < least)
+        throw Failure("--memory " + std::to_string(given.memory) + ": a tile takes " +
+                      std::to_string(least / mega + 1) + " MB with this cage, regardless of its size");
     const std::size_t room = (all - of_program - (solves ? (all - of_program) / 2 : 0)) / each;
     const std::size_t threads = std::clamp<std::size_t>(std::min({given.threads, room, tiles}), 1, 1024);
     of_solver = solves ? all - of_program - threads * each : 0;
@@ -381,16 +381,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
     return 0;
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Binds files of points to a cage, each in bounded memory, and packs each into a figure.");
-    line.set_examples(
-        {"cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half",
-         "cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4 --json",
-         "cage.obj --points scan.ply -o scan.figure --max-distance 0.01 --clip clip.csv --format int8"});
-    Arguments given;
+void add_options(CommandLine& line, Arguments& given) {
     line.add("cage", given.cage, "the cage: an OBJ file of a closed mesh, or a .lattice.json file")
         .required();
     given.tiles.add_options(line);
@@ -414,71 +405,91 @@ int run_program(int argc, char** argv) {
     line.add_flag("--strict", given.is_strict, "refuse a file with a point that is not finite in float");
     line.add_flag(
         "--json", given.json,
-        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights "
-        "per point, and the largest distance");
-    line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
-                    lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
-    if (const auto code = line.parse(argc, argv)) return *code;
-    given.moves.order_poses();
-    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
-    if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
-        return fail(why);
+        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights a "
+        "point, and the largest distance");
+}
+
+/// The selected tiles. Fails if options conflict, or a file cannot be written.
+std::vector<Tile> checked_tiles(const Arguments& given) {
+    fail_if(given.outside.fault());
+    fail_if(given.weights.fault(given.choice, given.moves.is_given()));
     const bool has_solution = !given.solution.empty() || !given.saved_solution.empty();
     if (has_solution &&
         (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
-        return fail("--solution and --save-solution need --coordinates harmonic with --accuracy");
-    const auto tiles = given.tiles.tiles();
-    if (!tiles) return fail(to_string(tiles.error()));
+        throw Failure("--solution and --save-solution need --coordinates harmonic with --accuracy");
+    auto tiles = value_or_fail(given.tiles.tiles());
     std::vector<std::string> inputs = given.moves.poses;
-    inputs.push_back(given.cage);
-    if (!given.moves.clip.empty()) inputs.push_back(given.moves.clip);
-    if (!given.solution.empty()) inputs.push_back(given.solution);
+    for (const std::string& path : {given.cage, given.moves.clip, given.solution}) {
+        if (!path.empty()) inputs.push_back(path);
+    }
     std::vector<std::string> outputs;
     if (!given.saved_solution.empty()) outputs.push_back(given.saved_solution);
-    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return fail(*why);
+    fail_if(fault_of_tiles(tiles, inputs, outputs));
+    return tiles;
+}
 
-    const auto cage = load_mesh_cage(given.cage);
-    if (!cage) return fail(to_string(cage.error()));
-    if (const auto fault = single_precision_fault(*cage)) return fail(to_string(*fault));
+/// The coordinates of a cage, and the options of its tiles.
+Job job_of(const Arguments& given, const ObjFile& cage) {
     Job job;
-    job.size = cageform::bounds_of(std::span<const Point3>(cage->vertices)).diagonal();
-    if (const std::string why = rounding_fault(cage->name, cage->vertices); !why.empty()) return fail(why);
-    const auto motion = given.moves.motion(*cage);
-    if (!motion) return fail(to_string(motion.error()));
-    job.cage = cage->name;
-    job.coordinates = make_coordinates<float>(given.choice, *cage);
+    job.size = cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal();
+    job.cage = cage.name;
+    job.coordinates = make_coordinates<float>(given.choice, cage);
     if (job.coordinates.cage_report().status != Status::ok) {
         cageform::BindReport refused;
         refused.cage = job.coordinates.cage_report();
         refused.status = refused.cage.status;
-        return fail(describe_mesh_faults(cage->name, refused));
+        throw Failure(describe_mesh_faults(cage.name, refused));
     }
     job.piece = points_of_piece(job.coordinates.handles().count);
     job.pack.format = given.weights.format.value_or(cageform::WeightFormat::scalar);
     job.pack.largest = given.weights.largest;
     job.pack.tolerance = given.weights.distance * job.size;
-    std::size_t of_solver = 0;
-    const std::size_t threads = plan_memory(given, job, tiles->size(), of_solver);
-    if (threads == 0) return 1;
-    if (of_solver > 0) {
-        given.choice.memory = of_solver;
-        job.coordinates = make_coordinates<float>(given.choice, *cage);
-    }
     job.outside = given.outside.word;
     job.is_strict = given.is_strict;
-    job.bind = given.outside.bind_options(job.coordinates);
-    warn_of_closed_gaps(cage->name, job.coordinates.cage_report());
-    if (!job.coordinates.note.empty()) note(job.coordinates.note);
+    return job;
+}
+
+/// The poses of all handles in a motion, in which errors are measured.
+std::vector<double> poses_of(const Job& job, const ObjFile& cage, const PoseClip& motion) {
+    if (motion.keys.empty()) return {};
+    const auto bound = job.coordinates.bind(std::span(cage.vertices).first(1), job.bind);
+    if (!bound) throw Failure(describe_mesh_faults(cage.name, bound.report));
+    return value_or_fail(poses_of_handles(bound.value, motion, sample_poses(motion)));
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Binds files of points to a cage, each in bounded memory, and packs each into a figure.");
+    line.set_examples(
+        {"cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half",
+         "cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4 --json",
+         "cage.obj --points scan.ply -o scan.figure --max-distance 0.01 --clip clip.csv --format int8"});
+    Arguments given;
+    add_options(line, given);
+    line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
+                    lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    given.moves.order_poses();
+    const auto tiles = checked_tiles(given);
+    const auto cage = value_or_fail(load_mesh_cage(given.cage));
+    fail_if(single_precision_fault(cage));
+    fail_if(rounding_fault(cage.name, cage.vertices));
+    const auto motion = value_or_fail(given.moves.motion(cage));
     std::optional<InputFile> solution; // must outlive the coordinates
-    if (const int code = solve(given, threads, job, solution); code != 0) return code;
-    if (!motion->keys.empty()) {
-        const auto bound = job.coordinates.bind(std::span(cage->vertices).first(1), job.bind);
-        if (!bound) return fail(describe_mesh_faults(cage->name, bound.report));
-        auto posed = poses_of_handles(bound.value, *motion, sample_poses(*motion));
-        if (!posed) return fail(to_string(posed.error()));
-        job.poses = std::move(*posed);
-        job.pack.poses = job.poses;
+    Job job = job_of(given, cage);
+    std::size_t of_solver = 0;
+    const std::size_t threads = plan_memory(given, job, tiles.size(), of_solver);
+    if (of_solver > 0) {
+        given.choice.memory = of_solver;
+        job.coordinates = make_coordinates<float>(given.choice, cage);
     }
-    job.parameters = hash_of_parameters(given, *cage, job);
-    return bind_all(job, *tiles, threads, given.json);
+    job.bind = given.outside.bind_options(job.coordinates);
+    print_notes(cage.name, job.coordinates.cage_report(), job.coordinates.note);
+    if (const int code = solve(given, threads, job, solution); code != 0) return code;
+    job.poses = poses_of(job, cage, motion);
+    job.pack.poses = job.poses;
+    job.parameters = hash_of_parameters(given, cage, job);
+    return bind_all(job, tiles, threads, given.json);
 }

@@ -52,12 +52,10 @@ struct Settings {
 
 /// "status" and a column name per handle: its label or its index; edges and faces have no labels. Fails if
 /// two columns have the same name.
-Expected<std::string> header_line(const std::string& labels_path, std::size_t handles, std::size_t vertices) {
+std::string header_line(const std::string& labels_path, std::size_t handles, std::size_t vertices) {
     std::vector<std::string> labels;
     if (!labels_path.empty()) {
-        auto read = read_labels(labels_path, vertices);
-        if (!read) return read.error();
-        labels = std::move(*read);
+        labels = value_or_fail(read_labels(labels_path, vertices));
     }
     labels.resize(handles);
     std::string text = "status";
@@ -65,7 +63,7 @@ Expected<std::string> header_line(const std::string& labels_path, std::size_t ha
     for (std::size_t h = 0; h < handles; ++h) {
         const std::string name = labels[h].empty() ? "w" + std::to_string(h) : labels[h];
         if (!names.insert(name).second)
-            return FileError{labels_path + ": two columns would have the name " + detail::quoted(name)};
+            throw Failure(labels_path + ": two columns would have the name " + detail::quoted(name));
         text += ',';
         if (name.find_first_of(",\"") == std::string::npos) {
             text += name;
@@ -85,126 +83,171 @@ using Describe = std::function<std::string(const cageform::BindReport&)>;
 ///
 ///   origin   of the positions of the coordinates
 template <class T, std::size_t D>
-int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults,
-        const cageform::Vec<double, D>& origin = {}) {
-    PointReader<D, T> reader(settings.points_path, settings.is_strict);
-    if (!reader.error().empty()) return fail(reader.error());
-    const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
-    cageform::BindReport total;
-    total.cage = coordinates.cage_report();
-    total.status = total.cage.status;
-    if (total.status != cageform::Status::ok) return refuse(total);
-    const std::size_t handles = coordinates.handles().count;
-    auto header = header_line(settings.labels_path, handles, handles - coordinates.handles().vector_count());
-    if (!header) return fail(to_string(header.error()));
-    std::string text = std::move(*header);
-    AtomicFile out(settings.out_path);
-    if (const auto error = out.error()) return fail(*error);
+class WeightWriter {
+public:
+    using Place = std::conditional_t<D == 2, Point2, Point3>;
 
-    cageform::BindOptions options;
-    const bool is_extended = settings.outside == "extend" && coordinates.has_extension();
-    options.outside =
-        is_extended ? cageform::OutsidePoints::extend : cageform::OutsidePoints::nearest_boundary;
-    options.falloff = settings.falloff;
-    if (options.falloff > 0 && settings.outside == "extend" && !is_extended)
-        return fail("--falloff: these coordinates are not defined outside: give --outside nearest-boundary");
-    options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
-                                                                      : cageform::LinearPrecision::leave;
-    warn_of_closed_gaps(settings.cage_path, coordinates.cage_report());
-    if (!coordinates.note.empty()) note(coordinates.note);
-    const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
-    const bool weights_outside = settings.outside == "nearest-boundary" || is_extended;
-    const double tolerance = coordinates.boundary_tolerance();
-    const auto bounds = point_bounds(coordinates.handles());
-    ProgressBar bar("binding");
-    const auto progress = bar.callback();
-    std::vector<std::array<double, D>> numbers;
-    std::vector<std::conditional_t<D == 2, Point2, Point3>> points;
-    std::vector<cageform::PointState> states;
-    // A first batch without points checks the cage even if there are no points.
-    bool more = true, first = true;
-    std::size_t not_finite = 0, first_not_finite = 0;
-    while (more) {
-        more = reader.read(numbers, batch);
-        if (!reader.error().empty()) return fail(reader.error());
-        if (first && numbers.size() == batch && !coordinates.closed_form()) { // probably more batches
-            const auto evaluation = coordinates.solve({.progress = progress});
-            total.status = evaluation.status;
-            total.solver = evaluation.solver;
-            if (evaluation.status != cageform::Status::ok) return refuse(total);
-            total.seconds = evaluation.solver.seconds;
+    WeightWriter(const Settings& settings, ChosenCoordinates<T, D> coordinates,
+                 const Describe& describe_faults, const cageform::Vec<double, D>& origin)
+        : settings_(settings)
+        , coordinates_(std::move(coordinates))
+        , describe_faults_(describe_faults)
+        , origin_(origin)
+        , reader_(settings.points_path, settings.is_strict) {
+        fail_if(reader_.error());
+        total_.cage = coordinates_.cage_report();
+        check(total_.cage.status, total_);
+        bounds_ = point_bounds(coordinates_.handles());
+    }
+
+    int run() {
+        const std::size_t handles = coordinates_.handles().count;
+        text_ = header_line(settings_.labels_path, handles, handles - coordinates_.handles().vector_count());
+        AtomicFile out(settings_.out_path);
+        fail_if(out.error());
+        set_options();
+        print_notes(settings_.cage_path, coordinates_.cage_report(), coordinates_.note);
+        const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
+        ProgressBar bar("binding");
+        const auto progress = bar.callback();
+        std::vector<std::array<double, D>> numbers;
+        // A first batch without points checks the cage even if there are no points.
+        for (bool more = true, first = true; more; first = false) {
+            more = reader_.read(numbers, batch);
+            fail_if(reader_.error());
+            if (first && numbers.size() == batch && !coordinates_.closed_form()) { // probably more batches
+                const auto evaluation = coordinates_.solve({.progress = progress});
+                total_.solver = evaluation.solver;
+                check(evaluation.status, total_);
+                total_.seconds = evaluation.solver.seconds;
+            }
+            add(numbers, first);
+            out.write(text_);
+            text_.clear();
+            if (progress) progress(reader_.fraction());
         }
-        points.clear();
+        if (total_.points == 0) return fail(settings_.points_path + ": holds no points");
+        if (not_finite_ > 0) {
+            warn(settings_.points_path + ": " + std::to_string(not_finite_) + " of " +
+                 std::to_string(total_.points) + " points are not finite, first number " +
+                 std::to_string(first_not_finite_) +
+                 " counted from 0: their weights are nan; --strict refuses the file");
+        }
+        fail_if(out.commit());
+        if (settings_.report) std::cout << describe(total_);
+        return 0;
+    }
+
+private:
+    /// Fails with the report unless the status is ok.
+    void check(cageform::Status status, cageform::BindReport& report) const {
+        report.status = status;
+        if (status != cageform::Status::ok) throw Failure(describe_faults_(report));
+    }
+
+    void set_options() {
+        const bool is_extended = settings_.outside == "extend" && coordinates_.has_extension();
+        weights_outside_ = settings_.outside == "nearest-boundary" || is_extended;
+        options_.outside =
+            is_extended ? cageform::OutsidePoints::extend : cageform::OutsidePoints::nearest_boundary;
+        options_.falloff = settings_.falloff;
+        if (options_.falloff > 0 && settings_.outside == "extend" && !is_extended)
+            throw Failure(
+                "--falloff: these coordinates are not defined outside: give --outside nearest-boundary");
+        options_.linear_precision = settings_.linear_precision == "restore"
+                                        ? cageform::LinearPrecision::restore
+                                        : cageform::LinearPrecision::leave;
+    }
+
+    /// Binds a batch, and appends its rows.
+    void add(const std::vector<std::array<double, D>>& numbers, bool is_first) {
+        points_.clear();
         for (auto p : numbers) {
-            for (std::size_t k = 0; k < D; ++k) p[k] -= origin[k];
-            points.push_back(std::bit_cast<std::conditional_t<D == 2, Point2, Point3>>(p));
+            for (std::size_t k = 0; k < D; ++k) p[k] -= origin_[k];
+            points_.push_back(std::bit_cast<Place>(p));
         }
-        auto [binding, report] = coordinates.bind(points, options);
-        if (report.status != cageform::Status::ok) return refuse(report);
+        auto [binding, report] = coordinates_.bind(points_, options_);
+        check(report.status, report);
+        move_to_boundary(report);
+        if (is_first) {
+            total_.solver = report.solver;
+            warn_of_coarse_grid(settings_.cage_path, total_.solver);
+        }
+        if (not_finite_ == 0 && !report.not_finite.empty())
+            first_not_finite_ = total_.points + report.not_finite[0];
+        not_finite_ += report.not_finite.size();
+        append_rows(binding, report);
+        if (settings_.report)
+            add_batch(total_, report, total_.points);
+        else
+            total_.points += report.points;
+    }
+
+    /// Counts points just outside, within the tolerance, as points on the boundary.
+    void move_to_boundary(cageform::BindReport& report) const {
+        const double tolerance = coordinates_.boundary_tolerance();
         const auto is_near = [&](std::size_t i) {
-            const auto p = cageform::to_vec<T>(points[i]);
+            const auto p = cageform::to_vec<T>(points_[i]);
             for (std::size_t k = 0; k < D; ++k) { // distances are slow
-                if (!(double(p[k]) >= double(bounds.lower[k]) - tolerance &&
-                      double(p[k]) <= double(bounds.upper[k]) + tolerance))
+                if (!(double(p[k]) >= double(bounds_.lower[k]) - tolerance &&
+                      double(p[k]) <= double(bounds_.upper[k]) + tolerance))
                     return false;
             }
-            return coordinates.distance_from_boundary(p) <= tolerance;
+            return coordinates_.distance_from_boundary(p) <= tolerance;
         };
         auto& outside = report.outside;
         const auto first_near = std::stable_partition(outside.begin(), outside.end(), std::not_fn(is_near));
         report.on_boundary.insert(report.on_boundary.end(), first_near, outside.end());
         outside.erase(first_near, outside.end());
         std::sort(report.on_boundary.begin(), report.on_boundary.end());
-        if (first) {
-            total.solver = report.solver;
-            warn_of_coarse_grid(settings.cage_path, total.solver);
-        }
-        first = false;
-        if (not_finite == 0 && !report.not_finite.empty())
-            first_not_finite = total.points + report.not_finite[0];
-        not_finite += report.not_finite.size();
-        states.assign(points.size(), cageform::PointState::inside);
-        for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
-        for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
-        for (const std::size_t i : report.not_finite) states[i] = cageform::PointState::not_finite;
-        for (const std::size_t i : report.unreached) states[i] = cageform::PointState::unreached;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const auto state = states[i];
-            const bool known = state == cageform::PointState::inside ||
-                               state == cageform::PointState::on_boundary ||
-                               (state == cageform::PointState::outside && weights_outside);
-            text += to_string(state);
+    }
+
+    void append_rows(const cageform::Binding<T, D>& binding, const cageform::BindReport& report) {
+        using State = cageform::PointState;
+        states_.assign(points_.size(), State::inside);
+        for (const std::size_t i : report.on_boundary) states_[i] = State::on_boundary;
+        for (const std::size_t i : report.outside) states_[i] = State::outside;
+        for (const std::size_t i : report.not_finite) states_[i] = State::not_finite;
+        for (const std::size_t i : report.unreached) states_[i] = State::unreached;
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            const State state = states_[i];
+            const bool known = state == State::inside || state == State::on_boundary ||
+                               (state == State::outside && weights_outside_);
+            text_ += to_string(state);
             for (std::size_t h = 0; h < binding.handle_count(); ++h) {
-                text += ',';
+                text_ += ',';
                 if (!known) {
-                    text += "nan";
+                    text_ += "nan";
                     continue;
                 }
                 std::array<char, 32> digits;
                 const auto end = std::to_chars(digits.begin(), digits.end(), double(binding.weight(i, h)),
                                                std::chars_format::general, 17);
-                text.append(digits.data(), end.ptr);
+                text_.append(digits.data(), end.ptr);
             }
-            text += '\n';
+            text_ += '\n';
         }
-        out.write(text);
-        text.clear();
-        if (settings.report)
-            add_batch(total, report, total.points);
-        else
-            total.points += report.points;
-        if (progress) progress(reader.fraction());
     }
-    if (total.points == 0) return fail(settings.points_path + ": holds no points");
-    if (not_finite > 0) {
-        warn(settings.points_path + ": " + std::to_string(not_finite) + " of " +
-             std::to_string(total.points) + " points are not finite, first number " +
-             std::to_string(first_not_finite) +
-             " counted from 0: their weights are nan; --strict refuses the file");
-    }
-    if (const auto error = out.commit()) return fail(*error);
-    if (settings.report) std::cout << describe(total);
-    return 0;
+
+    const Settings& settings_;
+    const ChosenCoordinates<T, D> coordinates_;
+    const Describe& describe_faults_;
+    const cageform::Vec<double, D> origin_;
+    PointReader<D, T> reader_;
+    cageform::Bounds<T, D> bounds_; // of the handles
+    cageform::BindOptions options_;
+    bool weights_outside_ = false;
+    cageform::BindReport total_;
+    std::size_t not_finite_ = 0, first_not_finite_ = 0;
+    std::vector<Place> points_; // of the batch
+    std::vector<cageform::PointState> states_;
+    std::string text_; // to write
+};
+
+template <class T, std::size_t D>
+int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults,
+        const cageform::Vec<double, D>& origin = {}) {
+    return WeightWriter<T, D>(settings, std::move(coordinates), describe_faults, origin).run();
 }
 
 /// rounding_fault() of points; empty for double.
@@ -225,53 +268,48 @@ std::string fault_of_place(const Settings& settings, const std::vector<Point>& p
 /// Reads sites.
 template <class T, std::size_t D>
 int run_with_sites(const Settings& settings) {
-    const auto sites = load_sites<D>(settings.cage_path);
-    if (!sites) return fail(to_string(sites.error()));
-    if (const auto why = single_precision_fault(*sites); !why.empty() && sizeof(T) == 4) return fail(why);
-    if (const auto why = fault_of_place<T>(settings, sites->points); !why.empty()) return fail(why);
-    return run(settings, make_coordinates<T>(settings.choice, *sites),
-               [&](const auto& report) { return describe_site_faults(*sites, report); });
+    const auto sites = value_or_fail(load_sites<D>(settings.cage_path));
+    if (const auto why = single_precision_fault(sites); !why.empty() && sizeof(T) == 4) return fail(why);
+    fail_if(fault_of_place<T>(settings, sites.points));
+    return run(settings, make_coordinates<T>(settings.choice, sites),
+               [&](const auto& report) { return describe_site_faults(sites, report); });
 }
 
 /// Reads the cage, or sites.
 template <class T>
 int run(const Settings& settings) {
     if (settings.choice.takes_sites()) {
-        const auto dimension = site_dimension(settings.cage_path);
-        if (!dimension) return fail(to_string(dimension.error()));
-        return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
+        const auto dimension = value_or_fail(site_dimension(settings.cage_path));
+        return dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
     }
     if (settings.cage_path.starts_with("lattice:"))
         return fail(
             "--cage " + settings.cage_path +
             ": there is no figure that determines its box; make_cage --lattice writes a .lattice.json file");
-    const auto dimension = cage_dimension(settings.cage_path);
-    if (!dimension) return fail(to_string(dimension.error()));
-    if (*dimension == 3) {
+    const auto dimension = value_or_fail(cage_dimension(settings.cage_path));
+    if (dimension == 3) {
         if (settings.choice.is_planar() && !is_lattice_path(settings.cage_path))
             return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
-        auto file = load_mesh_cage(settings.cage_path);
-        if (!file) return fail(to_string(file.error()));
-        if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
+        auto file = value_or_fail(load_mesh_cage(settings.cage_path));
+        if (const auto fault = single_precision_fault(file); fault && sizeof(T) == 4)
             return fail(to_string(*fault));
-        const Point3 origin = sizeof(T) == 4 ? far_origin(*file) : Point3{};
-        file->vertices = counted_from(origin, file->vertices);
-        if (file->lattice) file->lattice->frame.translation = file->lattice->frame.translation - origin;
+        const Point3 origin = sizeof(T) == 4 ? far_origin(file) : Point3{};
+        file.vertices = counted_from(origin, file.vertices);
+        if (file.lattice) file.lattice->frame.translation = file.lattice->frame.translation - origin;
         return run(
-            settings, make_coordinates<T>(settings.choice, *file),
+            settings, make_coordinates<T>(settings.choice, file),
             [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); }, origin);
     }
-    const auto file = load_cage(settings.cage_path, settings.choice.edges());
-    if (!file) return fail(to_string(file.error()));
-    for (std::size_t i = 0; i < file->vertices.size() && sizeof(T) == 4; ++i) {
-        for (const double x : {file->vertices[i].x, file->vertices[i].y}) {
+    const auto file = value_or_fail(load_cage(settings.cage_path, settings.choice.edges()));
+    for (std::size_t i = 0; i < file.vertices.size() && sizeof(T) == 4; ++i) {
+        for (const double x : {file.vertices[i].x, file.vertices[i].y}) {
             const std::string why = detail::single_precision_fault(x);
             if (!why.empty() && std::isfinite(x))
                 return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
         }
     }
-    if (const auto why = fault_of_place<T>(settings, file->vertices); !why.empty()) return fail(why);
-    return run(settings, make_coordinates<T>(settings.choice, *file),
+    fail_if(fault_of_place<T>(settings, file.vertices));
+    return run(settings, make_coordinates<T>(settings.choice, file),
                [&](const auto& report) { return describe_faults(settings.cage_path, report); });
 }
 

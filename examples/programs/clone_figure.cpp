@@ -273,7 +273,7 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
         for (std::size_t n = 0; n < count; ++n) {
             const Outcome& outcome = outcomes[n];
             if (given.json) print_line(batch[n], outcome);
-            if (!outcome.warning.empty()) warn(outcome.warning);
+            warn(outcome.warning);
             ++done;
             if (outcome.fault.empty()) continue;
             if (++failed <= most_messages && !(stops && outcome.at_output)) fail(outcome.fault);

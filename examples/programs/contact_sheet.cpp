@@ -32,22 +32,80 @@ void prefix_ids(pugi::xml_node node, const std::string& prefix) {
 }
 
 /// Wraps a PNG file in an SVG document.
-Expected<SvgDocument> wrap_png(const std::string& path) {
-    const auto file = read_file(path);
-    if (!file) return file.error();
-    const std::string& bytes = *file;
+SvgDocument wrap_png(const std::string& path) {
+    const std::string bytes = value_or_fail(read_file(path));
     if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n"))
-        return FileError{path + ": is not a PNG file"};
+        throw Failure(path + ": is not a PNG file");
     const auto number = [&](std::size_t at) { // big-endian
         std::uint32_t n = 0;
         for (std::size_t k = 0; k < 4; ++k) n = n << 8 | std::uint8_t(bytes[at + k]);
         return std::to_string(n);
     };
     const std::string width = number(16), height = number(20);
-    return parse_svg("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + width + ' ' + height +
-                         "\"><image width=\"" + width + "\" height=\"" + height +
-                         "\" xlink:href=\"data:image/png;base64," + base64(bytes) + "\"/></svg>",
-                     path);
+    return value_or_fail(parse_svg("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + width + ' ' +
+                                       height + "\"><image width=\"" + width + "\" height=\"" + height +
+                                       "\" xlink:href=\"data:image/png;base64," + base64(bytes) +
+                                       "\"/></svg>",
+                                   path));
+}
+
+void add_caption(pugi::xml_node sheet, const std::string& words, double x, double y) {
+    auto text = sheet.append_child("text");
+    text.append_attribute("x") = x;
+    text.append_attribute("y") = y;
+    text.append_attribute("font-family") = "DejaVu Sans, sans-serif";
+    text.append_attribute("font-size") = 17;
+    text.append_attribute("text-anchor") = "middle";
+    text.text() = detail::escaped(words).c_str();
+}
+
+/// Adds a document as tile n, scaled to a box.
+void add_tile(pugi::xml_node sheet, std::size_t n, const SvgDocument& document, const ViewBox& box) {
+    const auto view = view_box(document);
+    auto nested = sheet.append_copy(document.xml.document_element());
+    prefix_ids(nested, "t" + std::to_string(n) + "-");
+    for (const char* name : {"x", "y", "width", "height", "viewBox"}) nested.remove_attribute(name);
+    nested.append_attribute("x") = box.x;
+    nested.append_attribute("y") = box.y;
+    nested.append_attribute("width") = box.width;
+    nested.append_attribute("height") = box.height;
+    nested.append_attribute("viewBox") = (std::to_string(view.x) + " " + std::to_string(view.y) + " " +
+                                          std::to_string(view.width) + " " + std::to_string(view.height))
+                                             .c_str();
+}
+
+/// Places tiles in rows, which are as high as their highest tile.
+///
+///   words   caption and file of each tile
+///   tile    its width
+SvgDocument sheet_of(const std::vector<std::string>& words, std::size_t columns, double tile) {
+    SvgDocument sheet;
+    auto root = sheet.xml.append_child("svg");
+    root.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
+    root.append_attribute("xmlns:xlink") = "http://www.w3.org/1999/xlink";
+    constexpr double caption = 30, gap = 12;
+    double height = gap, row_height = 0;
+    for (std::size_t n = 0; n < words.size() / 2; ++n) {
+        const std::string& path = words[2 * n + 1];
+        const auto document = path.ends_with(".png") ? wrap_png(path) : value_or_fail(load_svg(path));
+        const auto view = view_box(document);
+        if (n % columns == 0) {
+            height += row_height;
+            row_height = 0;
+        }
+        const double x = gap + double(n % columns) * (tile + gap);
+        const double tile_height = tile * view.height / view.width;
+        row_height = std::max(row_height, caption + tile_height + gap);
+        add_caption(root, words[2 * n], x + tile / 2, height + 0.7 * caption);
+        add_tile(root, n, document, {x, height + caption, tile, tile_height});
+    }
+    height += row_height;
+    const double width = gap + double(std::min(columns, words.size() / 2)) * (tile + gap);
+    root.append_attribute("viewBox") =
+        ("0 0 " + std::to_string(width) + " " + std::to_string(height)).c_str();
+    root.append_attribute("width") = width;
+    root.append_attribute("height") = height;
+    return sheet;
 }
 
 } // namespace
@@ -64,8 +122,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add("--columns", columns, "tiles in a row").range(1, 64).show_default();
     line.add("--tile", tile, "width of a tile, in user units").range(10, 10000).show_default();
-    line.add_flag("--png", png, "also render it, to the same name with .png");
-    line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
+    line.add_png(png, png_width);
     line.add("tiles", words, "CAPTION FILE pairs; files are SVG or PNG").required();
     if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 2 != 0) return fail("captions and files have to alternate");
@@ -74,50 +131,7 @@ int run_program(int argc, char** argv) {
             return fail("the caption \"" + words[n] + "\" holds control characters, or is not UTF-8");
     }
 
-    SvgDocument sheet;
-    auto root = sheet.xml.append_child("svg");
-    root.append_attribute("xmlns") = "http://www.w3.org/2000/svg";
-    root.append_attribute("xmlns:xlink") = "http://www.w3.org/1999/xlink";
-    constexpr double caption = 30, gap = 12;
-    double height = gap, row_height = 0;
-    for (std::size_t n = 0; n < words.size() / 2; ++n) {
-        const std::string& path = words[2 * n + 1];
-        const auto document = path.ends_with(".png") ? wrap_png(path) : load_svg(path);
-        if (!document) return fail(to_string(document.error()));
-        const auto view = view_box(*document);
-        if (n % columns == 0) {
-            height += row_height;
-            row_height = 0;
-        }
-        const double x = gap + double(n % columns) * (tile + gap);
-        const double tile_height = tile * view.height / view.width;
-        row_height = std::max(row_height, caption + tile_height + gap);
-
-        auto text = root.append_child("text");
-        text.append_attribute("x") = x + tile / 2.0;
-        text.append_attribute("y") = height + 0.7 * caption;
-        text.append_attribute("font-family") = "DejaVu Sans, sans-serif";
-        text.append_attribute("font-size") = 17;
-        text.append_attribute("text-anchor") = "middle";
-        text.text() = detail::escaped(words[2 * n]).c_str();
-        auto nested = root.append_copy(document->xml.document_element());
-        prefix_ids(nested, "t" + std::to_string(n) + "-");
-        for (const char* name : {"x", "y", "width", "height", "viewBox"}) nested.remove_attribute(name);
-        nested.append_attribute("x") = x;
-        nested.append_attribute("y") = height + caption;
-        nested.append_attribute("width") = tile;
-        nested.append_attribute("height") = tile_height;
-        nested.append_attribute("viewBox") = (std::to_string(view.x) + " " + std::to_string(view.y) + " " +
-                                              std::to_string(view.width) + " " + std::to_string(view.height))
-                                                 .c_str();
-    }
-    height += row_height;
-    const double width = gap + double(std::min(columns, words.size() / 2)) * (tile + gap);
-    root.append_attribute("viewBox") =
-        ("0 0 " + std::to_string(width) + " " + std::to_string(height)).c_str();
-    root.append_attribute("width") = width;
-    root.append_attribute("height") = height;
     OutputFiles outputs;
-    add_svg(outputs, out_path, to_text(sheet), png ? png_width : 0);
+    add_svg(outputs, out_path, to_text(sheet_of(words, columns, tile)), png ? png_width : 0);
     return commit(outputs);
 }

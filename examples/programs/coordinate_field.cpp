@@ -26,7 +26,7 @@ namespace averaging = cageform_sources::averaging;
 using cageform_sources::averaged_coordinates;
 
 struct Arguments {
-    std::string cage, out, zoom, classes;
+    std::string cage, figure, field, out, zoom, classes; // field: the text of --values
     std::size_t vertex = 0;
     std::vector<double> values; // at every vertex: 1 at `vertex`, or those of --values
     bool is_coordinate = true;
@@ -51,21 +51,21 @@ struct Arguments {
 };
 
 /// Parses "v0,v1,…", one number per vertex.
-Expected<std::vector<double>> parse_values(const std::string& text, const CageFile& cage) {
+std::vector<double> parse_values(const std::string& text, const CageFile& cage) {
     std::vector<double> values;
     std::string_view rest = text;
     for (bool more = true; more;) {
         const std::size_t end = std::min(rest.find(','), rest.size());
         const std::string why =
             detail::parse_number(detail::trim(rest.substr(0, end)), values.emplace_back());
-        if (!why.empty()) return FileError{"--values: " + why};
-        if (!std::isfinite(values.back())) return FileError{"--values: a value is not finite"};
+        if (!why.empty()) throw Failure("--values: " + why);
+        if (!std::isfinite(values.back())) throw Failure("--values: a value is not finite");
         more = end < rest.size();
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     if (values.size() != cage.vertices.size()) {
-        return FileError{"--values: " + std::to_string(values.size()) + " values, but " + cage.name +
-                         " has " + std::to_string(cage.vertices.size()) + " vertices"};
+        throw Failure("--values: " + std::to_string(values.size()) + " values, but " + cage.name + " has " +
+                      std::to_string(cage.vertices.size()) + " vertices");
     }
     return values;
 }
@@ -82,26 +82,24 @@ public:
         }
     }
 
-    /// Why there is no field; empty if there is one.
-    std::string solve(const std::string& cage_path) {
+    void solve(const std::string& cage_path) {
         if (coordinates_.cage_report().status != cageform::Status::ok)
-            return describe_faults(cage_path, coordinates_.cage_report());
+            throw Failure(describe_faults(cage_path, coordinates_.cage_report()));
         ProgressBar bar("coordinate field");
         const auto evaluation = coordinates_.solve({.progress = bar.callback()});
-        return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
+        if (evaluation.status != cageform::Status::ok) throw Failure(cageform::to_string(evaluation.status));
     }
 
     /// Returns the values at points, NaN outside. Points are bound in batches to bound the memory.
-    Expected<std::vector<double>>
-    at(std::span<const Point2> points, const std::string& cage_path,
-       cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
+    std::vector<double> at(std::span<const Point2> points, const std::string& cage_path,
+                           cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
         constexpr std::size_t most = 16384;
         std::vector<double> values(points.size());
         for (std::size_t first = 0; first < points.size(); first += most) {
             const auto part = points.subspan(first, std::min(most, points.size() - first));
             const auto [binding, bound] = coordinates_.bind(
                 part, {.outside = outside, .linear_precision = cageform::LinearPrecision::leave});
-            if (bound.status != cageform::Status::ok) return FileError{describe_faults(cage_path, bound)};
+            if (bound.status != cageform::Status::ok) throw Failure(describe_faults(cage_path, bound));
             for (std::size_t i = 0; i < part.size(); ++i) {
                 for (const auto& [vertex, value] : terms_)
                     values[first + i] += value * binding.weight(i, vertex);
@@ -129,8 +127,8 @@ std::vector<std::vector<Point2>> loops_of(const CageFile& cage) {
 
 /// Boundary edges within a box, with their values. For coordinates that do not interpolate, the values are
 /// limits from inside, sampled along each edge.
-Expected<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
-                                             const CoordinateField& field, const PlaneBox& box) {
+std::vector<PlaneLine> boundary_of(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                                   const PlaneBox& box) {
     std::vector<PlaneLine> lines;
     const std::size_t pieces = given.interpolates() ? 1 : cage.curves ? 4 : 32;
     const auto add = [&](const Point2& a, const Point2& b, const auto& value) {
@@ -159,16 +157,13 @@ Expected<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageF
     std::vector<Point2> points;
     for (const PlaneLine& line : lines) points.insert(points.end(), line.points.begin(), line.points.end());
     const auto values = field.at(points, given.cage, cageform::OutsidePoints::nearest_boundary);
-    if (!values) return values.error();
-    for (std::size_t n = 0; n < lines.size(); ++n)
-        lines[n].values.assign(values->begin() + std::ptrdiff_t(2 * n),
-                               values->begin() + std::ptrdiff_t(2 * n + 2));
+    for (std::size_t n = 0; n < lines.size(); ++n) lines[n].values = {values[2 * n], values[2 * n + 1]};
     return lines;
 }
 
 /// Draws the field over a box, with 2 × 2 supersampling, and the boundary values on top.
-Expected<Picture> draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
-                           const PlaneBox& box) {
+Picture draw_map(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                 const PlaneBox& box) {
     const double scale = 2 * double(given.style.size) / box.extent();
     const std::size_t width = 2 * std::size_t(std::ceil(box.width() * scale / 2));
     const std::size_t height = 2 * std::size_t(std::ceil(box.height() * scale / 2));
@@ -184,14 +179,11 @@ Expected<Picture> draw_map(const Arguments& given, const CageFile& cage, const C
                 {(double(x) + 0.5) / scale + box.low.x, row(double(y) + 0.5) / scale + box.low.y});
     }
     const auto values = field.at(points, given.cage);
-    if (!values) return values.error();
-    const auto [least, largest] = least_and_largest(*values);
+    const auto [least, largest] = least_and_largest(values);
     std::cout << given.name() << ": " << least << " to " << largest << '\n';
 
-    Picture fine = draw_field(*values, width, given.style);
-    const auto boundary = boundary_of(given, cage, field, box);
-    if (!boundary) return boundary.error();
-    for (const PlaneLine& line : *boundary) {
+    Picture fine = draw_field(values, width, given.style);
+    for (const PlaneLine& line : boundary_of(given, cage, field, box)) {
         const int pieces = given.interpolates() ? 64 : 2;
         const auto at = [&](double t) {
             const Point2 &a = line.points[0], &b = line.points[1];
@@ -206,21 +198,18 @@ Expected<Picture> draw_map(const Arguments& given, const CageFile& cage, const C
     if (given.is_coordinate) {
         const Point2 at = to_picture(cage.vertices[given.vertex]);
         fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
-        double value = 1;
-        if (!given.interpolates()) {
-            const auto limit = field.at(std::span(&cage.vertices[given.vertex], 1), given.cage,
-                                        cageform::OutsidePoints::nearest_boundary);
-            if (!limit) return limit.error();
-            value = limit->front();
-        }
+        const double value = given.interpolates()
+                                 ? 1
+                                 : field.at(std::span(&cage.vertices[given.vertex], 1), given.cage,
+                                            cageform::OutsidePoints::nearest_boundary)[0];
         fine.line(at, at, 24, boundary_hue(given.style.share(value)));
     }
     return with_colour_bar(fine.halved(), std::min(least, given.style.zero),
                            std::max(largest, given.style.one), given.style);
 }
 
-Expected<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
-                                  const PlaneBox& box) {
+Picture draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
+                        const PlaneBox& box) {
     std::vector<std::vector<Point2>> loops = loops_of(cage);
     if (cage.lattice) { // its box
         const std::size_t last = cage.lattice->points() - 1, along = cage.lattice->axes[0].points - 1;
@@ -230,12 +219,8 @@ Expected<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, 
     }
     FieldSurface surface;
     surface.mesh = cut_by_lattice(loops, box, std::clamp<std::size_t>(given.style.size / 4, 16, 400));
-    auto values = field.at(surface.mesh.places, given.cage);
-    if (!values) return values.error();
-    surface.values = std::move(*values);
-    auto boundary = boundary_of(given, cage, field, box);
-    if (!boundary) return boundary.error();
-    surface.boundary = std::move(*boundary);
+    surface.values = field.at(surface.mesh.places, given.cage);
+    surface.boundary = boundary_of(given, cage, field, box);
     surface.y_up = given.y_up;
     return draw_surface(surface, given.view, given.style);
 }
@@ -280,35 +265,22 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
     return fine.halved();
 }
 
-Expected<CageFile> cage_about(const std::string& figure, const std::string& word, CageEdges edges) {
-    if (!CageWord::of(word).is_auto) return load_cage(word, edges);
-    if (figure.empty()) return FileError{"--cage " + word + " needs a --figure, around which it is made"};
-    const auto document = load_svg(figure);
-    return document ? load_or_make_cage(word, *document, edges) : document.error();
+CageFile cage_about(const std::string& figure, const std::string& word, CageEdges edges) {
+    if (!CageWord::of(word).is_auto) return value_or_fail(load_cage(word, edges));
+    if (figure.empty()) throw Failure("--cage " + word + " needs a --figure, around which it is made");
+    return value_or_fail(load_or_make_cage(word, value_or_fail(load_svg(figure)), edges));
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
-                     "are positive, blue is negative, green is the "
-                     "value on the boundary.");
-    line.set_examples(
-        {"--cage cat_cage.svg --vertex 8 --coordinates harmonic -o field.png",
-         "--cage rectangle.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png"});
-    Arguments given;
-    std::string figure;
+CommandOption add_options(CommandLine& line, Arguments& given) {
     line.add("--cage", given.cage,
              "an SVG or CSV file" + std::string(auto_cage_help) + " around the --figure")
         .required();
-    line.add("--figure", figure, "an SVG file, for --cage auto");
+    line.add("--figure", given.figure, "an SVG file, for --cage auto");
     const CommandOption vertex =
         line.add("--vertex", given.vertex, "the vertex whose coordinate is drawn, counted from 0");
-    std::string values;
-    CommandOption of_values =
-        line.add("--values", values,
-                 "v0,v1,...: draw the field of these values at the vertices instead of a coordinate");
-    of_values.excludes(vertex);
+    line.add("--values", given.field,
+             "v0,v1,...: draw the field of these values at the vertices instead of a coordinate")
+        .excludes(vertex);
     line.add("-o,--output", given.out, "the PNG file to write").required().ends_with({".png"});
     given.style.add_options(line);
     line.add("--zoom", given.zoom, "x,y,width,height: draw only this part of the plane, in the cage's units")
@@ -322,7 +294,8 @@ int run_program(int argc, char** argv) {
     given.choice.in_plane = given.choice.with_normals = true;
     given.choice.add_options(line);
     line.add_text(
-            "--solver", [&](const std::string& word) { given.is_averaged = word == "averaging-pyramid"; },
+            "--solver",
+            [&given](const std::string& word) { given.is_averaged = word == "averaging-pyramid"; },
             "harmonic: averaging-pyramid, the solver of the papers on a uniform grid, as a baseline")
         .check([](const std::string& word) {
             return word == "multigrid" || word == "averaging-pyramid"
@@ -331,53 +304,63 @@ int run_program(int argc, char** argv) {
         })
         .show_default("multigrid")
         .rarely_needed();
+    return vertex;
+}
+
+/// Checks options against the cage, and sets the values at its vertices.
+void set_values(Arguments& given, const CageFile& cage) {
+    if (!given.classes.empty() && (cage.has_cells() || cage.curves))
+        throw Failure("--classes: " + given.cage + ": the papers' grid needs a cage " +
+                      (cage.curves ? "of lines" : "without chains and points inside"));
+    if (given.is_coordinate != given.field.empty())
+        throw Failure("give --vertex or --values to choose what to draw");
+    if (given.vertex >= cage.vertices.size()) {
+        throw Failure("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
+                      std::to_string(cage.vertices.size()));
+    }
+    given.values.assign(cage.vertices.size(), 0.0);
+    given.values[given.vertex] = 1;
+    given.style.set_range(0, 1);
+    if (given.is_coordinate) return;
+    if (given.choice.takes_normals())
+        throw Failure("--values: " + given.choice.name + " coordinates do not interpolate at the vertices");
+    given.values = parse_values(given.field, cage);
+    const auto [least, largest] = least_and_largest(given.values);
+    given.style.set_range(least, largest > least ? largest : least + 1);
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Draws one coordinate over its cage, or a field of values at its vertices. Warm colours "
+                     "are positive, blue is negative, green is the "
+                     "value on the boundary.");
+    line.set_examples(
+        {"--cage cat_cage.svg --vertex 8 --coordinates harmonic -o field.png",
+         "--cage rectangle.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png"});
+    Arguments given;
+    const CommandOption vertex = add_options(line, given);
     line.set_footer(cage_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto cage = cage_about(figure, given.cage, given.choice.edges());
-    if (!cage) return fail(to_string(cage.error()));
-    given.cage = cage->name;
-    given.is_lattice = cage->lattice.has_value();
-    if (!given.classes.empty() && (cage->has_cells() || cage->curves))
-        return fail("--classes: " + given.cage + ": the papers' grid needs a cage " +
-                    (cage->curves ? "of lines" : "without chains and points inside"));
+    const CageFile cage = cage_about(given.figure, given.cage, given.choice.edges());
+    given.cage = cage.name;
+    given.is_lattice = cage.lattice.has_value();
     given.is_coordinate = vertex.is_given();
-    if (vertex.is_given() == of_values.is_given())
-        return fail("give --vertex or --values to choose what to draw");
-    if (given.vertex >= cage->vertices.size()) {
-        return fail("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
-                    std::to_string(cage->vertices.size()));
-    }
-    given.values.assign(cage->vertices.size(), 0.0);
-    given.values[given.vertex] = 1;
-    given.style.set_range(0, 1);
-    if (of_values.is_given()) {
-        if (given.choice.takes_normals())
-            return fail("--values: " + given.choice.name + " coordinates do not interpolate at the vertices");
-        auto parsed = parse_values(values, *cage);
-        if (!parsed) return fail(to_string(parsed.error()));
-        given.values = std::move(*parsed);
-        const auto [least, largest] = least_and_largest(given.values);
-        given.style.set_range(least, largest > least ? largest : least + 1);
-    }
+    set_values(given, cage);
     PlaneBox around;
-    for (const Point2& p : cage->vertices) around.add(p);
+    for (const Point2& p : cage.vertices) around.add(p);
     const double margin = 0.04 * around.extent(); // for the cage's outline
     const PlaneBox wide{{around.low.x - margin, around.low.y - margin},
                         {around.high.x + margin, around.high.y + margin}};
     const auto zoomed = parse_box(given.zoom);
-    CoordinateField field(given, *cage);
-    if (const std::string why = field.solve(given.cage); !why.empty()) return fail(why);
+    CoordinateField field(given, cage);
+    field.solve(given.cage);
 
     OutputFiles outputs;
-    const auto map = draw_map(given, *cage, field, zoomed.value_or(wide));
-    if (!map) return fail(to_string(map.error()));
-    map->write_png(outputs.add(given.out));
-    if (!given.classes.empty()) draw_classes(given, *cage).write_png(outputs.add(given.classes));
-    if (!given.view.path.empty()) {
-        const auto surface = draw_as_surface(given, *cage, field, zoomed.value_or(around));
-        if (!surface) return fail(to_string(surface.error()));
-        surface->write_png(outputs.add(given.view.path));
-    }
+    draw_map(given, cage, field, zoomed.value_or(wide)).write_png(outputs.add(given.out));
+    if (!given.classes.empty()) draw_classes(given, cage).write_png(outputs.add(given.classes));
+    if (!given.view.path.empty())
+        draw_as_surface(given, cage, field, zoomed.value_or(around)).write_png(outputs.add(given.view.path));
     return commit(outputs);
 }

@@ -71,103 +71,115 @@ struct Deformed {
     std::vector<Colour> paint;        // of --weight
     MeshFolds folds;                  // around the vertices
     cageform::BindReport report;
-    std::string fault, warning;
+    std::string warning;
 };
 
 constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights per batch
 
-/// Binds and clones the figure, in batches if the weights exceed 256 MB. Stops if `fault` is not empty or the
-/// status of the report is not ok.
-Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshControl& control) {
-    const auto& coordinates = control.coordinates;
-    const auto& [pose, weights] = std::tie(control.pose, control.weights);
-    const std::span<const Point3> rest(figure.vertices);
-    const auto at_rest = coordinates.handles();
-    const auto options = given.control.outside.bind_options(coordinates);
-    Deformed result;
-    result.vertices.resize(rest.size());
-    auto& report = result.report;
-    report.cage = coordinates.cage_report();
-    const bool finds_folds = figure.tetrahedra.empty() && (given.report || given.no_folds);
-    bool takes_jacobians = finds_folds || !figure.normals.empty();
-    if (takes_jacobians && (!weights.empty() || !coordinates.has_gradients())) {
-        takes_jacobians = false;
-        result.folds.unknown = weights.empty()
-                                   ? cageform::to_string(cageform::Status::gradients_not_supported)
-                                   : "no gradients are computed for points with weights";
+/// Binds and clones a figure, in batches if the weights exceed 256 MB.
+class Deformer {
+public:
+    Deformer(const Arguments& given, const ObjFile& figure, const MeshControl& control)
+        : given_(given)
+        , control_(control)
+        , rest_(figure.vertices)
+        , options_(given.control.outside.bind_options(control.coordinates))
+        , finds_folds_(figure.tetrahedra.empty() && (given.report || given.no_folds))
+        , takes_jacobians_(finds_folds_ || !figure.normals.empty())
+        , handles_(control.handles) {
+        result_.vertices.resize(rest_.size());
+        if (takes_jacobians_ && !control.weights.empty())
+            leave_out_jacobians("no gradients are computed for points with weights");
+        else if (takes_jacobians_ && !control.coordinates.has_gradients())
+            leave_out_jacobians(cageform::to_string(cageform::Status::gradients_not_supported));
+        if (takes_jacobians_) result_.jacobians.resize(rest_.size());
     }
-    if (takes_jacobians) result.jacobians.resize(rest.size());
-    const std::size_t bindings = takes_jacobians ? 4 : 1;
-    const std::size_t fits = most_bytes / (bindings * sizeof(double) * (at_rest.count + 1));
-    const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
-    ProgressBar bar("binding");
-    const cageform::Running running{.progress = bar.callback()};
-    const bool in_batches = together < rest.size() || takes_jacobians;
-    if (in_batches) {
-        const auto evaluation = coordinates.solve(running.subtask(0, 0.5));
-        report.status = evaluation.status;
-        report.solver = evaluation.solver;
-    }
-    const cageform::Running binding = running.subtask(in_batches ? 0.5 : 0, 1);
-    const auto done = [&](std::size_t i) {
-        return double(i) / double(std::max<std::size_t>(rest.size(), 1));
-    };
-    std::vector<Point3> handles = control.handles;
-    std::size_t first = 0;
-    while (report.status == cageform::Status::ok) {
-        const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
-        const double begin = done(first), end = done(first + batch.size());
-        const double middle = takes_jacobians ? 0.75 * begin + 0.25 * end : end;
-        const auto bound = coordinates.bind(batch, options, binding.subtask(begin, middle));
-        if (first == 0) report.solver = bound.report.solver;
-        add_batch(report, bound.report, first);
-        report.status = bound.report.status;
-        if (report.status != cageform::Status::ok) break;
-        if (handles.empty()) {
-            auto posed = pose_of_handles(bound.value, pose.vertices, pose.name, result.warning);
-            if (!posed) {
-                result.fault = to_string(posed.error());
-                return result;
-            }
-            handles = std::move(*posed);
-        }
-        const auto moved = std::span(result.vertices).subspan(first, batch.size());
-        const auto status = weights.empty()
-                                ? cageform::clone(bound.value, handles, moved)
-                                : cageform::clone_rational(bound.value, handles, std::span(weights), moved);
-        if (status != cageform::Status::ok) {
-            result.fault = (weights.empty() ? pose.name : given.control.of_sites.weights) + ": " +
-                           cageform::to_string(status);
-            return result;
-        }
-        if (takes_jacobians) {
-            const auto axes = coordinates.bind_jacobians(batch, options, binding.subtask(middle, end));
-            const cageform::StridedMatrices<double, 3> jacobians(result.jacobians[first][0].v, batch.size());
-            const cageform::Status cloned =
-                axes ? cageform::clone_jacobians(axes.value, handles, jacobians) : axes.report.status;
-            takes_jacobians = cloned == cageform::Status::ok;
-            if (!takes_jacobians) {
-                result.folds.unknown = cageform::to_string(cloned);
-                result.jacobians.clear();
-            } else if (finds_folds) {
-                result.folds.add(axes.value, std::span(at_rest.rest, at_rest.count), handles, first,
-                                 given.folds);
-            }
-        }
-        for (std::size_t i = 0; given.paints && i < batch.size(); ++i)
-            result.paint.push_back(heat(bound.value.weight(i, given.weight)));
-        first += batch.size();
-        if (first >= rest.size()) break;
-    }
-    return result;
-}
 
-/// If the pose folds the figure, moves both back towards rest, to the largest step without folds. Returns an
-/// error message, or empty.
-std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vector<Point3>& moved,
-                          std::vector<Jacobian3>& jacobians, const MeshFolds& folds) {
-    if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
-    if (folds.report.count == 0) return {};
+    /// Stops if the status of the report is not ok.
+    Deformed run() {
+        auto& report = result_.report;
+        report.cage = control_.coordinates.cage_report();
+        const std::size_t bindings = takes_jacobians_ ? 4 : 1;
+        const std::size_t handles = control_.coordinates.handles().count;
+        const std::size_t fits = most_bytes / (bindings * sizeof(double) * (handles + 1));
+        const std::size_t together = rest_.size() <= fits ? rest_.size() : fits / 4 + 1;
+        ProgressBar bar("binding");
+        const cageform::Running running{.progress = bar.callback()};
+        const bool in_batches = together < rest_.size() || takes_jacobians_;
+        if (in_batches) {
+            const auto evaluation = control_.coordinates.solve(running.subtask(0, 0.5));
+            report.status = evaluation.status;
+            report.solver = evaluation.solver;
+        }
+        const cageform::Running binding = running.subtask(in_batches ? 0.5 : 0, 1);
+        const double all = double(std::max<std::size_t>(rest_.size(), 1));
+        std::size_t first = 0;
+        while (report.status == cageform::Status::ok) {
+            const std::size_t end = first + std::min(together, rest_.size() - first);
+            deform(first, end, binding.subtask(double(first) / all, double(end) / all));
+            first = end;
+            if (first >= rest_.size()) break;
+        }
+        return std::move(result_);
+    }
+
+private:
+    void leave_out_jacobians(const std::string& why) {
+        takes_jacobians_ = false;
+        result_.folds.unknown = why;
+        result_.jacobians.clear();
+    }
+
+    void deform(std::size_t first, std::size_t end, const cageform::Running& running) {
+        const auto batch = rest_.subspan(first, end - first);
+        const auto& [coordinates, weights] = std::tie(control_.coordinates, control_.weights);
+        const auto bound = coordinates.bind(batch, options_, running.subtask(0, takes_jacobians_ ? 0.25 : 1));
+        if (first == 0) result_.report.solver = bound.report.solver;
+        add_batch(result_.report, bound.report, first);
+        result_.report.status = bound.report.status;
+        if (bound.report.status != cageform::Status::ok) return;
+        const auto& pose = control_.pose;
+        if (handles_.empty())
+            handles_ = value_or_fail(pose_of_handles(bound.value, pose.vertices, pose.name, result_.warning));
+        const auto moved = std::span(result_.vertices).subspan(first, batch.size());
+        const auto status = weights.empty()
+                                ? cageform::clone(bound.value, handles_, moved)
+                                : cageform::clone_rational(bound.value, handles_, std::span(weights), moved);
+        if (status != cageform::Status::ok)
+            throw Failure((weights.empty() ? pose.name : given_.control.of_sites.weights) + ": " +
+                          cageform::to_string(status));
+        if (takes_jacobians_) clone_jacobians(first, batch, running.subtask(0.25, 1));
+        for (std::size_t i = 0; given_.paints && i < batch.size(); ++i)
+            result_.paint.push_back(heat(bound.value.weight(i, given_.weight)));
+    }
+
+    void clone_jacobians(std::size_t first, std::span<const Point3> batch, const cageform::Running& running) {
+        const auto axes = control_.coordinates.bind_jacobians(batch, options_, running);
+        const cageform::StridedMatrices<double, 3> jacobians(result_.jacobians[first][0].v, batch.size());
+        const cageform::Status cloned =
+            axes ? cageform::clone_jacobians(axes.value, handles_, jacobians) : axes.report.status;
+        if (cloned != cageform::Status::ok) return leave_out_jacobians(cageform::to_string(cloned));
+        const auto at_rest = control_.coordinates.handles();
+        if (finds_folds_)
+            result_.folds.add(axes.value, std::span(at_rest.rest, at_rest.count), handles_, first,
+                              given_.folds);
+    }
+
+    const Arguments& given_;
+    const MeshControl& control_;
+    std::span<const Point3> rest_;
+    cageform::BindOptions options_;
+    bool finds_folds_, takes_jacobians_;
+    std::vector<Point3> handles_; // in the pose; empty until the first batch is bound
+    Deformed result_;
+};
+
+/// If the pose folds the figure, moves both back towards rest, to the largest step without folds.
+void stop_at_folds(const ObjFile& figure, MeshControl& control, std::vector<Point3>& moved,
+                   std::vector<Jacobian3>& jacobians, const MeshFolds& folds) {
+    if (const std::string why = folds.fault(); !why.empty())
+        throw Failure(figure.name + ": --no-folds: " + why);
+    if (folds.report.count == 0) return;
     const double step = folds.step.step;
     note(figure.name + ": the pose stops at " + detail::short_number(step) + " of its way from rest, where " +
          (folds.of_cells ? "" : "the figure at ") + folds.name_of(folds.step.culprit) + " would fold");
@@ -182,7 +194,6 @@ std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vect
     auto& pose = control.pose.vertices;
     for (std::size_t i = 0; i < pose.size(); ++i)
         pose[i] = on_the_way(control.cage.vertices[i], pose[i], step);
-    return {};
 }
 
 /// ", with a negative determinant at 6 of 6 vertices"; empty without Jacobians.
@@ -194,59 +205,41 @@ std::string share_of_mirrored(const std::vector<Jacobian3>& jacobians) {
                                    std::to_string(jacobians.size()) + " vertices";
 }
 
-/// Binds, clones and writes the requested files.
-int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl control) {
-    const auto& [coordinates, cage, pose] = std::tie(control.coordinates, control.cage, control.pose);
-    if (const auto why = fault_of_outputs({given.out, given.control.save_pose, given.picture}))
-        return fail(*why);
-    warn_of_closed_gaps(cage.name, coordinates.cage_report());
-    if (!coordinates.note.empty()) note(coordinates.note);
-    auto [moved, jacobians, paint, folds, report, fault, warning] = deformed(given, figure, control);
-    if (!fault.empty()) return fail(fault);
-    if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
-    warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside =
-        given.control.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
-    if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) warn(outside.warning);
-    if (!warning.empty()) warn(warning);
-    for (const Point3& p : moved) {
-        if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex is not finite in the pose");
+/// Draws the figure at rest and posed, in its cage.
+Picture draw_pose(const Arguments& given, const ObjFile& figure, const MeshControl& control,
+                  const Deformed& posed) {
+    ObjFile rest_dots, moved_dots;
+    const ObjFile *drawn = &control.cage, *drawn_pose = &control.pose;
+    if (control.coordinates.takes_sites) {
+        const std::span<const Point3> sites(control.cage.vertices);
+        const double radius = cageform::bounds_of(sites).diagonal() / 150;
+        rest_dots = dots(control.cage.vertices, radius);
+        moved_dots = dots(control.pose.vertices, radius);
+        drawn = &rest_dots;
+        drawn_pose = &moved_dots;
     }
-    if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
-        folds = folds_of_cells(figure, moved, given.folds);
-    if (given.no_folds) {
-        const std::string why = stop_at_folds(figure, control, moved, jacobians, folds);
-        if (!why.empty()) return fail(why);
-    }
+    const std::array<MeshScene, 2> scenes{
+        {{{figure.vertices, figure.triangles, posed.paint}, cage_view(*drawn, drawn->vertices)},
+         {{posed.vertices, figure.triangles, posed.paint}, cage_view(*drawn, drawn_pose->vertices)}}};
+    return draw_meshes(scenes, 1600, 1000, given.view.sight);
+}
 
-    if (const std::string why =
-            describe_winding(control.pose.name, figure.name + share_of_mirrored(jacobians),
-                             side_of(figure.vertices, moved), given.flips_faces);
-        !why.empty())
-        warn(why);
-    if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
-        note(figure.name + ": its normals are computed from the faces: " + folds.unknown);
-    OutputFiles outputs;
-    outputs.add(given.out).write(to_text(figure, {moved, jacobians}));
-    if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
-    if (!given.picture.empty()) {
-        ObjFile rest_dots, moved_dots;
-        const ObjFile *drawn = &cage, *drawn_pose = &pose;
-        if (coordinates.takes_sites) {
-            const double radius =
-                cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal() / 150;
-            rest_dots = dots(cage.vertices, radius);
-            moved_dots = dots(pose.vertices, radius);
-            drawn = &rest_dots;
-            drawn_pose = &moved_dots;
-        }
-        const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles, paint}, cage_view(*drawn, drawn->vertices)},
-             {{moved, figure.triangles, paint}, cage_view(*drawn, drawn_pose->vertices)}}};
-        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
-    }
-    if (const auto error = outputs.commit()) return fail(*error);
+void print_report(const Arguments& given, const ObjFile& figure, const MeshControl& control,
+                  const Deformed& posed) {
+    std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
+              << " normals, " << (figure.tetrahedra.empty() ? figure.faces.size() : figure.tetrahedra.size())
+              << (figure.tetrahedra.empty() ? " faces\n" : " tetrahedra\n");
+    if (control.coordinates.takes_sites)
+        std::cout << "control points: " << control.cage.vertices.size() << '\n';
+    else
+        std::cout << "cage: " << control.cage.vertices.size() << " vertices, "
+                  << control.cage.triangles.size() << " triangles\n";
+    std::cout << describe(posed.report) << control.on_pins
+              << describe(posed.folds, given.no_folds && posed.folds.report.count > 0);
+}
+
+/// Notes material files that the output names, but that are in another folder.
+void note_materials(const Arguments& given, const ObjFile& figure) {
     const auto folder_of = [](const std::string& path) {
         return std::filesystem::absolute(path).lexically_normal().parent_path();
     };
@@ -256,19 +249,38 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
              " does: " + detail::quoted(materials[0]) + (materials.size() > 1 ? " and more" : "") +
              " (and their textures), which must be in the same folder");
     }
-    if (given.report) {
-        std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
-                  << " normals, "
-                  << (figure.tetrahedra.empty() ? figure.faces.size() : figure.tetrahedra.size())
-                  << (figure.tetrahedra.empty() ? " faces\n" : " tetrahedra\n");
-        if (coordinates.takes_sites)
-            std::cout << "control points: " << cage.vertices.size() << '\n';
-        else
-            std::cout << "cage: " << cage.vertices.size() << " vertices, " << cage.triangles.size()
-                      << " triangles\n";
-        std::cout << describe(report) << control.on_pins;
-        std::cout << describe(folds, given.no_folds && folds.report.count > 0);
+}
+
+/// Binds, clones and writes the requested files.
+int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl control) {
+    const auto& [coordinates, cage] = std::tie(control.coordinates, control.cage);
+    fail_if(fault_of_outputs({given.out, given.control.save_pose, given.picture}));
+    print_notes(cage.name, coordinates.cage_report(), coordinates.note);
+    Deformed posed = Deformer(given, figure, control).run();
+    auto& [moved, jacobians, paint, folds, report, warning] = posed;
+    if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
+    warn_of_coarse_grid(cage.name, report.solver);
+    given.control.outside.check(coordinates, report, figure.vertices, figure.name, cage.name);
+    warn(warning);
+    for (const Point3& p : moved) {
+        if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex is not finite in the pose");
     }
+    if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
+        folds = folds_of_cells(figure, moved, given.folds);
+    if (given.no_folds) stop_at_folds(figure, control, moved, jacobians, folds);
+
+    warn(describe_winding(control.pose.name, figure.name + share_of_mirrored(jacobians),
+                          side_of(figure.vertices, moved), given.flips_faces));
+    if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
+        note(figure.name + ": its normals are computed from the faces: " + folds.unknown);
+    OutputFiles outputs;
+    outputs.add(given.out).write(to_text(figure, {moved, jacobians}));
+    if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
+    if (!given.picture.empty())
+        draw_pose(given, figure, control, posed).write_png(outputs.add(given.picture));
+    fail_if(outputs.commit());
+    note_materials(given, figure);
+    if (given.report) print_report(given, figure, control, posed);
     return 0;
 }
 
@@ -312,24 +324,22 @@ int run_program(int argc, char** argv) {
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats + "\n" +
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (const std::string why = given.control.fault(); !why.empty()) return fail(why);
+    fail_if(given.control.fault());
     const std::string ending = ending_of(given.figure) == ".mesh" ? ".mesh" : ".obj";
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
-    if (!figure) return fail(to_string(figure.error()));
+    auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit));
     if (given.flips_faces && ending == ".mesh")
-        return fail("--flip-faces: " + figure->name + ": only OBJ files are supported");
-    auto control = read_mesh_control(given.control, *figure, figure->vertices);
-    if (!control) return fail(to_string(control.error()));
-    if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);
+        return fail("--flip-faces: " + figure.name + ": only OBJ files are supported");
+    auto control = value_or_fail(read_mesh_control(given.control, figure, figure.vertices));
+    fail_if(given.control.save_fault(control));
     given.paints = weight.is_given();
     if (given.paints && given.picture.empty()) return fail("--weight needs --picture");
-    if (given.paints && given.weight >= control->cage.vertices.size()) {
+    if (given.paints && given.weight >= control.cage.vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
-                    " has " + std::to_string(control->cage.vertices.size()));
+                    " has " + std::to_string(control.cage.vertices.size()));
     }
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    return deform_figure(given, *figure, std::move(*control));
+    if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
+    return deform_figure(given, figure, std::move(control));
 }

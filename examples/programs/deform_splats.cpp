@@ -273,22 +273,18 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
         return read_mesh_control(given.control, is_made ? triangles_of(scene) : ObjFile{}, places);
     }();
     if (!control) return fail(to_string(control.error()));
-    if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);
-    if (const auto why = fault_of_outputs({given.out, given.control.save_pose})) return fail(*why);
+    fail_if(given.control.save_fault(*control));
+    fail_if(fault_of_outputs({given.out, given.control.save_pose}));
     const auto& [coordinates, cage] = std::tie(control->coordinates, control->cage);
-    warn_of_closed_gaps(cage.name, coordinates.cage_report());
-    if (!coordinates.note.empty()) note(coordinates.note);
+    print_notes(cage.name, coordinates.cage_report(), coordinates.note);
 
     SplatMover mover(given, *control, scene, seconds);
     mover.move();
-    if (!mover.fault.empty()) return fail(mover.fault);
+    fail_if(mover.fault);
     if (mover.report.status != cageform::Status::ok) return fail(control->describe_faults(mover.report));
     warn_of_coarse_grid(cage.name, mover.report.solver);
-    const auto outside =
-        given.control.outside.judge(coordinates, mover.report, places, scene.name, cage.name);
-    if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) warn(outside.warning);
-    if (!mover.warning.empty()) warn(mover.warning);
+    given.control.outside.check(coordinates, mover.report, places, scene.name, cage.name);
+    warn(mover.warning);
 
     {
         const Clock clock(seconds.write);
@@ -300,7 +296,7 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
         out.write(scene.after);
         if (!given.control.save_pose.empty())
             outputs.add(given.control.save_pose).write(control->saved_pose());
-        if (const auto error = outputs.commit()) return fail(*error);
+        fail_if(outputs.commit());
     }
     if (given.report)
         std::cout << words_of(given, mover, scene, splats, seconds) << describe(mover.report)
@@ -346,7 +342,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(splat_format + std::string("\n") + obj_format + "\n" + lattice_format + "\n" +
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (const std::string why = given.control.fault(); !why.empty()) return fail(why);
+    fail_if(given.control.fault());
 
     Seconds seconds;
     auto scene = [&] {

@@ -37,13 +37,12 @@ namespace {
 using namespace cageform_support;
 
 /// Bounds and warnings of a document.
-Expected<std::vector<Point2>> control_points(const SvgDocument& figure) {
+std::vector<Point2> control_points(const SvgDocument& figure) {
     SvgDocument work = detail::copy_of(figure);
     std::vector<std::string> told_later; // printed when the figure is deformed
-    const auto all = detail::drawn_shapes(work, told_later);
-    if (!all) return all.error();
+    const auto all = value_or_fail(detail::drawn_shapes(work, told_later));
     std::vector<Point2> points;
-    for (const detail::DrawnShape& shape : *all) {
+    for (const detail::DrawnShape& shape : all) {
         if (shape.level > 0) continue;
         for (const Subpath& subpath : shape.path) {
             points.push_back(subpath.start);
@@ -53,11 +52,18 @@ Expected<std::vector<Point2>> control_points(const SvgDocument& figure) {
     return points;
 }
 
-/// --cage, --pose, operations and pins.
-struct CagePaths {
-    std::string cage, pose;
+struct Arguments {
+    std::string figure, cage, pose, out, save_pose;
     PoseChoice operations;
     PinChoice pins;
+    CoordinatesChoice choice;
+    OutsideChoice outside;
+    SiteChoice of_sites;
+    DeformOptions options;
+    bool png = false, show_cage = false, show_lines = false, show_rest = false, show_pins = false,
+         report = false, text_as_paths = false;
+    int png_width = 900;
+    std::size_t threads = 0;
 
     bool has_pose() const { return !pose.empty() || !operations.operations.empty(); }
 };
@@ -76,106 +82,89 @@ struct Control {
 ///
 ///   rest    of the vertices that --hold may select
 ///   still   fixed vertices
-Expected<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const CagePaths& paths,
-                        const OutsideChoice& outside, std::span<const cageform::Vec<double, 2>> rest,
-                        const std::vector<std::size_t>& still) {
-    if (!paths.pins.is_given()) return true;
-    auto pins = paths.pins.pins<2>();
-    if (!pins) return pins.error();
-    auto held = paths.pins.held_handles(rest, still);
-    if (!held) return held.error();
-    auto figure = PinnedFigure::make(
-        to.control, {choice, paths.pins, outside, to.control.poses.front(), std::move(*held)},
-        std::move(*pins));
-    if (!figure) return figure.error();
-    auto pose = figure->settled();
-    if (!pose) return pose.error();
+void pin_pose(Control& to, const Arguments& given, std::span<const cageform::Vec<double, 2>> rest,
+              const std::vector<std::size_t>& still) {
+    if (!given.pins.is_given()) return;
+    auto pins = value_or_fail(given.pins.pins<2>());
+    auto held = value_or_fail(given.pins.held_handles(rest, still));
+    auto figure = value_or_fail(PinnedFigure::make(
+        to.control, {given.choice, given.pins, given.outside, to.control.poses.front(), std::move(held)},
+        std::move(pins)));
+    auto pose = value_or_fail(figure.settled());
     to.control.pose_name = "the pose by pins";
-    to.pins = figure->cage().pins();
-    to.on_pins = figure->cage().report();
-    if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
+    to.pins = figure.cage().pins();
+    to.on_pins = figure.cage().report();
+    warn(figure.cage().warning());
     auto places = to.drawn.places();
-    for (std::size_t i = 0; i < places.size(); ++i) places[i] = {(*pose)[i].x, (*pose)[i].y};
+    for (std::size_t i = 0; i < places.size(); ++i) places[i] = {pose[i].x, pose[i].y};
     to.drawn = moved_cage(std::move(to.drawn), places);
-    to.control.poses = {std::move(*pose)};
-    return true;
+    to.control.poses = {std::move(pose)};
 }
 
-Expected<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
-                             const SiteChoice& of_sites, const OutsideChoice& outside,
-                             const SvgDocument& figure) {
-    if (!paths.has_pose() && !paths.pins.is_given()) return FileError{"--pose is required for points"};
-    if (paths.pins.is_given() && !of_sites.weights.empty())
-        return FileError{"--weights: pins do not support points with weights"};
-    const bool has_pose = !paths.pose.empty();
-    auto posed = load_posed_sites<2>(paths.cage, has_pose ? paths.pose : paths.cage, of_sites,
-                                     [&] { return control_points(figure); });
-    if (!posed) return posed.error();
-    auto& [sites, pose, weights] = *posed;
+Control read_sites(const Arguments& given, const SvgDocument& figure) {
+    if (!given.has_pose() && !given.pins.is_given()) throw Failure("--pose is required for points");
+    if (given.pins.is_given() && !given.of_sites.weights.empty())
+        throw Failure("--weights: pins cannot be solved for where points have weights");
+    const std::string& pose_name = given.pose.empty() ? given.cage : given.pose;
+    auto [sites, pose, weights] = value_or_fail(
+        load_posed_sites<2>(given.cage, pose_name, given.of_sites, [&] { return control_points(figure); }));
     Control result;
-    result.drawn.name = paths.cage;
+    result.drawn.name = given.cage;
     result.drawn.vertices = pose.points;
     for (std::size_t i = 0; i < pose.points.size(); ++i) {
         result.drawn.blocks.push_back({CageBlock::Kind::point, 0, {pose.points[i]}});
         result.drawn.handles.push_back({i});
     }
     FigureControl& control = result.control;
-    control.coordinates = make_coordinates<double>(choice, sites);
-    control.name = paths.cage;
-    control.pose_name = has_pose ? paths.pose : paths.cage;
+    control.coordinates = make_coordinates<double>(given.choice, sites);
+    control.name = given.cage;
+    control.pose_name = pose_name;
     control.poses = {std::move(pose.points)};
     control.weights = std::move(weights);
-    control.weights_name = of_sites.weights;
+    control.weights_name = given.of_sites.weights;
     std::vector<cageform::Vec<double, 2>> rest;
     for (const Point2& p : sites.points) rest.push_back({p.x, p.y});
     constexpr std::size_t corners = 4; // of the box of --surround
-    result.saved = rest.size() - (of_sites.surround > 0 ? corners : 0);
+    result.saved = rest.size() - (given.of_sites.surround > 0 ? corners : 0);
     std::vector<std::size_t> still;
     for (std::size_t i = result.saved; i < rest.size(); ++i) still.push_back(i);
     control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
         return describe_site_faults(known, report);
     };
-    const auto pinned = pin_pose(result, choice, paths, outside, std::span(rest).first(result.saved), still);
-    if (!pinned) return pinned.error();
+    pin_pose(result, given, std::span(rest).first(result.saved), still);
     return result;
 }
 
-Expected<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
-                               const SiteChoice& of_sites, const OutsideChoice& outside,
-                               const SvgDocument& figure, const std::string& figure_path) {
-    if (choice.takes_sites()) return read_sites(choice, paths, of_sites, outside, figure);
-    const auto cage = load_or_make_cage(paths.cage, figure, choice.edges());
-    if (!cage) return cage.error();
-    const bool is_made = CageWord::of(paths.cage).is_auto, pinned = paths.pins.is_given();
-    const auto rest = cage->places();
-    auto pose = pinned && !paths.has_pose() ? moved_cage(*cage, rest)
-                                            : read_pose(paths.pose, paths.operations, *cage, is_made);
-    if (!pose) return pose.error();
-    Control result{control_of(choice, *cage), std::move(*pose), {}, {}, {}, cage->vertices.size()};
-    result.control.pose_name = !paths.pose.empty() ? paths.pose : is_made ? figure_path : paths.cage;
+Control read_control(const Arguments& given, const SvgDocument& figure) {
+    if (given.choice.takes_sites()) return read_sites(given, figure);
+    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure, given.choice.edges()));
+    const bool is_made = CageWord::of(given.cage).is_auto;
+    const auto rest = cage.places();
+    auto pose = given.pins.is_given() && !given.has_pose()
+                    ? moved_cage(cage, rest)
+                    : value_or_fail(read_pose(given.pose, given.operations, cage, is_made));
+    Control result{control_of(given.choice, cage), std::move(pose), {}, {}, {}, cage.vertices.size()};
+    result.control.pose_name = !given.pose.empty() ? given.pose : is_made ? given.figure : given.cage;
     result.control.poses = {result.drawn.vertices};
-    const auto still = paths.operations.still(cage->lattice);
-    if (!still) return still.error();
-    const std::size_t count = cage->lattice ? cage->lattice->points() : rest.size();
-    const auto done = pin_pose(result, choice, paths, outside, std::span(rest).first(count), *still);
-    if (!done) return done.error();
-    result.fault = pose_faults(result.control, *cage);
+    const auto still = value_or_fail(given.operations.still(cage.lattice));
+    const std::size_t count = cage.lattice ? cage.lattice->points() : rest.size();
+    pin_pose(result, given, std::span(rest).first(count), still);
+    result.fault = pose_faults(result.control, cage);
     return result;
 }
 
-/// The text of a pose of a cage or of control points.
-Expected<std::string> saved_pose(const Control& posed, bool of_sites, const std::string& path,
-                                 const ViewBox& view) {
+/// The text of --save-pose: a pose of a cage or of control points.
+std::string saved_pose(const Control& posed, const Arguments& given, const ViewBox& view) {
+    const std::string option = "--save-pose " + given.save_pose;
     if (posed.control.coordinates.handles().vector_count() > 0 && posed.control.poses_all_handles)
-        return FileError{
-            "--save-pose " + path +
-            ": with these coordinates pins also pose edges, which a file of vertices cannot store; use "
-            "mean-value or harmonic"};
-    if (!of_sites) {
-        const auto text = pose_text(posed.drawn, path, view);
-        return text ? text : FileError{"--save-pose " + to_string(text.error())};
+        throw Failure(option +
+                      ": with these coordinates pins pose the edges beside the vertices, and a pose has "
+                      "vertices alone; take mean-value or harmonic");
+    if (!given.choice.takes_sites()) {
+        const auto text = pose_text(posed.drawn, given.save_pose, view);
+        return text ? *text : throw Failure("--save-pose " + to_string(text.error()));
     }
-    if (ending_of(path) != ".csv") return FileError{"--save-pose " + path + ": points need a .csv file"};
+    if (ending_of(given.save_pose) != ".csv") throw Failure(option + ": points need a .csv file");
     std::string text;
     for (std::size_t i = 0; i < posed.saved; ++i) {
         const Point2& p = posed.drawn.vertices[i];
@@ -220,6 +209,75 @@ void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& vi
     image.append_attribute("href") = ("data:image/svg+xml;base64," + base64(rest)).c_str();
 }
 
+void add_inputs(CommandLine& line, Arguments& given) {
+    line.add("figure", given.figure, "the SVG file to deform").required();
+    add_cage(line, given.cage, CageFiles::drawing_or_sites);
+    line.add(
+        "--pose", given.pose,
+        "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
+        "pins; with --cage auto and none of these, half the figure bends, and the picture is enlarged to "
+        "fit");
+    given.operations.in_plane = true;
+    given.operations.add_options(line);
+    given.pins.add_options(line);
+}
+
+void add_outputs(CommandLine& line, Arguments& given) {
+    line.add("--save-pose", given.save_pose, "also write the posed vertices to a file that --pose reads")
+        .ends_with({".svg", ".csv"});
+    line.add("-o,--output", given.out, "the SVG file to write").required().ends_with({".svg"});
+    line.add_png(given.png, given.png_width);
+}
+
+void add_drawing(CommandLine& line, Arguments& given) {
+    add_text_as_paths(line, given.text_as_paths);
+    line.add_flag("--fit", given.options.fit,
+                  "enlarge the viewBox and the size of the picture so that the deformed figure fits");
+    line.add("--flatness", given.options.tolerance,
+             "the largest distance between drawn and exact deformed curves, in user units; 0 means too "
+             "little to be seen")
+        .range(0.0, 1e100)
+        .show_default();
+    line.add_flag("--show-cage", given.show_cage,
+                  "draw the posed cage over the figure, with the numbers of its vertices");
+    line.add_flag("--show-cage-lines", given.show_lines, "draw the posed cage without numbers")
+        .rarely_needed();
+    line.add_flag("--show-pins", given.show_pins, "draw the pins at their targets, with their displacements");
+    line.add_flag("--show-rest", given.show_rest, "draw the figure at rest below, in white");
+    line.add_flag("--report", given.report,
+                  "print the bind report, the numbers of shapes and points, and the errors of pins");
+}
+
+int deform_figure(const Arguments& given, SvgDocument document) {
+    const Control posed = read_control(given, document);
+    fail_if(fault_of_outputs({given.out, given.png ? png_of(given.out) : "", given.save_pose}));
+    const std::string rest = given.show_rest ? to_text(document) : "";
+    const auto rest_view = view_box(document);
+    const std::string pose_file = given.save_pose.empty() ? "" : saved_pose(posed, given, rest_view);
+    auto moved = value_or_fail(move_figure(document, given.figure, posed.control, given.outside,
+                                           given.options, cageform::ThreadedFor{unsigned(given.threads)}));
+    warn(posed.fault);
+    document = std::move(moved.drawing.document);
+    if (given.show_rest) draw_rest(document, rest, rest_view);
+    const auto view = view_box(document);
+    const double diagonal = std::hypot(view.width, view.height);
+    if (given.show_cage || given.show_lines) draw_cage(document, posed.drawn, diagonal, "#c2377a");
+    if (given.show_cage) draw_numbers(document, posed.drawn, diagonal / 60);
+    if (given.show_pins) draw_pins(document, posed.pins, diagonal);
+    OutputFiles outputs;
+    add_svg(outputs, given.out, to_text(document), given.png ? given.png_width : 0);
+    if (!given.save_pose.empty()) outputs.add(given.save_pose).write(pose_file);
+    fail_if(outputs.commit());
+    if (given.report) {
+        const DeformReport& deformed = moved.drawing.report;
+        std::cout << "shapes: " << deformed.shapes << ", segments written: " << deformed.segments
+                  << ", points bound: " << deformed.points << " in " << deformed.batches
+                  << " batches\nfirst batch:\n"
+                  << describe(moved.bound) << posed.on_pins;
+    }
+    return 0;
+}
+
 } // namespace
 
 int run_program(int argc, char** argv) {
@@ -228,100 +286,23 @@ int run_program(int argc, char** argv) {
     line.set_examples({"icon.svg --cage auto -o look.svg --png --show-cage",
                        "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit",
                        "icon.svg --cage auto --pin 12,40 --pin 36,40 --pin 24,8:+6,0 -o pulled.svg --fit"});
-    std::string figure_path, out_path, save_path;
-    CagePaths paths;
-    auto& [cage_path, pose_path, operations, pins] = paths;
-    bool png = false, show_cage = false, show_lines = false, show_rest = false, show_pins = false,
-         report = false, text_as_paths = false;
-    int png_width = 900;
-    CoordinatesChoice choice;
-    OutsideChoice outside;
-    std::size_t threads = 0;
-    SiteChoice of_sites;
-    DeformOptions options;
-    line.add("figure", figure_path, "the SVG file to deform").required();
-    add_cage(line, cage_path, CageFiles::drawing_or_sites);
-    line.add("--pose", pose_path,
-             "the pose: the same blocks or points with vertices moved. Or give operations such as --turn, or "
-             "pins. With --cage auto and none of these, half the figure bends, and the picture is enlarged "
-             "to fit");
-    operations.in_plane = true;
-    operations.add_options(line);
-    pins.add_options(line);
-    line.add("--save-pose", save_path, "also write the posed vertices to a file that --pose reads")
-        .ends_with({".svg", ".csv"});
-    line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
-    line.add_flag("--png", png, "also render it, to the same name with .png");
-    line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
-    outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
-    outside.add_options(line);
-    line.add("--threads", threads, "the number of threads that bind; 0: all processors")
-        .range(0, 1024)
-        .show_default();
-    of_sites.add_options(line);
-    line.add_flag(
-        "--text-as-paths", text_as_paths,
-        "deform the outlines of letters (as rsvg-convert draws them); otherwise a text moves as a whole");
-    line.add_flag("--fit", options.fit,
-                  "enlarge the viewBox and the size of the picture so that the deformed figure fits");
-    line.add("--flatness", options.tolerance,
-             "the largest distance between drawn and exact deformed curves, in user units; 0 means "
-             "invisibly small")
-        .range(0.0, 1e100)
-        .show_default();
-    line.add_flag("--show-cage", show_cage,
-                  "draw the posed cage over the figure, with the numbers of its vertices");
-    line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
-    line.add_flag("--show-pins", show_pins, "draw the pins at their targets, with their displacements");
-    line.add_flag("--show-rest", show_rest, "draw the figure at rest below, in white");
-    line.add_flag("--report", report,
-                  "print the bind report, the numbers of shapes and points, and the errors of pins");
-    choice.add_options(line);
+    Arguments given;
+    add_inputs(line, given);
+    add_outputs(line, given);
+    given.outside.with_sites = given.choice.with_sites = true;
+    given.choice.in_plane = given.choice.with_normals = true;
+    given.outside.add_options(line);
+    add_threads(line, given.threads);
+    given.of_sites.add_options(line);
+    add_drawing(line, given);
+    given.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
                     pins_format + "\n" + site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
-    if (const std::string why = pins.fault(paths.has_pose()); !why.empty()) return fail(why);
-    if (const std::string why = outside.fault(); !why.empty()) return fail(why);
-
-    if (!paths.has_pose() && !pins.is_given()) options.fit = true;
-    auto document = load_figure(figure_path, text_as_paths);
-    if (!document) return fail(to_string(document.error()));
-    outside.cage_is_made = CageWord::of(cage_path).is_auto;
-    const auto posed = read_control(choice, paths, of_sites, outside, *document, figure_path);
-    if (!posed) return fail(to_string(posed.error()));
-    const std::string png_path = png ? png_of(out_path).string() : "";
-    if (const auto fault = fault_of_outputs({out_path, png_path, save_path})) return fail(*fault);
-
-    const std::string rest = show_rest ? to_text(*document) : "";
-    const auto rest_view = view_box(*document);
-    std::string pose_file;
-    if (!save_path.empty()) {
-        auto text = saved_pose(*posed, choice.takes_sites(), save_path, rest_view);
-        if (!text) return fail(to_string(text.error()));
-        pose_file = std::move(*text);
-    }
-    auto moved = move_figure(*document, figure_path, posed->control, outside, options,
-                             cageform::ThreadedFor{unsigned(threads)});
-    if (!moved) return fail(to_string(moved.error()));
-    if (!posed->fault.empty()) warn(posed->fault);
-    document = std::move(moved->drawing.document);
-    if (show_rest) draw_rest(*document, rest, rest_view);
-    const auto view = view_box(*document);
-    const double diagonal = std::hypot(view.width, view.height);
-    if (show_cage || show_lines) draw_cage(*document, posed->drawn, diagonal, "#c2377a");
-    if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
-    if (show_pins) draw_pins(*document, posed->pins, diagonal);
-    OutputFiles outputs;
-    add_svg(outputs, out_path, to_text(*document), png ? png_width : 0);
-    if (!save_path.empty()) outputs.add(save_path).write(pose_file);
-    if (const auto error = outputs.commit()) return fail(*error);
-    if (report) {
-        const DeformReport& deformed = moved->drawing.report;
-        std::cout << "shapes: " << deformed.shapes << ", segments written: " << deformed.segments
-                  << ", points bound: " << deformed.points << " in " << deformed.batches
-                  << " batches\nfirst batch:\n"
-                  << describe(moved->bound) << posed->on_pins;
-    }
-    return 0;
+    fail_if(given.of_sites.fault(given.choice));
+    fail_if(given.pins.fault(given.has_pose()));
+    fail_if(given.outside.fault());
+    if (!given.has_pose() && !given.pins.is_given()) given.options.fit = true;
+    given.outside.cage_is_made = CageWord::of(given.cage).is_auto;
+    return deform_figure(given, value_or_fail(load_figure(given.figure, given.text_as_paths)));
 }

@@ -40,19 +40,16 @@ int run_program(int argc, char** argv) {
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto scene = load_splats(path, strict);
-    if (!scene) return fail(to_string(scene.error()));
-    if (!scene->warning.empty()) warn(scene->warning);
+    const auto scene = value_or_fail(load_splats(path, strict));
+    warn(scene.warning);
     std::optional<ObjFile> mesh;
     if (!beside.empty()) {
-        auto read = load_mesh_figure(beside, strict);
-        if (!read) return fail(to_string(read.error()));
-        mesh = std::move(*read);
+        mesh = value_or_fail(load_mesh_figure(beside, strict));
     }
-    if (const auto why = fault_of_outputs({out})) return fail(*why);
+    fail_if(fault_of_outputs({out}));
     const MeshView left = mesh ? MeshView{mesh->vertices, mesh->triangles} : MeshView{};
     const Picture picture =
-        draw_splats(*scene, mesh ? &left : nullptr, std::size_t(width), std::size_t(height), view.sight,
+        draw_splats(scene, mesh ? &left : nullptr, std::size_t(width), std::size_t(height), view.sight,
                     {.parallel = cageform::ThreadedFor{}, .progress = {}});
     OutputFiles outputs;
     picture.write_png(outputs.add(out));

@@ -262,12 +262,12 @@ struct Channel {
     std::vector<double> values; // of all keys
     std::size_t components;
 };
-std::string add_animation(GltfDocument& document, const PoseClip& clip, std::span<const Channel> channels) {
+void add_animation(GltfDocument& document, const PoseClip& clip, std::span<const Channel> channels) {
     GltfJson animation = {{"name", stem(clip.name)}};
     std::size_t input = 0;
     for (const Channel& channel : channels) {
         const auto [track, made] = gltf_track(clip, channel.values, channel.components);
-        if (made.status != Status::ok) return clip.name + ": " + cageform::to_string(made.status);
+        if (made.status != Status::ok) throw Failure(clip.name + ": " + cageform::to_string(made.status));
         if (&channel == channels.data()) {
             std::vector<std::array<float, 1>> times;
             for (const float time : track.times) times.push_back({time});
@@ -287,14 +287,13 @@ std::string add_animation(GltfDocument& document, const PoseClip& clip, std::spa
         add_channel(animation, channel.node, channel.path, input, "CUBICSPLINE", output);
     }
     document.append("animations", std::move(animation));
-    return {};
 }
 
 /// Adds a skin: nodes for the meshes, the cage and its vertices.
-std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments& given,
-                     const SkinWeights& skin, bool with_still) {
+void add_skin(GltfDocument& document, const Scene& scene, const Arguments& given, const SkinWeights& skin,
+              bool with_still) {
     const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
-    if (joints > 65536) return scene.cage.name + ": more vertices than glTF has joints";
+    if (joints > 65536) throw Failure(scene.cage.name + ": more vertices than glTF has joints");
     add_skinned_meshes(document, scene.meshes, scene.stored, skin, given.weights, joints, handles);
     std::vector<std::size_t> roots = add_mesh_nodes(document, scene.meshes, true);
     const std::size_t root_node = roots.size(), first_joint = root_node + 1;
@@ -318,7 +317,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
                               {"skeleton", root_node},
                               {"joints", std::move(list)}});
     document.append("scenes", {{"nodes", roots}});
-    if (scene.clip.keys.empty()) return {};
+    if (scene.clip.keys.empty()) return;
 
     std::vector<Channel> channels;
     for (std::size_t j = 0; j < handles; ++j) {
@@ -329,20 +328,19 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
         }
         channels.push_back(std::move(channel));
     }
-    return add_animation(document, scene.clip, channels);
+    add_animation(document, scene.clip, channels);
 }
 
 /// The motion of all handles, with the interpolation of the vertices. Warns about the error for normals of
 /// moving faces.
-Expected<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
+PoseClip clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
     std::vector<std::string> warnings;
     for (PoseKey& key : motion.keys) {
         std::string warning;
-        auto posed = pose_of_handles(binding, key.places, name_of_pose(scene.clip, key.time), warning);
-        if (!posed) return posed.error();
+        key.places =
+            value_or_fail(pose_of_handles(binding, key.places, name_of_pose(scene.clip, key.time), warning));
         if (!warning.empty()) warnings.push_back(std::move(warning));
-        key.places = std::move(*posed);
     }
     print_warnings(warnings);
     if (binding.handle_view().vector_count() == 0) return motion;
@@ -362,11 +360,42 @@ Expected<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>&
     return motion;
 }
 
-/// Adds morph targets: one for every key whose pose is not the rest pose.
-///
+/// The poses of a motion that differ from the rest pose.
+struct Targets {
+    std::vector<std::size_t> keys;                 // of the clip
+    std::vector<std::vector<Point3>> places;       // of the figure there, relative to the origin
+    std::vector<std::vector<Jacobian3>> jacobians; // at its vertices, or empty
+};
+
 ///   axes   bound at the vertices; empty if normals are computed from the faces
-std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
-                        const Binding<double, 3>& binding, const BoundAxes& axes) {
+Targets targets_of(const Scene& scene, const Binding<double, 3>& binding, const BoundAxes& axes) {
+    Targets targets;
+    const PoseClip motion = clip_of_handles(scene, binding);
+    for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
+        if (scene.clip.keys[k].places == scene.cage.vertices) continue;
+        std::vector<Point3>& moved = targets.places.emplace_back(scene.figure.vertices.size());
+        const Status status = clone(binding, motion.keys[k].places, moved);
+        if (status != Status::ok) throw Failure(scene.clip.name + ": " + cageform::to_string(status));
+        for (Point3& p : moved) {
+            p = p - scene.origin;
+            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
+                throw Failure(scene.figure.name + ": a vertex is not finite in the pose");
+        }
+        warn(rounding_fault(name_of_pose(scene.clip, motion.keys[k].time), moved));
+        const bool has_axes = axes[0].point_count() == moved.size();
+        auto& turned = targets.jacobians.emplace_back(has_axes ? moved.size() : 0);
+        if (has_axes)
+            (void)clone_jacobians(axes, motion.keys[k].places,
+                                  cageform::StridedMatrices<double, 3>(turned[0][0].v, turned.size()));
+        targets.keys.push_back(k);
+    }
+    if (targets.keys.empty()) throw Failure(scene.clip.name + ": every pose equals the rest pose");
+    return targets;
+}
+
+/// Adds the differences of positions, normals and tangents of a mesh to rest, and returns their accessors.
+GltfJson add_differences(GltfDocument& document, const GltfMesh& mesh, const ObjFile& rest,
+                         const Targets& targets) {
     const auto difference = [](std::vector<std::array<float, 3>> a,
                                const std::vector<std::array<float, 3>>& b) {
         for (std::size_t i = 0; i < a.size(); ++i) {
@@ -379,54 +408,37 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
         for (const auto& [x, y, z, side] : tangents) directions.push_back({x, y, z});
         return directions;
     };
+    const auto positions = gltf_positions(mesh, rest.vertices);
+    const auto rest_normals = gltf_normals(mesh, rest, {rest.vertices});
+    const auto rest_tangents = gltf_tangents(mesh, rest.vertices, rest_normals);
+    GltfJson accessors;
+    for (std::size_t n = 0; n < targets.places.size(); ++n) {
+        const std::vector<Point3>& places = targets.places[n];
+        const auto normals = gltf_normals(mesh, rest, {places, targets.jacobians[n]});
+        const auto shift = difference(gltf_positions(mesh, places), positions);
+        GltfJson target = {{"POSITION", document.add(shift, Use::vertices, true)},
+                           {"NORMAL", document.add(difference(normals, rest_normals), Use::vertices)}};
+        if (const auto tangents = gltf_tangents(mesh, places, normals); !tangents.empty())
+            target["TANGENT"] =
+                document.add(difference(without_side(tangents), without_side(rest_tangents)), Use::vertices);
+        accessors.push_back(std::move(target));
+    }
+    return accessors;
+}
+
+/// Adds meshes with morph targets: one for every key whose pose is not the rest pose.
+void add_targets(GltfDocument& document, const Scene& scene, const Arguments& given, const Targets& targets) {
     GltfJson names, zeros;
-    const auto motion = clip_of_handles(scene, binding);
-    if (!motion) return motion.error().message;
-    std::vector<std::size_t> keys;                 // of the targets
-    std::vector<std::vector<Point3>> places;       // of the figure there
-    std::vector<std::vector<Jacobian3>> jacobians; // at its vertices
-    for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
-        if (scene.clip.keys[k].places == scene.cage.vertices) continue;
-        std::vector<Point3>& moved = places.emplace_back(scene.figure.vertices.size());
-        const Status status = clone(binding, motion->keys[k].places, moved);
-        if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
-        for (Point3& p : moved) {
-            p = p - scene.origin;
-            if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
-                return scene.figure.name + ": a vertex is not finite in the pose";
-        }
-        if (const std::string why = rounding_fault(name_of_pose(scene.clip, motion->keys[k].time), moved);
-            !why.empty())
-            warn(why);
-        const bool has_axes = axes[0].point_count() == moved.size();
-        auto& turned = jacobians.emplace_back(has_axes ? moved.size() : 0);
-        if (has_axes)
-            (void)clone_jacobians(axes, motion->keys[k].places,
-                                  cageform::StridedMatrices<double, 3>(turned[0][0].v, turned.size()));
-        keys.push_back(k);
+    for (const std::size_t k : targets.keys) {
         names.push_back(given.moves.poses.empty() ? "key " + std::to_string(k)
                                                   : stem(given.moves.poses[k - 1]));
         zeros.push_back(0.0);
     }
-    if (keys.empty()) return scene.clip.name + ": every pose equals the rest pose";
     for (const GltfMesh& mesh : scene.meshes) {
-        const auto rest = gltf_positions(mesh, scene.stored.vertices);
-        const auto rest_normals = gltf_normals(mesh, scene.stored, {scene.stored.vertices});
-        const auto rest_tangents = gltf_tangents(mesh, scene.stored.vertices, rest_normals);
-        GltfJson targets;
-        for (std::size_t n = 0; n < places.size(); ++n) {
-            const auto normals = gltf_normals(mesh, scene.stored, {places[n], jacobians[n]});
-            const auto shift = difference(gltf_positions(mesh, places[n]), rest);
-            GltfJson target = {{"POSITION", document.add(shift, Use::vertices, true)},
-                               {"NORMAL", document.add(difference(normals, rest_normals), Use::vertices)}};
-            if (const auto tangents = gltf_tangents(mesh, places[n], normals); !tangents.empty())
-                target["TANGENT"] = document.add(
-                    difference(without_side(tangents), without_side(rest_tangents)), Use::vertices);
-            targets.push_back(std::move(target));
-        }
+        const GltfJson accessors = add_differences(document, mesh, scene.stored, targets);
         const GltfJson attributes = gltf_attributes(document, mesh, scene.stored);
         document.append("meshes", {{"name", mesh.name},
-                                   {"primitives", gltf_primitives(document, mesh, attributes, targets)},
+                                   {"primitives", gltf_primitives(document, mesh, attributes, accessors)},
                                    {"weights", zeros},
                                    {"extras", {{"targetNames", names}}}});
     }
@@ -434,22 +446,20 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     document.append("scenes", {{"nodes", nodes}});
     std::vector<Channel> channels;
     for (const std::size_t node : nodes) {
-        Channel& channel = channels.emplace_back(Channel{node, "weights", {}, keys.size()});
+        Channel& channel = channels.emplace_back(Channel{node, "weights", {}, targets.keys.size()});
         for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
-            for (const std::size_t key : keys) channel.values.push_back(key == k ? 1.0 : 0.0);
+            for (const std::size_t key : targets.keys) channel.values.push_back(key == k ? 1.0 : 0.0);
         }
     }
-    return add_animation(document, scene.clip, channels);
+    add_animation(document, scene.clip, channels);
 }
 
 /// Clones of the figure in all frames of the motion; the last frame is the first pose again.
-Expected<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
-                                 const Binding<double, 3>& bound) {
+FigureFrames frames_of(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound) {
     constexpr double most = 100000;
-    if (given.rate * scene.clip.length > most) {
-        return FileError{scene.clip.name + ": " + detail::short_number(given.rate) +
-                         " frames per second are more than 100000 in all: give a smaller --rate"};
-    }
+    if (given.rate * scene.clip.length > most)
+        throw Failure(scene.clip.name + ": " + detail::short_number(given.rate) +
+                      " frames per second are more than 100000 in all: give a smaller --rate");
     FigureFrames frames{scene.figure.name, scene.stored.vertices, scene.figure.triangles, {}, {}, {}};
     const SampledPoses poses = sample_poses(scene.clip, given.rate);
     std::vector<Point3> handles(bound.handle_count());
@@ -467,7 +477,7 @@ Expected<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
             if (status == Status::ok) status = clone(bound, handles, places);
         }
         if (status != Status::ok)
-            return FileError{name_of_pose(scene.clip, time) + ": " + cageform::to_string(status)};
+            throw Failure(name_of_pose(scene.clip, time) + ": " + cageform::to_string(status));
         places = counted_from(scene.origin, places);
         frames.times.push_back(time);
     }
@@ -518,20 +528,20 @@ std::string what_would_do(const Arguments& given, const Scene& scene, const Bind
            " is enough; use a larger --max-distance, --bones or --morph";
 }
 
-/// Adds the skin of --skin or --max-distance, and prints its errors. Returns an error message, or empty.
-std::string add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene& scene,
-                            const Binding<double, 3>& bound) {
+/// Adds the skin of --skin or --max-distance, and prints its errors.
+void add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene& scene,
+                     const Binding<double, 3>& bound) {
     const ObjFile& figure = scene.figure;
     SkinLoss loss;
     const bool searches = given.influences == 0;
     const auto [skin, made] = searches ? make_near_skin(given, scene, bound, joint_set, loss)
                                        : make_skin(given, scene, bound, given.influences, loss);
-    if (made.status != Status::ok) return scene.cage.name + ": " + cageform::to_string(made.status);
+    if (made.status != Status::ok) throw Failure(scene.cage.name + ": " + cageform::to_string(made.status));
     const std::string is_off = "a skin of " + std::to_string(skin.influences) +
                                " joints per vertex is off by " + describe(loss.places);
-    if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance) {
-        return figure.name + ": " + is_off + ": " + what_would_do(given, scene, bound, skin.influences);
-    }
+    if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance)
+        throw Failure(figure.name + ": " + is_off + ": " +
+                      what_would_do(given, scene, bound, skin.influences));
     if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
         warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
              (skin.influences < enough_joints
@@ -565,18 +575,22 @@ std::string add_chosen_skin(GltfDocument& document, const Arguments& given, cons
                   << describe(loss.places) << '\n'
                   << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
     }
-    return add_skin(document, scene, given, skin, !made.without_weights.empty());
+    add_skin(document, scene, given, skin, !made.without_weights.empty());
 }
 
-/// Binds the figure and writes the requested files.
-int export_figure(const Arguments& given, const Scene& scene) {
+/// A binding of the figure, and of Jacobians at its vertices if normals are computed by them.
+struct BoundScene {
+    Binding<double, 3> points;
+    BoundAxes axes;
+};
+
+/// Binds the figure, and prints warnings and the report.
+BoundScene bind_scene(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     const auto coordinates = make_coordinates<double>(given.choice, cage);
-    warn_of_closed_gaps(cage.name, coordinates.cage_report());
-    if (!coordinates.note.empty()) note(coordinates.note);
+    print_notes(cage.name, coordinates.cage_report(), coordinates.note);
     const auto options = given.outside.bind_options(coordinates);
-    cageform::Result<cageform::Binding<double, 3>, cageform::BindReport> bound;
+    cageform::Result<Binding<double, 3>, cageform::BindReport> bound;
     BoundAxes axes;
     {
         ProgressBar bar("binding");
@@ -594,104 +608,91 @@ int export_figure(const Arguments& given, const Scene& scene) {
         }
     }
     const auto& report = bound.report;
-    if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
+    if (report.status != Status::ok) throw Failure(describe_mesh_faults(cage.name, report));
     warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
-    if (!outside.fault.empty()) return fail(outside.fault);
-    if (!outside.warning.empty()) warn(outside.warning);
+    given.outside.check(coordinates, report, figure.vertices, figure.name, cage.name);
     if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
+    return {std::move(bound.value), std::move(axes)};
+}
 
-    const std::string mirror = first_mirror(figure, bound.value, scene.clip);
-    const std::string winding =
-        describe_winding(mirror.empty() ? scene.clip.name : mirror, figure.name,
-                         mirror.empty() ? side_of(figure.vertices, figure.vertices) : -1, given.flips_faces);
-    if (!winding.empty()) warn(winding);
+void warn_of_mirrors(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound) {
+    const ObjFile& figure = scene.figure;
+    const std::string mirror = first_mirror(figure, bound, scene.clip);
+    warn(describe_winding(mirror.empty() ? scene.clip.name : mirror, figure.name,
+                          mirror.empty() ? side_of(figure.vertices, figure.vertices) : -1,
+                          given.flips_faces));
+}
 
+/// Fits the skeleton of --bones to the motion and adds it. Returns the motion.
+FittedMotion add_bones(GltfDocument& document, const Arguments& given, const Scene& scene,
+                       const FigureFrames& frames) {
+    auto motion = value_or_fail(fit_motion(given.skeleton, frames, given.weights));
+    if (motion.loss.share() > StoredLoss::worth_a_warning || motion.report.turn > worth_a_warning_of_turns)
+        warn(scene.figure.name + ": " + describe_loss(motion) + "; use more --bones for a smaller error");
+    const auto& [skeleton, keys] = std::tie(motion.skeleton, motion.keys);
+    add_skinned_meshes(document, scene.meshes, scene.stored, skeleton.skin, given.weights, skeleton.bones, 0);
+    add_skeleton(document, scene.meshes, skeleton, keys, stem(scene.clip.name), scene.origin);
+    return motion;
+}
+
+/// Binds the figure and writes the requested files.
+int export_figure(const Arguments& given, const Scene& scene) {
+    fail_if(fault_of_outputs({given.out, given.picture}));
+    const BoundScene bound = bind_scene(given, scene);
+    warn_of_mirrors(given, scene, bound.points);
     GltfDocument document;
     document.json["scene"] = 0;
     print_warnings(scene.parts.warnings);
     print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
-    std::string why, printed, moved;
+    std::string printed, moved;
     std::optional<Picture> picture;
     if (given.morph) {
-        why = add_targets(document, scene, given, bound.value, axes);
-        if (why.empty()) moved = std::to_string(document.json["meshes"][0]["weights"].size()) + " targets";
+        const Targets targets = targets_of(scene, bound.points, bound.axes);
+        add_targets(document, scene, given, targets);
+        moved = std::to_string(targets.keys.size()) + " targets";
     } else if (!given.skeleton.bones.empty()) {
-        const auto frames = frames_of(given, scene, bound.value);
-        if (!frames) return fail(to_string(frames.error()));
-        const auto motion = fit_motion(given.skeleton, *frames, given.weights);
-        if (!motion) return fail(to_string(motion.error()));
-        if (motion->loss.share() > StoredLoss::worth_a_warning ||
-            motion->report.turn > worth_a_warning_of_turns)
-            warn(figure.name + ": " + describe_loss(*motion) + "; use more --bones for a smaller error");
-        add_skinned_meshes(document, scene.meshes, scene.stored, motion->skeleton.skin, given.weights,
-                           motion->skeleton.bones, 0);
-        add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name),
-                     scene.origin);
-        moved = count_bones(*motion);
-        if (given.report) printed = describe(*motion);
-        if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
+        const FigureFrames frames = frames_of(given, scene, bound.points);
+        const FittedMotion motion = add_bones(document, given, scene, frames);
+        moved = count_bones(motion);
+        if (given.report) printed = describe(motion);
+        if (!given.picture.empty()) picture = draw_skeleton(frames, motion, given.view.sight);
     } else {
-        why = add_chosen_skin(document, given, scene, bound.value);
-        if (why.empty()) moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
+        add_chosen_skin(document, given, scene, bound.points);
+        moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
     }
-    if (!why.empty()) return fail(why);
-
-    const auto text = gltf_bytes(document, given.out);
-    if (!text) return fail(to_string(text.error()));
+    const auto text = value_or_fail(gltf_bytes(document, given.out));
     OutputFiles outputs;
-    outputs.add(given.out).write(*text);
+    outputs.add(given.out).write(text);
     if (picture) picture->write_png(outputs.add(given.picture));
-    if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(describe_gltf(given.out, scene.meshes, scene.parts, figure, moved, text->size()))
+    fail_if(outputs.commit());
+    std::cout << printable(
+                     describe_gltf(given.out, scene.meshes, scene.parts, scene.figure, moved, text.size()))
               << '\n'
               << printed;
     return 0;
 }
 
 /// Reads all input files.
-Expected<Scene> read_scene(const Arguments& given) {
+Scene read_scene(const Arguments& given) {
     Scene scene;
-    auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return figure.error();
-    auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return cage.error();
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    scene.parts = read_parts(*figure);
-    auto meshes = gltf_meshes(*figure, scene.parts);
-    if (!meshes) return meshes.error();
-    if (!given.labels.empty()) {
-        auto read = read_labels(given.labels, cage->vertices.size());
-        if (!read) return read.error();
-        scene.labels = std::move(*read);
-    }
-    auto motion = given.moves.motion(*cage);
-    if (!motion) return motion.error();
-    scene.clip = std::move(*motion);
-    scene.figure = std::move(*figure);
-    scene.cage = std::move(*cage);
-    scene.meshes = std::move(*meshes);
+    scene.figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    scene.cage = value_or_fail(load_or_make_cage(given.cage, scene.figure));
+    if (given.flips_faces) scene.figure = with_faces_turned_over(std::move(scene.figure));
+    scene.parts = read_parts(scene.figure);
+    scene.meshes = value_or_fail(gltf_meshes(scene.figure, scene.parts));
+    if (!given.labels.empty())
+        scene.labels = value_or_fail(read_labels(given.labels, scene.cage.vertices.size()));
+    scene.clip = value_or_fail(given.moves.motion(scene.cage));
     scene.origin = far_origin(scene.figure);
     scene.stored = scene.figure;
     scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
-    for (const auto* file : {&scene.figure, &scene.cage}) { // the format of glTF
-        if (const auto fault = single_precision_fault(*file)) return *fault;
-    }
+    for (const ObjFile* file : {&scene.figure, &scene.cage}) // the format of glTF
+        fail_if(single_precision_fault(*file));
     return scene;
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
-    line.set_examples(
-        {"character.obj --cage auto --turn 5-9:30,z --bones auto --max-distance 0.2% -o character.glb",
-         "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
-    Arguments given;
-    line.add("figure", given.figure, "the OBJ file").required();
-    add_cage(line, given.cage, CageFiles::mesh);
-    given.moves.add_options(line);
+/// Adds the options that choose what to write; returns those that need --bones.
+std::vector<CommandOption> add_outputs(CommandLine& line, Arguments& given) {
     const CommandOption labels =
         line.add("--labels", given.labels,
                  "skin: a text file with names of the joints, which are the cage's vertices");
@@ -726,6 +727,11 @@ int run_program(int argc, char** argv) {
         .excludes(bones)
         .excludes(distance)
         .excludes(labels);
+    return of_bones;
+}
+
+/// Adds the options on storing.
+void add_storing(CommandLine& line, Arguments& given) {
     line.add("--weights", given.weights,
              "bones and skin: the format of weights: float, unorm8 or unorm16 (normalised integers)")
         .one_of({"float", "unorm8", "unorm16"})
@@ -743,6 +749,42 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     add_flip_faces(line, given.flips_faces);
     line.add_flag("--report", given.report, "print the bind report and the error of the skin or the bones");
+}
+
+/// Fails if options conflict.
+///
+///   of_bones   options that need --bones
+void check_options(const Arguments& given, std::span<const CommandOption> of_bones) {
+    const bool has_bones = !given.skeleton.bones.empty();
+    if (!given.morph && !has_bones && given.influences == 0 && given.skeleton.distance == 0)
+        throw Failure("give --bones, --skin, --max-distance or --morph to choose what to write");
+    for (const CommandOption& option : of_bones) {
+        if (!has_bones && option.is_given())
+            throw Failure("--kind, --influences, --flat, --tangents, --rate and --picture need --bones");
+    }
+    if (has_bones && !given.moves.is_given())
+        throw Failure("--bones needs a motion: give --clip, --pose, or operations such as --twist");
+    if (!given.morph && !has_bones && given.choice.takes_normals())
+        throw Failure(
+            "--coordinates green: --skin cannot represent normals of faces; use --morph or --bones");
+    if (given.morph && !given.moves.is_given())
+        throw Failure("--morph needs poses: give --clip, --pose, or operations such as --turn");
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
+    line.set_examples(
+        {"character.obj --cage auto --turn 5-9:30,z --bones auto --max-distance 0.2% -o character.glb",
+         "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
+    Arguments given;
+    line.add("figure", given.figure, "the OBJ file").required();
+    add_cage(line, given.cage, CageFiles::mesh);
+    given.moves.add_options(line);
+    const auto of_bones = add_outputs(line, given);
+    add_storing(line, given);
     line.set_footer(
         obj_format +
         std::string("Vertices keep the order of the file. A vertex that needs several normals or\n"
@@ -750,21 +792,6 @@ int run_program(int argc, char** argv) {
         pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format + "\n" + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.moves.order_poses();
-    const bool has_bones = !given.skeleton.bones.empty();
-    if (!given.morph && !has_bones && given.influences == 0 && given.skeleton.distance == 0)
-        return fail("give --bones, --skin, --max-distance or --morph to choose what to write");
-    for (const CommandOption& option : of_bones) {
-        if (!has_bones && option.is_given())
-            return fail("--kind, --influences, --flat, --tangents, --rate and --picture need --bones");
-    }
-    if (has_bones && !given.moves.is_given())
-        return fail("--bones needs a motion: give --clip, --pose, or operations such as --twist");
-    if (!given.morph && !has_bones && given.choice.takes_normals())
-        return fail("--coordinates green: --skin cannot represent normals of faces; use --morph or --bones");
-    if (given.morph && !given.moves.is_given())
-        return fail("--morph needs poses: give --clip, --pose, or operations such as --turn");
-
-    const auto scene = read_scene(given);
-    if (!scene) return fail(to_string(scene.error()));
-    return export_figure(given, *scene);
+    check_options(given, of_bones);
+    return export_figure(given, read_scene(given));
 }

@@ -39,11 +39,6 @@ using cageform::FitOptions;
 using cageform::Status;
 using Json = nlohmann::ordered_json;
 
-/// An error in the input, with the message.
-struct Refused : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
-
 struct ConditionName {
     const char* name;
     const char* short_name;
@@ -66,7 +61,7 @@ FitCondition condition_of(const std::string& name) {
     }
     std::string all;
     for (const auto& known : condition_names) all += std::string(all.empty() ? "" : ", ") + known.name;
-    throw Refused("unknown condition \"" + name + "\"; there are " + all);
+    throw Failure("unknown condition \"" + name + "\"; there are " + all);
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -85,10 +80,10 @@ std::vector<double> numbers(const std::string& option, const std::string& text, 
     std::vector<double> result;
     for (const std::string& part : split(text)) {
         const std::string why = detail::parse_finite(part, result.emplace_back());
-        if (!why.empty()) throw Refused(option + ": " + why);
+        if (!why.empty()) throw Failure(option + ": " + why);
     }
     if (count != 0 && result.size() != count) {
-        throw Refused(option + ": " + std::to_string(result.size()) + " numbers instead of " +
+        throw Failure(option + ": " + std::to_string(result.size()) + " numbers instead of " +
                       std::to_string(count));
     }
     return result;
@@ -106,7 +101,7 @@ struct Case {
 
 /// Throws unless a status is ok.
 void require(Status status, const std::string& what) {
-    if (status != Status::ok) throw Refused(what + ": " + cageform::to_string(status));
+    if (status != Status::ok) throw Failure(what + ": " + cageform::to_string(status));
 }
 
 /// Parameters of a curve at given times; the first and the last must be the keys.
@@ -114,7 +109,7 @@ std::vector<double> parameters_at(const BezierCurve& curve, const std::vector<do
                                   const std::string& what) {
     const cageform::BezierFunction function(curve);
     if (times.size() < 2 || times.front() != curve.begin() || times.back() != curve.end())
-        throw Refused(what + ": knots begin at the first key and end at the second, " +
+        throw Failure(what + ": knots begin at the first key and end at the second, " +
                       text_of("%.17g", curve.begin()) + " and " + text_of("%.17g", curve.end()));
     std::vector<double> parameters;
     for (const double x : times) parameters.push_back(function.parameter(x));
@@ -135,18 +130,17 @@ std::string plain(const Json::exception& error) {
 }
 
 Json read_json(const std::string& path) {
-    const auto text = read_text(path);
-    if (!text) throw Refused(to_string(text.error()));
-    if (text->empty()) throw Refused(path + ": is empty");
+    const auto text = value_or_fail(read_text(path));
+    if (text.empty()) throw Failure(path + ": is empty");
     try {
-        return Json::parse(*text);
+        return Json::parse(text);
     } catch (const Json::exception& error) {
-        throw Refused(path + ": " + plain(error));
+        throw Failure(path + ": " + plain(error));
     }
 }
 
 double number_of(const Json& json, const char* name) {
-    if (!json.is_number()) throw Refused(std::string(name) + ": " + json.dump() + " is not a number");
+    if (!json.is_number()) throw Failure(std::string(name) + ": " + json.dump() + " is not a number");
     return json.get<double>();
 }
 
@@ -154,21 +148,21 @@ std::size_t count_of(const Json& json, const char* name, std::size_t most) {
     const auto& value = json.at(name);
     if (!value.is_number_integer() || value.get<long long>() < 1 ||
         value.get<long long>() > static_cast<long long>(most))
-        throw Refused(std::string(name) + " has to be a whole number from 1 to " + std::to_string(most));
+        throw Failure(std::string(name) + " has to be a whole number from 1 to " + std::to_string(most));
     return value.get<std::size_t>();
 }
 
 void read_case(const Json& json, Case& one) {
     const auto& points = json.at("control_points");
-    if (points.size() != 4) throw Refused("control_points has to have four points");
+    if (points.size() != 4) throw Failure("control_points has to have four points");
     for (std::size_t k = 0; k < 4; ++k) {
-        if (points.at(k).size() != 2) throw Refused("a control point has two numbers");
+        if (points.at(k).size() != 2) throw Failure("a control point has two numbers");
         for (std::size_t axis = 0; axis < 2; ++axis)
             one.curve.points[k][axis] = number_of(points.at(k).at(axis), "control_points");
     }
     one.options.scale_free = false;
     one.options.degree = count_of(json, "degree", 100);
-    if (json.at("weights").size() != 2) throw Refused("weights has to have two numbers");
+    if (json.at("weights").size() != 2) throw Failure("weights has to have two numbers");
     one.options.value_weight = number_of(json.at("weights").at(0), "weights");
     one.options.slope_weight = number_of(json.at("weights").at(1), "weights");
     one.options.conditions = FitCondition::none;
@@ -189,7 +183,7 @@ void solve_case(Case& one) {
         parameters = cageform::uniform_in_parameter(pieces);
     } else if (mode == "given") {
         parameters = parameters_at(one.curve, one.knots.at("x").get<std::vector<double>>(), "knots.x");
-        if (parameters.size() != pieces + 1) throw Refused("knots.x has to have pieces + 1 times");
+        if (parameters.size() != pieces + 1) throw Failure("knots.x has to have pieces + 1 times");
     } else if (mode == "search_t") {
         ProgressBar bar("knots of " + one.id);
         const auto search = cageform::search_knots(
@@ -199,7 +193,7 @@ void solve_case(Case& one) {
         parameters = search.value.parameters;
         one.search_index = search.value.indices;
     } else {
-        throw Refused("unknown mode of knots \"" + mode + "\"");
+        throw Failure("unknown mode of knots \"" + mode + "\"");
     }
     one.fitted = cageform::fit_pieces(one.curve, parameters, one.options);
     require(one.fitted.status(), "no fit");
@@ -266,7 +260,7 @@ std::vector<Case> run_cases(const std::string& path) {
     Json json = read_json(path);
     if (!json.is_object() || json.value("format", Json()) != "bezier-sobolev-cases/1" ||
         !json.value("cases", Json()).is_array())
-        throw Refused(path + ": is not of the format bezier-sobolev-cases/1");
+        throw Failure(path + ": is not of the format bezier-sobolev-cases/1");
     std::vector<Case> cases;
     for (const auto& entry : json["cases"]) {
         Case& one = cases.emplace_back();
@@ -275,10 +269,10 @@ std::vector<Case> run_cases(const std::string& path) {
             one.id = entry.at("id").get<std::string>();
             read_case(entry, one);
             solve_case(one);
-        } catch (const Refused& error) {
-            throw Refused(path + ": case " + one.id + ": " + error.what());
+        } catch (const Failure& error) {
+            throw Failure(path + ": case " + one.id + ": " + error.what());
         } catch (const Json::exception& error) {
-            throw Refused(path + ": case " + one.id + ": " + plain(error));
+            throw Failure(path + ": case " + one.id + ": " + plain(error));
         }
     }
     return cases;
@@ -346,14 +340,25 @@ private:
     Axis x_, y_;
 };
 
-std::string plot(const Case& one) {
-    const cageform::BezierFunction function(one.curve);
-    const auto& [fit, report] = one.fitted;
-    constexpr std::size_t samples = 240; // per piece
-    constexpr std::array<const char*, 2> colours{"#c8553d", "#1b6ca8"};
-    std::vector<std::vector<std::array<double, 2>>> pieces(fit.pieces()), errors(fit.pieces());
+constexpr std::array<const char*, 2> colours{"#c8553d", "#1b6ca8"}; // of pieces, alternating
+const std::string knot_style = "r=\"4.5\" fill=\"white\" stroke=\"#202020\" stroke-width=\"1.6\"";
+
+/// Polylines of time and value.
+struct Lines {
     std::vector<std::array<double, 2>> curve;
-    std::array<double, 2> y_range{one.curve.points[0][1], one.curve.points[0][1]};
+    std::vector<std::vector<std::array<double, 2>>> pieces, errors;
+    std::array<double, 2> range; // of curve and pieces
+};
+
+Lines lines_of(const Case& one) {
+    const cageform::BezierFunction function(one.curve);
+    const BezierFit& fit = one.fitted.value;
+    Lines drawn;
+    drawn.pieces.resize(fit.pieces());
+    drawn.errors.resize(fit.pieces());
+    auto& range = drawn.range;
+    range = {one.curve.points[0][1], one.curve.points[0][1]};
+    constexpr std::size_t samples = 240; // per piece
     for (std::size_t i = 0; i < fit.pieces(); ++i) {
         for (std::size_t n = 0; n <= samples; ++n) {
             // Steps of the parameter are small at the ends, where tangents may be vertical.
@@ -365,54 +370,54 @@ std::string plot(const Case& one) {
             const double u =
                 std::fmin(std::fmax((x - fit.knots[i]) / (fit.knots[i + 1] - fit.knots[i]), 0), 1);
             const double fitted = fit.in_piece(i, u);
-            curve.push_back({x, y});
-            pieces[i].push_back({x, fitted});
-            errors[i].push_back({x, y - fitted});
-            y_range = {std::min({y_range[0], y, fitted}), std::max({y_range[1], y, fitted})};
+            drawn.curve.push_back({x, y});
+            drawn.pieces[i].push_back({x, fitted});
+            drawn.errors[i].push_back({x, y - fitted});
+            range = {std::min({range[0], y, fitted}), std::max({range[1], y, fitted})};
         }
     }
-    if (y_range[0] == y_range[1]) y_range = {y_range[0] - 1, y_range[1] + 1};
-    const double margin = 0.06 * (y_range[1] - y_range[0]);
-    const std::array<double, 2> x_range{one.curve.begin(), one.curve.end()};
-    const double reach = report.sup_error > 0 ? 1.25 * report.sup_error : 1e-16;
-    const Panel above(90, 70, 780, 400, x_range, {y_range[0] - margin, y_range[1] + margin});
-    const Panel below(90, 560, 780, 220, x_range, {-reach, reach});
+    if (range[0] == range[1]) range = {range[0] - 1, range[1] + 1};
+    return drawn;
+}
 
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 900 856\" width=\"900\" "
-                      "height=\"856\" font-family=\"DejaVu Sans, sans-serif\" fill=\"#202020\">\n"
-                      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    svg += Panel::text(450, 28, "middle",
-                       detail::escaped(one.id) + ": " + std::to_string(fit.pieces()) +
-                           (fit.pieces() == 1 ? " piece" : " pieces") + " of degree " +
-                           std::to_string(fit.degree),
-                       17);
-    svg += above.axes("value");
-    svg += above.polyline(curve, "stroke=\"#c9c9c9\" stroke-width=\"9\" stroke-linecap=\"round\"");
+std::string draw_values(const Panel& above, const BezierFit& fit, const Lines& drawn) {
+    std::string svg = above.axes("value");
+    svg += above.polyline(drawn.curve, "stroke=\"#c9c9c9\" stroke-width=\"9\" stroke-linecap=\"round\"");
     for (std::size_t i = 0; i < fit.pieces(); ++i)
-        svg +=
-            above.polyline(pieces[i], std::string("stroke=\"") + colours[i % 2] + "\" stroke-width=\"2.2\"");
-    const std::string knot_style = "r=\"4.5\" fill=\"white\" stroke=\"#202020\" stroke-width=\"1.6\"";
+        svg += above.polyline(drawn.pieces[i],
+                              std::string("stroke=\"") + colours[i % 2] + "\" stroke-width=\"2.2\"");
     for (std::size_t i = 0; i <= fit.pieces(); ++i) {
-        const double y = i < fit.pieces() ? pieces[i].front()[1] : pieces.back().back()[1];
+        const double y = i < fit.pieces() ? drawn.pieces[i].front()[1] : drawn.pieces.back().back()[1];
         svg += above.dot(fit.knots[i], y, knot_style);
     }
+    return svg;
+}
 
-    svg += below.axes("error: curve minus pieces");
+/// Draws the errors and their bound.
+///
+///   reach   the largest value of the axis
+std::string draw_errors(const Panel& below, const Case& one, const Lines& drawn, double reach) {
+    const auto& [fit, report] = one.fitted;
+    std::string svg = below.axes("error: curve less pieces");
     for (std::size_t i = 1; i < fit.pieces(); ++i)
         svg += Panel::line(below.at_x(fit.knots[i]), below.at_y(-reach), below.at_x(fit.knots[i]),
                            below.at_y(reach), "stroke=\"#8a8a8a\" stroke-dasharray=\"1 3\"");
     for (const double sign : {1.0, -1.0}) {
         const double y = below.at_y(sign * report.sup_error);
-        svg += Panel::line(below.at_x(x_range[0]), y, below.at_x(x_range[1]), y,
+        svg += Panel::line(below.at_x(one.curve.begin()), y, below.at_x(one.curve.end()), y,
                            "stroke=\"#7a4a9a\" stroke-width=\"1.4\" stroke-dasharray=\"7 4\"");
     }
-    svg += Panel::text(below.at_x(x_range[1]), below.at_y(reach) - 10, "end",
+    svg += Panel::text(below.at_x(one.curve.end()), below.at_y(reach) - 10, "end",
                        "± largest error " + text_of("%.4g", report.sup_error), 13, "fill=\"#7a4a9a\"");
     for (std::size_t i = 0; i < fit.pieces(); ++i)
-        svg +=
-            below.polyline(errors[i], std::string("stroke=\"") + colours[i % 2] + "\" stroke-width=\"1.8\"");
+        svg += below.polyline(drawn.errors[i],
+                              std::string("stroke=\"") + colours[i % 2] + "\" stroke-width=\"1.8\"");
+    return svg;
+}
 
-    // The legend, in the row of the upper title.
+/// The legend, in the row of the upper title.
+std::string draw_legend() {
+    std::string svg;
     double at = 870;
     const auto entry = [&](double width, const std::string& words, const std::string& sign) {
         at -= width;
@@ -425,6 +430,26 @@ std::string plot(const Case& one) {
               "\"/><path d=\"M17,0 h17\" stroke-width=\"2.2\" stroke=\"" + colours[1] + "\"/>");
     entry(106, "curve",
           "<path d=\"M3,0 h28\" stroke=\"#c9c9c9\" stroke-width=\"9\" stroke-linecap=\"round\"/>");
+    return svg;
+}
+
+std::string plot(const Case& one) {
+    const auto& [fit, report] = one.fitted;
+    const Lines drawn = lines_of(one);
+    const double margin = 0.06 * (drawn.range[1] - drawn.range[0]);
+    const std::array<double, 2> times{one.curve.begin(), one.curve.end()};
+    const double reach = report.sup_error > 0 ? 1.25 * report.sup_error : 1e-16;
+    const Panel above(90, 70, 780, 400, times, {drawn.range[0] - margin, drawn.range[1] + margin});
+    const Panel below(90, 560, 780, 220, times, {-reach, reach});
+    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 900 856\" width=\"900\" "
+                      "height=\"856\" font-family=\"DejaVu Sans, sans-serif\" fill=\"#202020\">\n"
+                      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+    svg += Panel::text(450, 28, "middle",
+                       detail::escaped(one.id) + ": " + std::to_string(fit.pieces()) +
+                           (fit.pieces() == 1 ? " piece" : " pieces") + " of degree " +
+                           std::to_string(fit.degree),
+                       17);
+    svg += draw_values(above, fit, drawn) + draw_errors(below, one, drawn, reach) + draw_legend();
     svg +=
         Panel::text(90, 838, "start",
                     "W12 error " + text_of("%.6g", report.w12_error()) + ", L2 " +
@@ -468,14 +493,14 @@ BezierCurve css_curve(const std::string& text) {
     if (easing) return easing.value;
     for (const std::string_view other : {"steps(", "step-start", "step-end", "linear("}) {
         if (words.starts_with(other))
-            throw Refused("--css: " + std::string(words) +
+            throw Failure("--css: " + std::string(words) +
                           ": holds and straight lines need no fit; use keys of kind hold and linear");
     }
     if (easing.status() != Status::input_malformed)
-        throw Refused("--css: " + std::string(words) + ": " +
+        throw Failure("--css: " + std::string(words) + ": " +
                       (easing.status() == Status::handle_not_allowed ? "x1 and x2 lie between 0 and 1"
                                                                      : cageform::to_string(easing.status())));
-    throw Refused("--css: \"" + std::string(words) +
+    throw Failure("--css: \"" + std::string(words) +
                   "\" is not an easing: write linear, ease, ease-in, ease-out, ease-in-out, " +
                   "cubic-bezier(x1, y1, x2, y2) or x1,y1,x2,y2" +
                   (words.starts_with("cubic-bezier")
@@ -494,12 +519,12 @@ std::vector<LottieCurve> read_lottie(const std::string& path) {
     const Json file = read_json(path);
     try {
         auto curves = lottie_curves(file);
-        if (curves.empty()) throw Refused(path + ": no animated values");
+        if (curves.empty()) throw Failure(path + ": no animated values");
         return curves;
     } catch (const std::length_error& error) {
-        throw Refused(path + ": " + error.what());
+        throw Failure(path + ": " + error.what());
     } catch (const Json::exception& error) {
-        throw Refused(path + ": invalid Lottie keyframe: " + plain(error));
+        throw Failure(path + ": invalid Lottie keyframe: " + plain(error));
     }
 }
 
@@ -508,15 +533,15 @@ BezierCurve lottie_curve(const Arguments& given) {
         if (one.path != given.lottie_curve) continue;
         require(one.curve.status(), given.lottie + ": " + one.path);
         if (one.curve.value.kind == cageform::KeyKind::hold)
-            throw Refused(given.lottie + ": " + one.path + ": the value is held; there is no curve to fit");
+            throw Failure(given.lottie + ": " + one.path + ": the value is held; there is no curve to fit");
         return one.curve.value.curve;
     }
-    throw Refused(given.lottie + ": there is no curve \"" + given.lottie_curve +
+    throw Failure(given.lottie + ": there is no curve \"" + given.lottie_curve +
                   "\"; leave out --curve to list all");
 }
 
-Case run_one(const Arguments& given) {
-    Case one;
+/// The curve of --bezier, --css or --lottie, and its name.
+void read_curve(const Arguments& given, Case& one) {
     if (!given.bezier.empty()) {
         one.id = "Bézier curve " + given.bezier;
         one.curve = bezier_curve(given.bezier);
@@ -533,36 +558,64 @@ Case run_one(const Arguments& given) {
     require(cageform::SobolevFitter(one.curve, {}).status(), !given.bezier.empty() ? "--bezier"
                                                              : !given.css.empty()  ? "--css"
                                                                                    : "--curve");
-    one.options.degree = given.degree;
-    one.options.scale_free = !given.in_units;
-    one.options.conditions = FitCondition::none;
+}
+
+FitOptions options_of(const Arguments& given) {
+    FitOptions options;
+    options.degree = given.degree;
+    options.scale_free = !given.in_units;
+    options.conditions = FitCondition::none;
     for (const std::string& name : split(given.conditions))
-        one.options.conditions = one.options.conditions | condition_of(name);
+        options.conditions = options.conditions | condition_of(name);
     if (given.norm == "l2") {
-        one.options.slope_weight = 0;
+        options.slope_weight = 0;
     } else if (given.norm == "sup") {
-        one.options.norm = cageform::FitNorm::sup;
+        options.norm = cageform::FitNorm::sup;
     } else if (given.norm != "w12") {
         const auto weights = numbers("--norm", given.norm, 2);
-        one.options.value_weight = weights[0];
-        one.options.slope_weight = weights[1];
+        options.value_weight = weights[0];
+        options.slope_weight = weights[1];
     }
+    return options;
+}
 
-    const bool by_tolerance = given.has_tolerance;
+/// Knots for a number of pieces, by the method of --knots.
+std::vector<double> knots_of(const Arguments& given, const Case& one, std::size_t pieces) {
+    if (given.knots == "uniform") return cageform::uniform_in_time(one.curve, pieces);
+    if (given.knots == "arcs") return cageform::uniform_in_parameter(pieces);
+    ProgressBar bar("knots of " + std::to_string(pieces) + " pieces");
+    const auto search =
+        cageform::optimal_knots(one.curve, pieces, {one.options}, {.progress = bar.callback()});
+    require(search.status(), "--knots optimal");
+    return search.value.parameters;
+}
+
+/// Fits the fewest pieces within --tolerance.
+void fit_within_tolerance(const Arguments& given, Case& one) {
+    if (given.knots.empty()) {
+        ProgressBar bar("pieces");
+        one.fitted = cageform::fit(one.curve, given.tolerance, one.options, {.progress = bar.callback()});
+    }
+    for (std::size_t pieces = 1; !given.knots.empty() && pieces <= one.options.max_pieces; ++pieces) {
+        one.fitted = cageform::fit_pieces(one.curve, knots_of(given, one, pieces), one.options);
+        Status& status = one.fitted.report.status;
+        if (status == Status::ok && one.fitted.report.sup_error <= given.tolerance) break;
+        if (status == Status::ok && pieces == one.options.max_pieces) status = Status::tolerance_not_met;
+        if (status == Status::too_many_conditions) continue; // needs more pieces
+        if (status != Status::ok) break;
+    }
+    require(one.fitted.status(), "--tolerance " + text_of("%g", given.tolerance));
+}
+
+Case run_one(const Arguments& given) {
+    Case one;
+    read_curve(given, one);
+    one.options = options_of(given);
     const bool named =
         given.knots.empty() || given.knots == "uniform" || given.knots == "arcs" || given.knots == "optimal";
-    if (int(given.pieces > 0) + int(by_tolerance) + int(!named) != 1)
-        throw Refused("choose the number of pieces with one of --pieces, --tolerance and --knots with times");
-    if (by_tolerance && !(given.tolerance > 0)) require(Status::tolerance_not_positive, "--tolerance");
-    const auto knots = [&](std::size_t pieces) {
-        if (given.knots == "uniform") return cageform::uniform_in_time(one.curve, pieces);
-        if (given.knots == "arcs") return cageform::uniform_in_parameter(pieces);
-        ProgressBar bar("knots of " + std::to_string(pieces) + " pieces");
-        const auto search =
-            cageform::optimal_knots(one.curve, pieces, {one.options}, {.progress = bar.callback()});
-        require(search.status(), "--knots optimal");
-        return search.value.parameters;
-    };
+    if (int(given.pieces > 0) + int(given.has_tolerance) + int(!named) != 1)
+        throw Failure("choose the number of pieces with one of --pieces, --tolerance and --knots with times");
+    if (given.has_tolerance && !(given.tolerance > 0)) require(Status::tolerance_not_positive, "--tolerance");
     const std::string mode = given.knots == "uniform" ? "uniform_x"
                              : given.knots == "arcs"  ? "uniform_t"
                                                       : "optimal";
@@ -571,26 +624,12 @@ Case run_one(const Arguments& given) {
         one.fitted = cageform::fit_pieces(one.curve, parameters_at(one.curve, times, "--knots"), one.options);
         require(one.fitted.status(), "--knots");
         one.knots = {{"mode", "given"}, {"pieces", times.size() - 1}, {"x", times}};
-    } else if (!by_tolerance) {
-        one.fitted = cageform::fit_pieces(one.curve, knots(given.pieces), one.options);
+    } else if (!given.has_tolerance) {
+        one.fitted = cageform::fit_pieces(one.curve, knots_of(given, one, given.pieces), one.options);
         require(one.fitted.status(), "no fit of " + std::to_string(given.pieces) + " pieces");
         one.knots = {{"mode", mode}, {"pieces", given.pieces}};
     } else {
-        if (given.knots.empty()) {
-            ProgressBar bar("pieces");
-            one.fitted = cageform::fit(one.curve, given.tolerance, one.options, {.progress = bar.callback()});
-        } else {
-            for (std::size_t pieces = 1; pieces <= one.options.max_pieces; ++pieces) {
-                one.fitted = cageform::fit_pieces(one.curve, knots(pieces), one.options);
-                Status& status = one.fitted.report.status;
-                if (status == Status::ok && one.fitted.report.sup_error <= given.tolerance) break;
-                if (status == Status::ok && pieces == one.options.max_pieces)
-                    status = Status::tolerance_not_met;
-                if (status == Status::too_many_conditions) continue; // needs more pieces
-                if (status != Status::ok) break;
-            }
-        }
-        require(one.fitted.status(), "--tolerance " + text_of("%g", given.tolerance));
+        fit_within_tolerance(given, one);
         one.knots = {{"mode", given.knots.empty() ? "tolerance" : mode},
                      {"pieces", one.fitted.value.pieces()},
                      {"tolerance", given.tolerance}};
@@ -598,12 +637,8 @@ Case run_one(const Arguments& given) {
     return one;
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line("Replaces a Bézier curve between two keys by a few polynomials in time.");
-    line.set_examples({"--css ease-in-out --pieces 4 --plot curve.svg --png", "--lottie ball.json"});
-    Arguments given;
+/// Returns the option --tolerance.
+CommandOption add_options(CommandLine& line, Arguments& given) {
     line.add("--bezier", given.bezier,
              "x0,y0,x1,y1,x2,y2,x3,y3: keys and handles (--bezier=-1,… if negative)");
     line.add("--css", given.css,
@@ -633,16 +668,42 @@ int run_program(int argc, char** argv) {
     line.add("--json", given.json, "the JSON file to write").ends_with({".json"});
     line.add("--plot", given.plot, "the SVG file to draw to").ends_with({".svg"});
     line.add_flag("--png", given.png, "also render the plot, to the same name with .png");
-    if (const auto code = line.parse(argc, argv)) return *code;
-    given.has_tolerance = tolerance.is_given();
-    if (given.png && given.plot.empty()) throw Refused("--png needs --plot");
+    return tolerance;
+}
 
+/// Fails if options conflict.
+void check_options(const Arguments& given) {
+    if (given.png && given.plot.empty()) throw Failure("--png needs --plot");
     const int curves = int(!given.bezier.empty()) + int(!given.css.empty()) + int(!given.lottie.empty()) +
                        int(!given.cases.empty());
-    if (curves != 1) throw Refused("a curve is given by one of --bezier, --css, --lottie and --cases");
-    if (!given.lottie_curve.empty() && given.lottie.empty()) throw Refused("--curve needs --lottie");
+    if (curves != 1) throw Failure("a curve is given by one of --bezier, --css, --lottie and --cases");
+    if (!given.lottie_curve.empty() && given.lottie.empty()) throw Failure("--curve needs --lottie");
+    if (!given.lottie.empty() && given.lottie_curve.empty() && !(given.json.empty() && given.plot.empty()))
+        throw Failure("--lottie needs --curve to fit one");
+    if (!given.cases.empty() && (given.json.empty() || !given.plot.empty()))
+        throw Failure("--cases needs --json and takes no --plot");
+}
+
+std::string results_of_cases(const Arguments& given) {
+    Json all;
+    all["format"] = "bezier-sobolev-cases/1";
+    all["description"] = "results of fit_curve for " + printable(given.cases);
+    all["cases"] = Json::array();
+    for (const Case& one : run_cases(given.cases)) all["cases"].push_back(to_json(one));
+    return all.dump(1) + "\n";
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Replaces a Bézier curve between two keys by a few polynomials in time.");
+    line.set_examples({"--css ease-in-out --pieces 4 --plot curve.svg --png", "--lottie ball.json"});
+    Arguments given;
+    const CommandOption tolerance = add_options(line, given);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    given.has_tolerance = tolerance.is_given();
+    check_options(given);
     if (!given.lottie.empty() && given.lottie_curve.empty()) {
-        if (!given.json.empty() || !given.plot.empty()) throw Refused("--lottie needs --curve to fit one");
         for (const LottieCurve& one : read_lottie(given.lottie))
             std::cout << printable(describe(one)) << '\n';
         return 0;
@@ -650,14 +711,7 @@ int run_program(int argc, char** argv) {
 
     std::string json, svg;
     if (!given.cases.empty()) {
-        if (given.json.empty() || !given.plot.empty())
-            throw Refused("--cases needs --json and takes no --plot");
-        Json all;
-        all["format"] = "bezier-sobolev-cases/1";
-        all["description"] = "results of fit_curve for " + printable(given.cases);
-        all["cases"] = Json::array();
-        for (const Case& one : run_cases(given.cases)) all["cases"].push_back(to_json(one));
-        json = all.dump(1) + "\n";
+        json = results_of_cases(given);
     } else {
         const Case one = run_one(given);
         if (!given.json.empty()) json = to_json(one).dump(1) + "\n";
@@ -667,6 +721,5 @@ int run_program(int argc, char** argv) {
     OutputFiles outputs;
     if (!json.empty()) outputs.add(given.json).write(json);
     if (!svg.empty()) add_svg(outputs, given.plot, svg, given.png ? 1200 : 0);
-    if (const auto error = outputs.commit()) throw Refused(*error);
-    return 0;
+    return commit(outputs);
 }

@@ -67,52 +67,47 @@ bool ascend(std::span<const double> times) {
 }
 
 /// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
-Expected<MddFile> read_frames(Arguments& given, ObjFile& figure) {
+MddFile read_frames(Arguments& given, ObjFile& figure) {
     if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
-        auto file = load_mdd(given.frames[0], figure.vertices.size());
-        if (!file) return file;
-        for (std::size_t t = 0; t < file->frames.size(); ++t) {
+        MddFile file = value_or_fail(load_mdd(given.frames[0], figure.vertices.size()));
+        for (std::size_t t = 0; t < file.frames.size(); ++t) {
             std::vector<std::size_t> strays;
             for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
-                if (!cageform::is_finite(file->frames[t][i])) strays.push_back(i);
+                if (!cageform::is_finite(file.frames[t][i])) strays.push_back(i);
             }
             const std::string name = given.frames[0] + ": frame " + std::to_string(t) + ", ";
-            if (const auto why = leave_out_also(figure, strays, name, given.is_strict); !why.empty())
-                return FileError{why};
+            fail_if(leave_out_also(figure, strays, name, given.is_strict));
         }
-        turn_axes(given.axes, file->frames);
-        if (const double first = file->times.empty() ? 0 : file->times[0]; first < 0 && given.rate == 0) {
-            for (double& time : file->times) time -= first;
+        turn_axes(given.axes, file.frames);
+        if (const double first = file.times.empty() ? 0 : file.times[0]; first < 0 && given.rate == 0) {
+            for (double& time : file.times) time -= first;
             note(given.frames[0] + ": the times of its frames are counted from the first, " +
                  detail::short_number(first));
         }
-        if (given.rate == 0 && !ascend(file->times)) {
-            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later; " +
-                 detail::short_number(default_rate) + " frames per second are used, as with --rate");
+        if (given.rate == 0 && !ascend(file.times)) {
+            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later: they are " +
+                 detail::short_number(default_rate) + " a second, as with --rate");
             given.rate = default_rate;
         }
-        if (given.rate > 0) file->times.clear();
+        if (given.rate > 0) file.times.clear();
         return file;
     }
     for (const std::string& text : order_by_numbers(given.frames)) note(text);
     std::vector<std::vector<Point3>> frames;
     for (const std::string& path : given.frames) {
         if (ending_of(path) == ".mdd")
-            return FileError{path + ": one MDD file holds all frames: give it alone, after " + given.rest};
-        auto frame = load_obj(path, strays_of(given.is_strict));
-        if (!frame) return frame.error();
-        if (frame->vertices.size() != figure.vertices.size()) {
-            return FileError{path + " has " + std::to_string(frame->vertices.size()) + " vertices, " +
-                             given.rest + " has " + std::to_string(figure.vertices.size()) +
-                             ": a frame is the figure with its vertices moved"};
+            throw Failure(path + ": one MDD file holds all frames: give it alone, after " + given.rest);
+        auto frame = value_or_fail(load_obj(path, strays_of(given.is_strict)));
+        if (frame.vertices.size() != figure.vertices.size()) {
+            throw Failure(path + " has " + std::to_string(frame.vertices.size()) + " vertices, " +
+                          given.rest + " has " + std::to_string(figure.vertices.size()) +
+                          ": a frame is the figure with its vertices moved");
         }
-        if (const auto why = leave_out_also(figure, frame->left_out, path + ": ", given.is_strict);
-            !why.empty())
-            return FileError{why};
-        if (const auto fault = single_precision_fault(*frame)) return *fault;
-        frames.push_back(std::move(frame->vertices));
+        fail_if(leave_out_also(figure, frame.left_out, path + ": ", given.is_strict));
+        fail_if(single_precision_fault(frame));
+        frames.push_back(std::move(frame.vertices));
     }
-    return MddFile{std::move(frames), {}};
+    return {std::move(frames), {}};
 }
 
 /// Warns about the first frame that mirrors the figure, with a remedy.
@@ -122,9 +117,8 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     const bool has_all = std::all_of(frames.places.begin(), frames.places.end(), mirrors);
     const bool is_mdd = frames.files.size() != frames.places.size();
     if (first == frames.places.end()) {
-        const std::string winding = describe_winding(
-            frames.files[0], frames.name, side_of(frames.rest, frames.places[0]), given.flips_faces);
-        if (!winding.empty()) warn(winding);
+        warn(describe_winding(frames.files[0], frames.name, side_of(frames.rest, frames.places[0]),
+                              given.flips_faces));
         return;
     }
     if (has_all && is_mdd)
@@ -169,11 +163,9 @@ std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<P
 /// Reads the frames, fits, and writes the files.
 int fit_figure(Arguments& given, ObjFile figure) {
     const ObjParts parts = read_parts(figure);
-    const auto meshes = gltf_meshes(figure, parts);
-    if (!meshes) return fail(to_string(meshes.error()));
+    const auto meshes = value_or_fail(gltf_meshes(figure, parts));
     auto read = read_frames(given, figure);
-    if (!read) return fail(to_string(read.error()));
-    auto& places = read->frames;
+    auto& places = read.frames;
     const std::size_t sound = figure.triangles[0][0]; // excluded vertices get its position
     for (const std::size_t vertex : figure.left_out) {
         figure.vertices[vertex] = figure.vertices[sound];
@@ -183,45 +175,42 @@ int fit_figure(Arguments& given, ObjFile figure) {
         return fail(given.frames[0] + ": " + std::to_string(places.size()) +
                     (places.size() == 1 ? " frame" : " frames") + ": a motion has two or more");
     }
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    fail_if(fault_of_outputs({given.out, given.picture}));
     const Point3 origin = far_origin(figure);
     figure.vertices = counted_from(origin, figure.vertices);
     for (auto& frame : places) frame = counted_from(origin, frame);
     const std::vector<Point3> rest = join_copies(figure, places);
-    FigureFrames frames{figure.name, rest, figure.triangles, std::move(places), std::move(read->times),
-                        given.frames};
+    FigureFrames frames{figure.name,           rest,        figure.triangles, std::move(places),
+                        std::move(read.times), given.frames};
     const double rate = given.rate > 0 ? given.rate : default_rate;
     while (frames.times.size() < frames.places.size())
         frames.times.push_back(double(float(double(frames.times.size()) / rate)));
     if (!ascend(frames.times)) return fail("--rate: the times of the frames are equal in single precision");
 
     warn_of_mirrors(given, frames);
-    const auto motion = fit_motion(given.choice, frames);
-    if (!motion) return fail(to_string(motion.error()));
-    if (motion->loss.share() > StoredLoss::worth_a_warning) {
-        warn(figure.name + ": " + describe_loss(*motion) +
+    const auto motion = value_or_fail(fit_motion(given.choice, frames));
+    if (motion.loss.share() > StoredLoss::worth_a_warning) {
+        warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform fit_skeleton";
     document.json["scene"] = 0;
     print_warnings(parts.warnings);
-    print_warnings(add_materials(document, parts, !(*meshes)[0].texture.empty()));
-    add_skinned_meshes(document, *meshes, figure, motion->skeleton.skin, "float", motion->skeleton.bones, 0);
-    add_skeleton(document, *meshes, motion->skeleton, motion->keys,
+    print_warnings(add_materials(document, parts, !(meshes)[0].texture.empty()));
+    add_skinned_meshes(document, meshes, figure, motion.skeleton.skin, "float", motion.skeleton.bones, 0);
+    add_skeleton(document, meshes, motion.skeleton, motion.keys,
                  std::filesystem::path(given.rest).stem().string(), origin);
-    const auto bytes = gltf_bytes(document, given.out);
-    if (!bytes) return fail(to_string(bytes.error()));
+    const auto bytes = value_or_fail(gltf_bytes(document, given.out));
 
     OutputFiles outputs;
-    outputs.add(given.out).write(*bytes);
+    outputs.add(given.out).write(bytes);
     if (!given.picture.empty())
-        draw_skeleton(frames, *motion, given.view.sight).write_png(outputs.add(given.picture));
-    if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(
-                     describe_gltf(given.out, *meshes, parts, figure, count_bones(*motion), bytes->size()))
+        draw_skeleton(frames, motion, given.view.sight).write_png(outputs.add(given.picture));
+    fail_if(outputs.commit());
+    std::cout << printable(describe_gltf(given.out, meshes, parts, figure, count_bones(motion), bytes.size()))
               << '\n';
-    if (given.report) std::cout << describe(*motion) << describe_unused(parts);
+    if (given.report) std::cout << describe(motion) << describe_unused(parts);
     return 0;
 }
 
@@ -269,9 +258,8 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    auto figure = load_mesh_figure(given.rest, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    return fit_figure(given, std::move(*figure));
+    auto figure = value_or_fail(load_mesh_figure(given.rest, given.is_strict));
+    fail_if(single_precision_fault(figure));
+    if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
+    return fit_figure(given, std::move(figure));
 }

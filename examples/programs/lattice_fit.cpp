@@ -52,33 +52,32 @@ struct Fitted {
 
 /// Fits the pose of the lattice, and prints the errors.
 template <std::size_t D>
-Expected<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
-                           const std::optional<LatticeBox<D>>& lattice) {
+Fitted<D> fitted(const Arguments& given, const Figures<D>& figures,
+                 const std::optional<LatticeBox<D>>& lattice) {
     const auto& [rest_name, posed_name, rest, posed] = figures;
     if (!lattice)
-        return FileError{"--cage " + detail::quoted(given.cage) +
-                         " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4")};
+        throw Failure("--cage " + detail::quoted(given.cage) +
+                      " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4"));
     if (rest.size() != posed.size())
-        return FileError{posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
-                         " has " + std::to_string(rest.size()) + ": both need the same vertices"};
-    const auto held = given.choice.still(lattice);
-    if (!held) return held.error();
-    const std::vector<std::uint32_t> frozen(held->begin(), held->end());
+        throw Failure(posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
+                      " has " + std::to_string(rest.size()) + ": the figures must be the same");
+    const auto held = value_or_fail(given.choice.still(lattice));
+    const std::vector<std::uint32_t> frozen(held.begin(), held.end());
 
     const auto start = std::chrono::steady_clock::now();
     const auto coordinates = lattice->template coordinates<double>();
     const auto bound = cageform::bind(coordinates, rest);
-    if (!bound) return FileError{describe_faults(rest_name, bound.report)};
+    if (!bound) throw Failure(describe_faults(rest_name, bound.report));
     std::vector<cageform::Vec<double, D>> displacements;
     for (std::size_t i = 0; i < rest.size(); ++i) displacements.push_back(posed[i] - rest[i]);
     auto fit = cageform::fit_lattice(coordinates, bound.value, displacements,
                                      {.smoothness = given.smoothness, .frozen = frozen});
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
     const auto& report = fit.report;
-    if (!fit) return FileError{posed_name + ": " + cageform::to_string(report.status)};
+    if (!fit) throw Failure(posed_name + ": " + cageform::to_string(report.status));
     Fitted<D> result{std::move(fit.value), rest};
     const auto status = cageform::clone(bound.value, result.pose, result.moved);
-    if (status != cageform::Status::ok) return FileError{cageform::to_string(status)};
+    if (status != cageform::Status::ok) throw Failure(cageform::to_string(status));
     const auto number = [](double x) { return detail::short_number(x); };
     std::cout << printable(rest_name) << ": by " << describe(*lattice)
               << "\nlargest distance: " << number(report.largest) << ", of " << (D == 2 ? "point " : "v ")
@@ -98,22 +97,17 @@ int fit_in_plane(const Arguments& given) {
         return fail("-o " + given.out + ": the figure lies in the plane: write .svg or .csv");
     if (!given.picture.empty())
         return fail("--picture is for figures in space; pose_cage draws a pose in the plane");
-    const auto rest = load_svg(given.rest);
-    if (!rest) return fail(to_string(rest.error()));
-    const auto posed = load_svg(given.posed);
-    if (!posed) return fail(to_string(posed.error()));
+    const auto rest = value_or_fail(load_svg(given.rest));
+    const auto posed = value_or_fail(load_svg(given.posed));
     Figures<2> figures{given.rest, given.posed, {}, {}};
-    for (const auto& [document, points] : {std::pair{&*rest, &figures.rest}, {&*posed, &figures.posed}}) {
-        const auto found = figure_vertices(*document);
-        if (!found) return fail(to_string(found.error()));
-        for (const Point2& p : *found) points->push_back({p.x, p.y});
+    for (const auto& [document, points] : {std::pair{&rest, &figures.rest}, {&posed, &figures.posed}}) {
+        const auto found = value_or_fail(figure_vertices(*document));
+        for (const Point2& p : found) points->push_back({p.x, p.y});
     }
-    const auto cage = load_or_make_cage(given.cage, *rest);
-    if (!cage) return fail(to_string(cage.error()));
-    const auto fit = fitted(given, figures, cage->lattice);
-    if (!fit) return fail(to_string(fit.error()));
-    const CageFile pose = moved_cage(*cage, fit->pose);
-    const auto view = view_box(*rest);
+    const auto cage = value_or_fail(load_or_make_cage(given.cage, rest));
+    const auto fit = fitted(given, figures, cage.lattice);
+    const CageFile pose = moved_cage(cage, fit.pose);
+    const auto view = view_box(rest);
     const Expected<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
@@ -124,29 +118,24 @@ int fit_in_plane(const Arguments& given) {
 int fit_in_space(const Arguments& given) {
     if (ending_of(given.out) != ".obj")
         return fail("-o " + given.out + ": the figure lies in space: write .obj");
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    auto rest = load_mesh_figure(given.rest, given.is_strict);
-    if (!rest) return fail(to_string(rest.error()));
-    const auto posed = load_obj(given.posed, strays_of(given.is_strict));
-    if (!posed) return fail(to_string(posed.error()));
-    if (posed->vertices.size() == rest->vertices.size()) {
-        const std::string why = leave_out_also(*rest, posed->left_out, given.posed + ": ", given.is_strict);
-        if (!why.empty()) return fail(why);
+    fail_if(fault_of_outputs({given.out, given.picture}));
+    auto rest = value_or_fail(load_mesh_figure(given.rest, given.is_strict));
+    const auto posed = value_or_fail(load_obj(given.posed, strays_of(given.is_strict)));
+    if (posed.vertices.size() == rest.vertices.size()) {
+        fail_if(leave_out_also(rest, posed.left_out, given.posed + ": ", given.is_strict));
     }
-    const auto cage = load_or_make_cage(given.cage, *rest);
-    if (!cage) return fail(to_string(cage.error()));
-    Figures<3> figures{given.rest, given.posed, rest->vertices, posed->vertices};
-    for (const std::size_t vertex : rest->left_out) // fit_lattice skips non-finite points
+    const auto cage = value_or_fail(load_or_make_cage(given.cage, rest));
+    Figures<3> figures{given.rest, given.posed, rest.vertices, posed.vertices};
+    for (const std::size_t vertex : rest.left_out) // fit_lattice skips non-finite points
         figures.rest[vertex] = Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0};
-    const auto fit = fitted(given, figures, cage->lattice);
-    if (!fit) return fail(to_string(fit.error()));
+    const auto fit = fitted(given, figures, cage.lattice);
     OutputFiles outputs;
-    outputs.add(given.out).write(to_text(*cage, fit->pose));
+    outputs.add(given.out).write(to_text(cage, fit.pose));
     if (!given.picture.empty()) {
         const std::array<MeshScene, 3> scenes{
-            {{{rest->vertices, rest->triangles}, cage_view(*cage, cage->vertices)},
-             {{posed->vertices, rest->triangles}, {}},
-             {{fit->moved, rest->triangles}, cage_view(*cage, fit->pose)}}};
+            {{{rest.vertices, rest.triangles}, cage_view(cage, cage.vertices)},
+             {{posed.vertices, rest.triangles}, {}},
+             {{fit.moved, rest.triangles}, cage_view(cage, fit.pose)}}};
         draw_meshes(scenes, 1500, 620, given.view.sight).write_png(outputs.add(given.picture));
     }
     return commit(outputs);

@@ -124,12 +124,12 @@ int run_program(int argc, char** argv) {
     line.set_footer(medit_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    if (const auto why = fault_of_outputs({out, cage})) return fail(*why);
+    fail_if(fault_of_outputs({out, cage}));
     const TetrahedralBox box(size, cells);
     OutputFiles outputs;
     outputs.add(out).write(medit_text(box.vertices, box.cells));
     if (!cage.empty()) outputs.add(cage).write(cage_text(size, divisions));
-    if (const auto error = outputs.commit()) return fail(*error);
+    fail_if(outputs.commit());
     std::cout << printable(out) << ": " << box.vertices.size() << " vertices, " << box.cells.size()
               << " tetrahedra\n";
     return 0;

@@ -30,11 +30,18 @@ namespace {
 
 using namespace cageform_support;
 
+/// The number of --vertices; `fewest` for auto.
+struct VertexCount {
+    std::size_t count = 0;
+    bool fewest = false;
+};
+
 struct Arguments {
     std::string figure, out, picture;
     ViewChoice view;
     bool png = false;
-    bool quads = false;
+    bool quads = false, parts = false;
+    VertexCount vertices;
     bool is_strict = false;
     cageform::MakeCageOptions options;
     std::optional<LatticeWord> lattice;
@@ -59,10 +66,6 @@ std::string parse_margin(const std::string& word, double& margin) {
 }
 
 /// Parses "24" or "auto" (the fewest).
-struct VertexCount {
-    std::size_t count = 0;
-    bool fewest = false;
-};
 std::string parse_vertices(const std::string& word, VertexCount& vertices) {
     double count = 0;
     vertices.fewest = word == "auto";
@@ -111,11 +114,10 @@ int write_in_plane(const Arguments& given, const SvgDocument& figure, const Cage
         outputs.add(given.out).write(*text);
     }
     if (!given.picture.empty()) {
-        const auto picture = draw_pose(cage, cage, &figure, given.picture);
-        if (!picture) return fail(to_string(picture.error()));
-        add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
+        const auto picture = value_or_fail(draw_pose(cage, cage, &figure, given.picture));
+        add_svg(outputs, given.picture, to_text(picture), given.png ? 1200 : 0);
     }
-    if (const auto error = outputs.commit()) return fail(*error);
+    fail_if(outputs.commit());
     std::cout << description;
     return 0;
 }
@@ -124,18 +126,15 @@ int cage_in_plane(const Arguments& given) {
     if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
     if (given.options.rings) return fail("--rings is for figures in space: a cage in the plane has no limbs");
     if (given.quads) return fail("--quads is for figures in space: a cage in the plane has no faces");
-    const auto figure = load_figure(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto view = view_box(*figure);
+    const auto figure = value_or_fail(load_figure(given.figure));
+    const auto view = view_box(figure);
     if (given.lattice) {
-        const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
-        if (!made) return fail(to_string(made.error()));
-        return write_in_plane(given, *figure, *made, view, describe(*made->lattice) + '\n');
+        const auto made = value_or_fail(make_lattice_for(figure, *given.lattice, given.lattice_margin()));
+        return write_in_plane(given, figure, made, view, describe(*made.lattice) + '\n');
     }
-    const auto made = make_cage_for(*figure, given.options);
-    if (!made) return fail(to_string(made.error()));
-    print_warnings(warnings_of(made->report, given.options));
-    return write_in_plane(given, *figure, made->cage, view, describe(made->report, 2));
+    const auto made = value_or_fail(make_cage_for(figure, given.options));
+    print_warnings(warnings_of(made.report, given.options));
+    return write_in_plane(given, figure, made.cage, view, describe(made.report, 2));
 }
 
 int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
@@ -146,7 +145,7 @@ int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile&
     if (!given.picture.empty()) {
         draw_cage_parts(figure, cage, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
-    if (const auto error = outputs.commit()) return fail(*error);
+    fail_if(outputs.commit());
     std::cout << description;
     return 0;
 }
@@ -155,28 +154,24 @@ int cage_in_space(const Arguments& given) {
     if (given.options.holes)
         return fail("--holes is for figures in the plane; in space tunnels are always kept");
     if (given.png) return fail("--png: in space the picture is a .png file already");
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    fail_if(fault_of_outputs({given.out, given.picture}));
     if (given.lattice) {
-        const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
-        if (!made) return fail(to_string(made.error()));
-        return write_in_space(given, *figure, *made, describe(*made->lattice) + '\n');
+        const auto made = value_or_fail(make_lattice_for(figure, *given.lattice, given.lattice_margin()));
+        return write_in_space(given, figure, made, describe(*made.lattice) + '\n');
     }
     ProgressBar bar("making the cage");
-    const auto made = make_cage_for(*figure, given.options, bar.callback());
-    if (!made) return fail(to_string(made.error()));
-    print_warnings(warnings_of(made->report, given.options));
+    const auto made = value_or_fail(make_cage_for(figure, given.options, bar.callback()));
+    print_warnings(warnings_of(made.report, given.options));
     if (!given.quads) {
-        return write_in_space(given, *figure, made->cage,
-                              describe(made->report, 3) + describe_rings(made->report) +
-                                  describe_parts(cage_parts(made->cage)));
+        return write_in_space(given, figure, made.cage,
+                              describe(made.report, 3) + describe_rings(made.report) +
+                                  describe_parts(cage_parts(made.cage)));
     }
-    const auto paired = with_quads(*made, *figure, given.options);
-    if (!paired) return fail(to_string(paired.error()));
-    return write_in_space(given, *figure, paired->cage,
-                          describe(paired->report, 3) + describe_quads(paired->report) +
-                              describe_rings(paired->report) + describe_parts(cage_parts(paired->cage)));
+    const auto paired = value_or_fail(with_quads(made, figure, given.options));
+    return write_in_space(given, figure, paired.cage,
+                          describe(paired.report, 3) + describe_quads(paired.report) +
+                              describe_rings(paired.report) + describe_parts(cage_parts(paired.cage)));
 }
 
 /// Parses "4x4" or "4x4x4".
@@ -187,24 +182,14 @@ std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& l
     return {};
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
-                     "parts, or a mesh. A mesh may have holes or several pieces.");
-    line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
-                       "character.obj --vertices 112 -o cage.obj --picture cage.png",
-                       "character.obj --vertices auto --volume 15% -o cage.obj",
-                       "icon.svg --lattice 4x4 -o icon.lattice.json --picture numbers.svg"});
-    Arguments given;
+/// Adds --lattice and the options on the size of cages.
+CommandOption add_size(CommandLine& line, Arguments& given) {
     auto& options = given.options;
-    line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
-    CommandOption lattice =
+    const CommandOption lattice =
         line.add_parsed("--lattice", given.lattice, parse_lattice,
                         "make a lattice of points around the figure instead of a cage: 4x4, in space 4x4x4; "
                         "--help-all describes the format");
-    VertexCount vertices;
-    line.add_parsed("--vertices", vertices, parse_vertices,
+    line.add_parsed("--vertices", given.vertices, parse_vertices,
                     "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest "
                     "that --volume allows")
         .excludes(lattice);
@@ -217,17 +202,22 @@ int run_program(int argc, char** argv) {
     line.add_parsed("--margin", options.margin, parse_margin,
                     "the distance from the figure, relative to its diagonal: 2.5% by default, in space and "
                     "for lattices 2%");
+    return lattice;
+}
+
+/// Adds the options on the shape of cages, which exclude `lattice`.
+void add_shape(CommandLine& line, Arguments& given, const CommandOption& lattice) {
+    auto& options = given.options;
     line.add_parsed(
             "--mirror", options.mirror, parse_mirror,
             "make the cage symmetric by a mirror across an axis: x, y, z, or with its position x=12.5")
         .excludes(lattice);
     line.add_text(
-            "--cage", [&](const std::string& word) { options.shape = CageWord::of(word).shape; },
+            "--cage", [&options](const std::string& word) { options.shape = CageWord::of(word).shape; },
             "auto follows the figure (the default), hull its convex hull, box its bounds")
         .one_of({"auto", "hull", "box"})
         .excludes(lattice);
-    bool parts = false;
-    line.add_flag("--parts", parts,
+    line.add_flag("--parts", given.parts,
                   "make a loop for each part of the figure; otherwise bridges join the parts")
         .excludes(lattice);
     line.add_flag("--holes", options.holes, "keep empty regions that the figure encloses as holes")
@@ -246,6 +236,9 @@ int run_program(int argc, char** argv) {
         .range(0.0, 1000.0)
         .show_default()
         .excludes(lattice);
+}
+
+void add_outputs(CommandLine& line, Arguments& given) {
     line.add("-o,--output", given.out,
              "the cage to write: .svg or .csv; in space .obj; of a lattice also .lattice.json")
         .ends_with({".svg", ".csv", ".obj", ".json"});
@@ -256,29 +249,51 @@ int run_program(int argc, char** argv) {
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
     add_strict(line, given.is_strict);
-    line.set_footer(lattice_format);
-    if (const auto code = line.parse(argc, argv)) return *code;
-    options.vertices = vertices.count;
-    const bool fewest = vertices.fewest;
+}
+
+/// Fails if options conflict.
+void check_options(const Arguments& given) {
+    const auto& options = given.options;
     if (options.shape == cageform::CageShape::box &&
-        (options.vertices != 0 || fewest || options.looseness > 0))
-        return fail(std::string(options.looseness > 0 ? "--volume" : "--vertices") +
-                    ": --cage box has 8 vertices, in the plane 4; --cage hull and auto take a number");
-    if (fewest && options.looseness == 0) options.looseness = given.figure.ends_with(".obj") ? 0.25 : 0.05;
-    options.one_cage = !parts;
+        (given.vertices.count != 0 || given.vertices.fewest || options.looseness > 0))
+        throw Failure(std::string(options.looseness > 0 ? "--volume" : "--vertices") +
+                      ": --cage box has 8 vertices, in the plane 4; --cage hull and auto take a number");
     if (given.out.empty() && given.picture.empty())
-        return fail("nothing to write: give -o, --picture or both");
-    if (given.png && given.picture.empty()) return fail("--png is for --picture");
+        throw Failure("nothing to write: give -o, --picture or both");
+    if (given.png && given.picture.empty()) throw Failure("--png is for --picture");
     if (given.out.ends_with(".json") && (!given.lattice || !is_lattice_path(given.out)))
-        return fail(given.out + ": give --lattice and a name that ends with .lattice.json");
+        throw Failure(given.out + ": give --lattice and a name that ends with .lattice.json");
     const bool in_space = given.figure.ends_with(".obj");
     for (const std::string& path : {given.out, given.picture}) {
         const bool is_of_space = path.ends_with(".obj") || path.ends_with(".png");
         if (!path.empty() && !path.ends_with(".json") && is_of_space != in_space)
-            return fail(
+            throw Failure(
                 path + (in_space ? ": for a figure in space the cage is an .obj file, the picture a .png file"
                                  : ": for a figure in the plane the cage is an .svg or .csv file, the "
                                    "picture an .svg file"));
     }
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
+                     "parts, or a mesh, which may have holes or several pieces.");
+    line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
+                       "character.obj --vertices 112 -o cage.obj --picture cage.png",
+                       "character.obj --vertices auto --volume 15% -o cage.obj",
+                       "icon.svg --lattice 4x4 -o icon.lattice.json --picture numbers.svg"});
+    Arguments given;
+    line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
+    add_shape(line, given, add_size(line, given));
+    add_outputs(line, given);
+    line.set_footer(lattice_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    check_options(given);
+    const bool in_space = given.figure.ends_with(".obj");
+    auto& options = given.options;
+    options.vertices = given.vertices.count;
+    if (given.vertices.fewest && options.looseness == 0) options.looseness = in_space ? 0.25 : 0.05;
+    options.one_cage = !given.parts;
     return in_space ? cage_in_space(given) : cage_in_plane(given);
 }

@@ -293,12 +293,87 @@ std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Po
     return text;
 }
 
-/// Checks a mesh as a cage; prints the fault if there is one.
-bool is_sound(const Mesh& mesh, const char* what) {
+/// Checks a mesh as a cage.
+void check(const Mesh& mesh, const char* what) {
     const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
     if (report.status != cageform::Status::ok)
-        fail(std::string(what) + ": " + cageform::to_string(report.status));
-    return report.status == cageform::Status::ok;
+        throw cageform_support::Failure(std::string(what) + ": " + cageform::to_string(report.status));
+}
+
+Mesh posed_cage(const Cage& cage, const Joints& joints) {
+    Mesh pose = cage.mesh;
+    for (std::size_t i = 0; i < pose.vertices.size(); ++i)
+        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], joints);
+    return pose;
+}
+
+constexpr std::size_t keys = 24; // of the dance
+
+cageform_support::PoseClip dance_of(const Cage& cage) {
+    cageform_support::PoseClip dance{"the dance", dance_length, {}};
+    for (std::size_t k = 0; k < keys; ++k) {
+        const double part = double(k) / keys;
+        auto& key = dance.keys.emplace_back();
+        key.time = part * dance_length;
+        key.places = posed_cage(cage, dancing(part)).vertices;
+    }
+    return dance;
+}
+
+/// Checks the cage of a dance at the keys and halfway between.
+void check(const Cage& cage, const cageform_support::PoseClip& dance) {
+    const auto motion = cageform_support::make_clip<double>(dance);
+    auto cursor = motion.make_cursor();
+    for (std::size_t k = 0; k < 2 * keys; ++k) {
+        Mesh now = cage.mesh;
+        motion.sample(double(k) / double(2 * keys) * dance_length, cursor, now.vertices);
+        check(now, "the dance");
+    }
+}
+
+/// Fails if a vertex of the figure lies outside the cage.
+void check_inside(const Mesh& figure, const Cage& cage) {
+    cageform_support::ObjFile shell;
+    shell.vertices = cage.mesh.vertices;
+    shell.triangles = cage.mesh.faces;
+    const auto coordinates = cageform_support::make_coordinates<double>({}, shell);
+    const auto outside = coordinates.bind(figure.vertices).report.outside;
+    if (outside.empty()) return;
+    const Point& p = figure.vertices[outside.front()];
+    throw cageform_support::Failure(
+        std::to_string(outside.size()) + " vertices of the figure lie outside the cage, first (" +
+        std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
+}
+
+/// Writes all files, and prints their names.
+void write_files(const std::filesystem::path& folder, const Mesh& figure, const Mesh& cage, const Mesh& pose,
+                 const cageform_support::PoseClip& dance) {
+    std::vector<Point> normals;
+    for (const Point& p : figure.vertices) {
+        const Point g = cageform_support::slope(puppet, p);
+        normals.push_back((1 / length(g)) * g);
+    }
+    cageform_support::OutputFiles outputs;
+    std::string summary;
+    const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
+        const auto path = folder / name;
+        outputs.add(path).write(text);
+        summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
+    };
+    const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
+                                const std::vector<Point>& vertex_normals) {
+        write(name, obj_text(heading, mesh, vertex_normals),
+              std::to_string(mesh.vertices.size()) + " vertices, " + std::to_string(mesh.faces.size()) +
+                  " faces");
+    };
+    write_mesh("character.obj", "A puppet, made by make_character", figure, normals);
+    write_mesh("character_cage.obj", "The puppet's cage", cage, {});
+    write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
+    write("character_clip.csv", cageform_support::pose_clip_text(dance, "A dance of the puppet's cage"),
+          std::to_string(keys) + " poses of the cage in 2.4 s");
+    write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
+    cageform_support::fail_if(outputs.commit());
+    std::cout << summary;
 }
 
 } // namespace
@@ -316,68 +391,17 @@ int run_program(int argc, char** argv) {
 
     const Mesh figure =
         cageform_support::surface_nets(puppet, {-1.05, -0.05, -0.25}, {1.05, 1.95, 0.3}, 0.0218);
-    std::vector<Point> normals;
-    for (const Point& p : figure.vertices) {
-        const Point g = cageform_support::slope(puppet, p);
-        normals.push_back((1 / length(g)) * g);
-    }
     const Cage cage = make_cage();
-    Mesh pose = cage.mesh;
-    for (std::size_t i = 0; i < pose.vertices.size(); ++i)
-        pose.vertices[i] = posed(pose.vertices[i], cage.origin[i], waving);
-    cageform_support::PoseClip dance{"the dance", dance_length, {}};
-    constexpr std::size_t keys = 24;
-    for (std::size_t k = 0; k < keys; ++k) {
-        const double part = double(k) / keys;
-        auto& key = dance.keys.emplace_back();
-        key.time = part * dance_length;
-        for (std::size_t i = 0; i < cage.mesh.vertices.size(); ++i)
-            key.places.push_back(posed(cage.mesh.vertices[i], cage.origin[i], dancing(part)));
-    }
-
-    if (!is_sound(figure, "the figure") || !is_sound(cage.mesh, "the cage") || !is_sound(pose, "the pose"))
-        return 1;
-    const auto motion = cageform_support::make_clip<double>(dance);
-    auto cursor = motion.make_cursor();
-    for (std::size_t k = 0; k < 2 * keys; ++k) { // at the keys and halfway between
-        Mesh now = cage.mesh;
-        motion.sample(double(k) / double(2 * keys) * dance_length, cursor, now.vertices);
-        if (!is_sound(now, "the dance")) return 1;
-    }
-    cageform_support::ObjFile shell;
-    shell.vertices = cage.mesh.vertices;
-    shell.triangles = cage.mesh.faces;
-    const auto coordinates = cageform_support::make_coordinates<double>({}, shell);
-    const auto outside = coordinates.bind(figure.vertices).report.outside;
-    if (!outside.empty()) {
-        const Point& p = figure.vertices[outside.front()];
-        return fail(std::to_string(outside.size()) + " vertices of the figure lie outside the cage, first (" +
-                    std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
-    }
-
+    const Mesh pose = posed_cage(cage, waving);
+    const auto dance = dance_of(cage);
+    check(figure, "the figure");
+    check(cage.mesh, "the cage");
+    check(pose, "the pose");
+    check(cage, dance);
+    check_inside(figure, cage);
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (error) return fail("cannot make the folder " + folder + ": " + error.message());
-    cageform_support::OutputFiles outputs;
-    std::string summary;
-    const auto write = [&](const char* name, const std::string& text, const std::string& holds) {
-        const auto path = std::filesystem::path(folder) / name;
-        outputs.add(path).write(text);
-        summary += cageform_support::printable(path.string()) + ": " + holds + '\n';
-    };
-    const auto write_mesh = [&](const char* name, const char* heading, const Mesh& mesh,
-                                const std::vector<Point>& vertex_normals) {
-        write(name, obj_text(heading, mesh, vertex_normals),
-              std::to_string(mesh.vertices.size()) + " vertices, " + std::to_string(mesh.faces.size()) +
-                  " faces");
-    };
-    write_mesh("character.obj", "A puppet, made by make_character", figure, normals);
-    write_mesh("character_cage.obj", "The puppet's cage", cage.mesh, {});
-    write_mesh("character_pose.obj", "A pose of the puppet's cage", pose, {});
-    write("character_clip.csv", cageform_support::pose_clip_text(dance, "A dance of the puppet's cage"),
-          std::to_string(keys) + " poses of the cage in 2.4 s");
-    write("character.bones.csv", bones_text(), "18 bones, and a pose of them");
-    if (const auto failure = outputs.commit()) return fail(*failure);
-    std::cout << summary;
+    write_files(folder, figure, cage.mesh, pose, dance);
     return 0;
 }

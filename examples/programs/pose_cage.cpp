@@ -29,14 +29,13 @@ struct Arguments {
 
 /// Poses the cage, and prints the number of moved vertices and the bounds at rest.
 template <std::size_t D>
-Expected<std::vector<cageform::Vec<double, D>>>
+std::vector<cageform::Vec<double, D>>
 posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
       const std::optional<LatticeBox<D>>& lattice, const CageFile* curves = nullptr,
       const cageform::CageParts* parts = nullptr) {
-    auto pose = given.choice.posed(rest, lattice, curves, parts);
-    if (!pose) return pose;
+    auto pose = value_or_fail(given.choice.posed(rest, lattice, curves, parts));
     std::size_t moved = 0;
-    for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
+    for (std::size_t i = 0; i < rest.size(); ++i) moved += pose[i] == rest[i] ? 0 : 1;
     std::cout << printable(given.cage) << ": " << moved << " of " << rest.size()
               << (curves != nullptr ? " control points moved; at rest" : " vertices moved; at rest");
     const auto box = cageform::bounds_of(std::span(rest)); // for selections by position
@@ -48,22 +47,20 @@ posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
 }
 
 /// Returns the view of the SVG, or the bounds of a CSV cage.
-Expected<ViewBox> view_of(const CageFile& cage) {
+ViewBox view_of(const CageFile& cage) {
     if (cage.name.ends_with(".csv") || cage.lattice) {
         PlaneBox box;
         for (const Point2& p : cage.vertices) box.add(p);
-        return ViewBox{box.low.x, box.low.y, box.width(), box.height()};
+        return {box.low.x, box.low.y, box.width(), box.height()};
     }
-    const auto document = load_svg(cage.name);
-    if (!document) return document.error();
-    return view_box(*document);
+    return view_box(value_or_fail(load_svg(cage.name)));
 }
 
 int pose_in_plane(const Arguments& given) {
-    const auto cage = load_cage(given.cage, given.coordinates.empty()             ? CageEdges::as_drawn
+    const auto cage =
+        value_or_fail(load_cage(given.cage, given.coordinates.empty()             ? CageEdges::as_drawn
                                             : given.coordinates == "curved-green" ? CageEdges::curves
-                                                                                  : CageEdges::lines);
-    if (!cage) return fail(to_string(cage.error()));
+                                                                                  : CageEdges::lines));
     if (ending_of(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
     if (ending_of(given.picture) == ".png")
@@ -71,45 +68,39 @@ int pose_in_plane(const Arguments& given) {
                     ": in the plane the picture is an .svg file; --png renders it too");
     SvgDocument below;
     if (!given.figure.empty()) {
-        auto figure = load_svg(given.figure);
-        if (!figure) return fail(to_string(figure.error()));
-        below = std::move(*figure);
+        below = value_or_fail(load_svg(given.figure));
     }
-    const auto moved = posed<2>(given, cage->places(), cage->lattice, cage->curves ? &*cage : nullptr);
-    if (!moved) return fail(to_string(moved.error()));
-    const CageFile pose = moved_cage(*cage, *moved);
+    const auto moved = posed<2>(given, cage.places(), cage.lattice, cage.curves ? &cage : nullptr);
+    const CageFile pose = moved_cage(cage, moved);
     OutputFiles outputs;
     if (!given.out.empty()) {
         const auto view = view_of(pose);
-        if (!view) return fail(to_string(view.error()));
-        const auto text = pose_text(pose, given.out, *view);
+        const auto text = pose_text(pose, given.out, view);
         if (!text) return fail("-o " + to_string(text.error()));
         outputs.add(given.out).write(*text);
     }
     if (!given.picture.empty()) {
-        const auto picture = draw_pose(*cage, pose, given.figure.empty() ? nullptr : &below, given.picture);
-        if (!picture) return fail(to_string(picture.error()));
-        add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
+        const auto picture =
+            value_or_fail(draw_pose(cage, pose, given.figure.empty() ? nullptr : &below, given.picture));
+        add_svg(outputs, given.picture, to_text(picture), given.png ? 1200 : 0);
     }
     return commit(outputs);
 }
 
 int pose_in_space(const Arguments& given) {
-    const auto cage = load_mesh_cage(given.cage);
-    if (!cage) return fail(to_string(cage.error()));
+    const auto cage = value_or_fail(load_mesh_cage(given.cage));
     if (!given.out.empty() && ending_of(given.out) != ".obj")
         return fail("-o " + given.out + ": the cage lies in space: write .obj");
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
     if (given.coordinates == "curved-green")
         return fail("--coordinates curved-green: " + given.cage + " lies in space, and curves in the plane");
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const auto parts = cage_parts(*cage);
-    const auto pose = posed<3>(given, cage->vertices, cage->lattice, nullptr, &parts);
-    if (!pose) return fail(to_string(pose.error()));
+    fail_if(fault_of_outputs({given.out, given.picture}));
+    const auto parts = cage_parts(cage);
+    const auto pose = posed<3>(given, cage.vertices, cage.lattice, nullptr, &parts);
     OutputFiles outputs;
-    if (!given.out.empty()) outputs.add(given.out).write(to_text(*cage, *pose));
-    if (!given.picture.empty()) draw_pose(*cage, *pose).write_png(outputs.add(given.picture));
+    if (!given.out.empty()) outputs.add(given.out).write(to_text(cage, pose));
+    if (!given.picture.empty()) draw_pose(cage, pose).write_png(outputs.add(given.picture));
     return commit(outputs);
 }
 
@@ -147,7 +138,6 @@ int run_program(int argc, char** argv) {
         return fail("nothing to write: give -o, --picture or both");
     if (given.picture.empty() && (given.png || !given.figure.empty()))
         return fail("--png and --figure are for --picture");
-    const auto dimension = cage_dimension(given.cage);
-    if (!dimension) return fail(to_string(dimension.error()));
-    return *dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
+    const auto dimension = value_or_fail(cage_dimension(given.cage));
+    return dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
 }

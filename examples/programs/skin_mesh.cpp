@@ -94,20 +94,19 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
     return {};
 }
 
-Expected<std::vector<Bone>> load_bones(const std::string& path) {
-    const auto file = read_text(path);
-    if (!file) return file.error();
+std::vector<Bone> load_bones(const std::string& path) {
+    const auto file = value_or_fail(read_text(path));
     std::vector<Bone> bones;
     detail::RowFilter rows;
-    std::string_view text = *file, line;
+    std::string_view text = file, line;
     for (std::size_t number = 1; take_line(text, line); ++number) {
         if (!rows.take(line)) continue;
         Bone bone;
         const std::string why = parse_bone(line, bones, bone);
-        if (!why.empty()) return detail::row_fault(path, number, line, why);
+        if (!why.empty()) throw Failure(to_string(detail::row_fault(path, number, line, why)));
         bones.push_back(std::move(bone));
     }
-    if (bones.empty()) return FileError{path + ": holds no bones"};
+    if (bones.empty()) throw Failure(path + ": holds no bones");
     return bones;
 }
 
@@ -214,8 +213,8 @@ void average(const WeldedMesh& mesh, std::vector<double>& weights, std::size_t b
 }
 
 /// The posed figure, by linear blend skinning.
-Expected<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bone>& bones,
-                                    std::span<const double> weights) {
+std::vector<Point3> posed(const ObjFile& figure, const std::vector<Bone>& bones,
+                          std::span<const double> weights) {
     std::vector<Move> frames;
     for (const Bone& bone : bones) frames.push_back({{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, bone.segment.head});
     const auto bound = cageform::bind_bones(figure.vertices, std::span<const Move>(frames), weights);
@@ -224,7 +223,7 @@ Expected<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bon
     const std::vector<Move> moves = pose_of(bones);
     if (status == Status::ok) status = pose_bones(bound.value, std::span<const Move>(moves), handles);
     if (status == Status::ok) status = clone(bound.value, handles, moved);
-    if (status != Status::ok) return FileError{figure.name + ": " + cageform::to_string(status)};
+    if (status != Status::ok) throw Failure(figure.name + ": " + cageform::to_string(status));
     return moved;
 }
 
@@ -281,9 +280,9 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
 /// The document: meshes, bones as nodes, skin, animation.
 ///
 ///   figure   its vertices are relative to `origin`
-Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
-                                const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
-                                const cageform::SkinWeights& skin, bool binary) {
+std::string gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
+                      const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
+                      const cageform::SkinWeights& skin, bool binary) {
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform skin_mesh";
     document.json["scene"] = 0;
@@ -332,127 +331,153 @@ Expected<std::string> gltf_text(const ObjFile& figure, const Point3& origin, con
 
     add_turns(document, bones, first);
     if (document.bytes() > 0x7fffffff)
-        return FileError{figure.name + ": the file would be larger than glTF allows"};
+        throw Failure(figure.name + ": the file would be larger than glTF allows");
     return document.text(binary);
 }
 
 /// The bone with a name; `otherwise` for an empty name.
-Expected<std::size_t> bone_named(const Arguments& given, const std::vector<Bone>& bones,
-                                 const std::string& name, std::size_t otherwise) {
+std::size_t bone_named(const Arguments& given, const std::vector<Bone>& bones, const std::string& name,
+                       std::size_t otherwise) {
     if (name.empty()) return otherwise;
-    for (std::size_t b = 0; b < bones.size(); ++b) {
-        if (bones[b].name == name) return b;
-    }
-    return FileError{given.bones + ": there is no bone " + detail::quoted(name)};
+    const auto at = std::ranges::find(bones, name, &Bone::name);
+    if (at == bones.end()) throw Failure(given.bones + ": there is no bone " + detail::quoted(name));
+    return std::size_t(at - bones.begin());
 }
 
-int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
-    // By default paint the bone with the largest rotation, and its parent.
+/// The bones whose weights are painted. By default the bone with the largest rotation is blue, and its parent
+/// red.
+struct PaintedBones {
+    std::size_t blue = 0, red = 0;
+};
+
+PaintedBones painted_bones(const Arguments& given, const std::vector<Bone>& bones) {
     std::size_t turned = 0;
     const auto angle = [&](std::size_t b) { return dot(bones[b].turn, bones[b].turn); };
     for (std::size_t b = 1; b < bones.size(); ++b) turned = angle(b) > angle(turned) ? b : turned;
-    const auto blue = bone_named(given, bones, given.blue, turned);
-    if (!blue) return fail(to_string(blue.error()));
-    const auto red =
-        bone_named(given, bones, given.red, bones[*blue].parent == no_parent ? *blue : bones[*blue].parent);
-    if (!red) return fail(to_string(red.error()));
+    const std::size_t blue = bone_named(given, bones, given.blue, turned);
+    const std::size_t parent = bones[blue].parent;
+    return {blue, bone_named(given, bones, given.red, parent == no_parent ? blue : parent)};
+}
 
-    const ObjParts parts = read_parts(figure);
-    const auto meshes = gltf_meshes(figure, parts);
-    if (!meshes) return fail(to_string(meshes.error()));
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+using Skin = cageform::Result<std::vector<double>, cageform::SurfaceSkinReport>;
+
+/// The weights of bones, #points · #bones. Vertices of a mesh that is not closed see all bones.
+template <class Triangles>
+Skin skin_of(const Arguments& given, const std::string& name, const std::vector<Point3>& points,
+             const Triangles& triangles, const std::vector<Bone>& bones) {
     std::vector<cageform::BoneSegment> segments;
     for (const Bone& bone : bones) segments.push_back(bone.segment);
     cageform::SurfaceSkinOptions options;
     if (given.sees_through) options.visibility = cageform::BoneVisibility::ignored;
-    const auto weights = [&](const auto& points, const auto& triangles) {
-        const auto compute = [&] {
-            ProgressBar bar("weights");
-            const cageform::Running running{.progress = bar.callback()};
-            return given.weights == "heat"
-                       ? cageform::bone_heat(points, triangles, segments, options, running)
-                       : cageform::harmonic_skin(points, triangles, segments, options, running);
-        };
-        auto made = compute();
-        if (made.report.status != Status::cage_not_closed || given.sees_through) return made;
-        note(figure.name +
-             ": the mesh is not closed, so that nothing is inside it: every vertex sees its nearest "
-             "bone, as with --see-through");
-        options.visibility = cageform::BoneVisibility::ignored;
-        return compute();
+    const auto compute = [&] {
+        ProgressBar bar("weights");
+        const cageform::Running running{.progress = bar.callback()};
+        return given.weights == "heat"
+                   ? cageform::bone_heat(points, triangles, segments, options, running)
+                   : cageform::harmonic_skin(points, triangles, segments, options, running);
     };
+    auto made = compute();
+    if (made.report.status != Status::cage_not_closed || given.sees_through) return made;
+    note(name + ": the mesh is not closed, so that nothing is inside it: every vertex sees its nearest "
+                "bone, as with --see-through");
+    options.visibility = cageform::BoneVisibility::ignored;
+    return compute();
+}
+
+/// The weights at the vertices of the file, equal at equal positions.
+Skin skin_of(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
     const WeldedMesh joined = welded(figure);
-    auto made = weights(joined.places, joined.triangles);
+    Skin made = skin_of(given, figure.name, joined.places, joined.triangles, bones);
     if (made.report.status == Status::ok) {
         made.value = spread(joined, made.value, bones.size());
     } else if (made.report.mesh.mesh.status != Status::ok) { // touching sheets are not manifold when merged
-        made = weights(figure.vertices, figure.triangles);
+        made = skin_of(given, figure.name, figure.vertices, figure.triangles, bones);
         if (made.report.status == Status::ok) average(joined, made.value, bones.size());
     } else if (made.report.status == Status::cells_unreached) {
         made.report.solver.culprit = joined.first[made.report.solver.culprit];
     }
-    const auto& report = made.report;
-    if (report.status != Status::ok) return fail(why_not(given, figure, bones, report));
-    for (const std::size_t b : report.idle_bones) {
+    if (made.report.status != Status::ok) throw Failure(why_not(given, figure, bones, made.report));
+    for (const std::size_t b : made.report.idle_bones) {
         warn(given.bones + ": " + bones[b].name +
              " is not the nearest bone of any vertex that it could move: all its weights are 0");
     }
-    auto [skin, kept] = cageform::skin_weights(std::span<const double>(made.value), bones.size(),
-                                               {.influences = given.influences});
-    if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
-    make_sums_exact(skin);
-    // The picture shows the stored weights and positions.
-    const Point3 origin = far_origin(figure);
-    ObjFile stored = figure, shown = figure;
-    stored.vertices = counted_from(origin, figure.vertices);
+    return made;
+}
+
+/// The figure as players show it, with positions in single precision.
+ObjFile shown_figure(const ObjFile& figure, const ObjFile& stored, const Point3& origin) {
+    ObjFile shown = figure;
     for (std::size_t i = 0; i < shown.vertices.size(); ++i)
         shown.vertices[i] =
             cageform::vec_cast<double>(cageform::vec_cast<float>(stored.vertices[i])) + origin;
-    const std::size_t most = skin.influences;
-    const auto written = dense_weights(skin, bones.size());
-    const auto right = posed(figure, bones, made.value), moved = posed(shown, bones, written);
-    if (!right || !moved) return fail(to_string(right ? moved.error() : right.error()));
-    StoredLoss loss = loss_of(figure, *right, *moved);
-    loss.largest += rounding_of_players(shown_places(stored.vertices, stored.triangles));
-    if (const std::size_t sets = joint_sets(skin); sets > 1) {
-        const auto [four, made_of_four] =
-            cageform::skin_weights(std::span<const double>(made.value), bones.size(), {.influences = 4});
-        const auto moved_by_four = posed(shown, bones, dense_weights(four, bones.size()));
-        const auto moved_by_first = posed(shown, bones, dense_weights(first_set(skin), bones.size()));
-        if (moved_by_four && moved_by_first)
-            note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
-                 describe(loss_of(figure, *right, *moved_by_first)) +
-                 "; a skin of four (--skin 4) is off by " +
-                 describe(loss_of(figure, *right, *moved_by_four)));
+    return shown;
+}
+
+/// Notes the errors in players that read four bones per vertex, if the skin has more.
+///
+///   right   the exact pose
+void note_loss_of_four(const ObjFile& figure, const ObjFile& shown, const std::vector<Bone>& bones,
+                       std::span<const double> weights, const cageform::SkinWeights& skin,
+                       std::span<const Point3> right) {
+    const std::size_t sets = joint_sets(skin);
+    if (sets <= 1) return;
+    const auto four = cageform::skin_weights(weights, bones.size(), {.influences = 4}).value;
+    const auto loss = [&](const cageform::SkinWeights& read) {
+        return describe(loss_of(figure, right, posed(shown, bones, dense_weights(read, bones.size()))));
+    };
+    note(figure.name + ": " + describe_sets(sets) + "such a player is off by " + loss(first_set(skin)) +
+         "; a skin of four (--skin 4) is off by " + loss(four));
+}
+
+/// Draws the figure at rest and posed, with colours for the weights of two bones.
+Picture draw_weights(const Arguments& given, const ObjFile& figure, std::span<const Point3> moved,
+                     std::span<const double> weights, std::size_t bones, const PaintedBones& painted) {
+    std::vector<Colour> paint;
+    constexpr Colour clay{0.93f, 0.93f, 0.9f}, red{0.85f, 0.15f, 0.12f}, blue{0.12f, 0.25f, 0.85f};
+    for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
+        const auto share = [&](std::size_t b) { return float(weights[i * bones + b]); };
+        const float r = painted.red == painted.blue ? 0 : share(painted.red), b = share(painted.blue);
+        const float rest = std::max(1 - r - b, 0.0f);
+        paint.push_back({rest * clay.r + r * red.r + b * blue.r, rest * clay.g + r * red.g + b * blue.g,
+                         rest * clay.b + r * red.b + b * blue.b});
     }
+    const std::array<MeshScene, 2> scenes{
+        {{{figure.vertices, figure.triangles, paint}, {}}, {{moved, figure.triangles, paint}, {}}}};
+    return draw_meshes(scenes, 1600, 1000, given.view.sight);
+}
+
+int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones) {
+    const PaintedBones painted = painted_bones(given, bones);
+    const ObjParts parts = read_parts(figure);
+    const auto meshes = value_or_fail(gltf_meshes(figure, parts));
+    fail_if(fault_of_outputs({given.out, given.picture}));
+    const auto [weights, report] = skin_of(given, figure, bones);
+    auto [skin, kept] = cageform::skin_weights(std::span<const double>(weights), bones.size(),
+                                               {.influences = given.influences});
+    if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
+    make_sums_exact(skin);
+    const Point3 origin = far_origin(figure);
+    ObjFile stored = figure;
+    stored.vertices = counted_from(origin, figure.vertices);
+    const ObjFile shown = shown_figure(figure, stored, origin);
+    const auto written = dense_weights(skin, bones.size());
+    const auto right = posed(figure, bones, weights), moved = posed(shown, bones, written);
+    StoredLoss loss = loss_of(figure, right, moved);
+    loss.largest += rounding_of_players(shown_places(stored.vertices, stored.triangles));
+    note_loss_of_four(figure, shown, bones, weights, skin, right);
     if (loss.share() > StoredLoss::worth_a_warning) {
-        warn(figure.name + ": a skin of " + std::to_string(most) + " bones per vertex is off by " +
+        warn(figure.name + ": a skin of " + std::to_string(skin.influences) + " bones per vertex is off by " +
              describe(loss) + "; a larger --skin reduces the error");
     }
-    const auto text = gltf_text(stored, origin, parts, *meshes, bones, skin,
-                                std::filesystem::path(given.out).extension() != ".gltf");
-    if (!text) return fail(to_string(text.error()));
-
     OutputFiles outputs;
-    outputs.add(given.out).write(*text);
-    if (!given.picture.empty()) {
-        std::vector<Colour> paint;
-        constexpr Colour clay{0.93f, 0.93f, 0.9f}, of_red{0.85f, 0.15f, 0.12f}, of_blue{0.12f, 0.25f, 0.85f};
-        for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
-            const auto share = [&](std::size_t b) { return float(written[i * bones.size() + b]); };
-            const float r = *red == *blue ? 0 : share(*red), b = share(*blue);
-            const float rest = std::max(1 - r - b, 0.0f);
-            paint.push_back({rest * clay.r + r * of_red.r + b * of_blue.r,
-                             rest * clay.g + r * of_red.g + b * of_blue.g,
-                             rest * clay.b + r * of_red.b + b * of_blue.b});
-        }
-        const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles, paint}, {}}, {{*moved, figure.triangles, paint}, {}}}};
-        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
-    }
-    if (const auto error = outputs.commit()) return fail(*error);
+    outputs.add(given.out).write(gltf_text(stored, origin, parts, meshes, bones, skin,
+                                           std::filesystem::path(given.out).extension() != ".gltf"));
+    if (!given.picture.empty())
+        draw_weights(given, figure, moved, written, bones.size(), painted)
+            .write_png(outputs.add(given.picture));
+    fail_if(outputs.commit());
     std::size_t vertices = 0;
-    for (const GltfMesh& mesh : *meshes) vertices += mesh.corners.size();
+    for (const GltfMesh& mesh : meshes) vertices += mesh.corners.size();
     std::cout << printable(given.out) << ": " << vertices << " vertices, " << bones.size() << " bones, "
               << given.weights << '\n';
     if (given.report) {
@@ -503,11 +528,8 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (figure->faces.empty()) return fail(figure->name + ": holds no faces");
-    if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
-    const auto bones = load_bones(given.bones);
-    if (!bones) return fail(to_string(bones.error()));
-    return skin_figure(given, *figure, *bones);
+    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    if (figure.faces.empty()) return fail(figure.name + ": holds no faces");
+    fail_if(single_precision_fault(figure));
+    return skin_figure(given, figure, load_bones(given.bones));
 }

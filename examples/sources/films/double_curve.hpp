@@ -33,29 +33,45 @@ inline std::optional<Point3> pierced(const Point3& p, const Point3& q,
     return at;
 }
 
+/// The bounds of a triangle.
+struct TriangleBox {
+    std::array<double, 3> low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+
+    TriangleBox(std::span<const Point3> vertices, const std::array<std::uint32_t, 3>& triangle) {
+        for (const std::uint32_t i : triangle) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], vertices[i][k]);
+                high[k] = std::max(high[k], vertices[i][k]);
+            }
+        }
+    }
+};
+
+/// The segment in which two triangles intersect, if they intersect in one.
+inline std::optional<std::array<Point3, 2>> intersection(const std::array<Point3, 3>& a,
+                                                         const std::array<Point3, 3>& b) {
+    std::vector<Point3> ends;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (const auto at = pierced(a[k], a[(k + 1) % 3], b)) ends.push_back(*at);
+        if (const auto at = pierced(b[k], b[(k + 1) % 3], a)) ends.push_back(*at);
+    }
+    if (ends.size() != 2) return std::nullopt;
+    return std::array{ends[0], ends[1]};
+}
+
 /// The double curve of a surface: one segment per pair of intersecting triangles. Triangles with a common
 /// corner are ignored.
 ///
 ///   cost   O(triangles), if they have similar sizes
 inline std::vector<std::array<Point3, 2>>
 double_curve(std::span<const Point3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles) {
-    struct Box {
-        std::array<double, 3> low, high;
-    };
     using Cell = std::array<std::int32_t, 3>;
-    std::vector<Box> boxes;
+    std::vector<TriangleBox> boxes;
     double side = 0; // of a cell: twice the mean extent
     for (const auto& triangle : triangles) {
-        Box box{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
-        for (const std::uint32_t i : triangle) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                box.low[k] = std::min(box.low[k], vertices[i][k]);
-                box.high[k] = std::max(box.high[k], vertices[i][k]);
-            }
-        }
+        const TriangleBox& box = boxes.emplace_back(vertices, triangle);
         for (std::size_t k = 0; k < 3; ++k)
             side += (box.high[k] - box.low[k]) * 2 / (3 * double(triangles.size()));
-        boxes.push_back(box);
     }
     std::vector<std::array<Point3, 2>> pieces;
     if (!(side > 0)) return pieces;
@@ -76,17 +92,6 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
         const auto& [a, b, c] = triangles[f];
         return std::array{vertices[a], vertices[b], vertices[c]};
     };
-    const auto meet = [&](std::uint32_t f, std::uint32_t g) {
-        const auto a = corners(f), b = corners(g);
-        std::vector<Point3> ends;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (const auto at = pierced(a[k], a[(k + 1) % 3], b)) ends.push_back(*at);
-            if (const auto at = pierced(b[k], b[(k + 1) % 3], a)) ends.push_back(*at);
-        }
-        if (ends.size() != 2) return;
-        const Point3 piece = ends[1] - ends[0];
-        if (dot(piece, piece) > 1e-18 * side * side) pieces.push_back({ends[0], ends[1]}); // else they touch
-    };
     for (std::size_t m = 0; m < members.size(); ++m) {
         const auto& [cell, f] = members[m];
         for (std::size_t n = m + 1; n < members.size() && members[n].first == cell; ++n) {
@@ -99,7 +104,11 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
             }
             if (apart || cell_of(low) != cell) continue; // tests each pair in one cell only
             const auto &a = triangles[f], &b = triangles[g];
-            if (std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) == a.end()) meet(f, g);
+            if (std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end()) continue;
+            const auto piece = intersection(corners(f), corners(g));
+            if (!piece) continue;
+            const Point3 along = (*piece)[1] - (*piece)[0];
+            if (dot(along, along) > 1e-18 * side * side) pieces.push_back(*piece); // else they touch
         }
     }
     return pieces;

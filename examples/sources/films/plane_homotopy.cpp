@@ -33,7 +33,7 @@ std::string parse_turns(std::string_view text, int& turns) {
 }
 
 /// circle, loops, eight, random:TURNS:SEED or TURNS:A1,A2,…
-Expected<TurningCurve> parse_curve(const std::string& word) {
+TurningCurve parse_curve(const std::string& word) {
     if (word == "circle") return TurningCurve{1};
     if (word == "loops") return TurningCurve{1, {0, 2.5}};
     if (word == "eight")
@@ -43,25 +43,25 @@ Expected<TurningCurve> parse_curve(const std::string& word) {
     const std::string_view rest = std::string_view(word).substr(is_random ? 7 : 0);
     const std::size_t colon = rest.find(':');
     if (colon == rest.npos)
-        return FileError{
-            start + "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5"};
+        throw Failure(start +
+                      "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5");
     int turns = 0;
     if (const std::string why = parse_turns(rest.substr(0, colon), turns); !why.empty())
-        return FileError{start + why};
+        throw Failure(start + why);
     TurningCurve curve{turns};
     std::string_view numbers = rest.substr(colon + 1);
     while (!numbers.empty()) {
         const std::size_t comma = std::min(numbers.find(','), numbers.size());
         double& number = curve.sines.emplace_back(0.0);
         if (const std::string why = detail::parse_number(numbers.substr(0, comma), number); !why.empty())
-            return FileError{start + why};
+            throw Failure(start + why);
         if (!(std::fabs(number) <= 20) || curve.sines.size() > 16)
-            return FileError{start + "at most 16 numbers from -20 to 20 are allowed"};
+            throw Failure(start + "16 numbers from -20 to 20 are the most");
         numbers.remove_prefix(std::min(comma + 1, numbers.size()));
     }
     if (!is_random) return curve;
     if (curve.sines.size() != 1 || !(curve.sines[0] >= 0) || curve.sines[0] != std::round(curve.sines[0]))
-        return FileError{start + "the seed is a whole number from 0 to 20"};
+        throw Failure(start + "the seed is a whole number from 0 to 20");
     return random_curve(turns, unsigned(curve.sines[0]));
 }
 
@@ -153,6 +153,26 @@ std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops
     return times;
 }
 
+/// Prints the least speed of a regular homotopy, otherwise where its speed is 0.
+void print(const Homotopy& homotopy, const TurningCurve& first, const TurningCurve& last,
+           const std::vector<Homotopy::Stop>& stops) {
+    if (homotopy.is_regular()) {
+        const auto bound = homotopy.least_speed();
+        std::cout << "both tangents turn " << first.turns << " times: the speed is at least "
+                  << text_of("%.4g", bound.least) << " (" << bound.intervals
+                  << " intervals; smallest found: " << text_of("%.4g", bound.reached) << ")\n";
+        if (homotopy.start() > 0)
+            std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
+                      << " because from t = 0 both curves would cancel each other\n";
+    } else {
+        std::cout << "the tangents turn " << first.turns << " and " << last.turns
+                  << " times, so no homotopy is regular; the speed of this one is 0\n";
+        for (const auto& stop : stops)
+            std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau)
+                      << ": speed " << text_of("%.2g", stop.speed) << '\n';
+    }
+}
+
 } // namespace
 
 int run_program(int argc, char** argv) {
@@ -177,32 +197,12 @@ int run_program(int argc, char** argv) {
     film.add_options(line, 48, "SVG files");
     if (const auto code = line.parse(argc, argv)) return *code;
     std::vector<TurningCurve> curves;
-    for (const std::string& word : words) {
-        auto curve = parse_curve(word);
-        if (!curve) return fail(to_string(curve.error()));
-        curves.push_back(std::move(*curve));
-    }
-    if (const auto why = film.fault({out}, ".svg")) return fail(*why);
+    for (const std::string& word : words) curves.push_back(parse_curve(word));
+    fail_if(film.fault({out}, ".svg"));
 
     const Homotopy homotopy(curves[0], curves[1]);
-    std::vector<Homotopy::Stop> stops;
-    if (homotopy.is_regular()) {
-        const auto bound = homotopy.least_speed();
-        std::cout << "both tangents turn " << curves[0].turns << " times: the speed is at least "
-                  << text_of("%.4g", bound.least) << " (" << bound.intervals
-                  << " intervals; smallest found: " << text_of("%.4g", bound.reached) << ")\n";
-        if (homotopy.start() > 0)
-            std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
-                      << " because from t = 0 both curves would cancel each other\n";
-    } else {
-        stops = homotopy.stops();
-        std::cout << "the tangents turn " << curves[0].turns << " and " << curves[1].turns
-                  << " times, so no homotopy is regular; the speed of this one is 0\n";
-        for (const auto& stop : stops)
-            std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau)
-                      << ": speed " << text_of("%.2g", stop.speed) << '\n';
-    }
-
+    const auto stops = homotopy.is_regular() ? std::vector<Homotopy::Stop>() : homotopy.stops();
+    print(homotopy, curves[0], curves[1], stops);
     const Tiles tiles(homotopy, stops);
     std::string strip;
     int column = 0;
@@ -210,8 +210,8 @@ int run_program(int argc, char** argv) {
         strip += "<g transform=\"translate(" + text_of("%g", Tiles::width * column++) + ",0)\">\n" +
                  tiles.tile(s) + "</g>\n";
     OutputFiles outputs;
-    const int width = int(Tiles::width) * columns;
-    add_svg(outputs, out, Tiles::document(Tiles::width * columns, strip), png ? width : 0);
+    add_svg(outputs, out, Tiles::document(Tiles::width * columns, strip),
+            png ? int(Tiles::width) * columns : 0);
     std::vector<std::string> frames;
     if (film.is_given()) {
         for (const double s : times_of(film.frames, stops))

@@ -65,31 +65,25 @@ ObjFile all_stages() {
     return figure;
 }
 
-Expected<std::optional<Control>> read_control(const Arguments& given, const ObjFile& all_stages) {
+std::optional<Control> read_control(const Arguments& given, const ObjFile& all_stages) {
     const bool is_posed = !given.operations.operations.empty();
     if (given.cage.empty()) {
         if (is_posed)
-            return FileError{"operations such as --twist pose a cage: give --cage, such as lattice:6x6x6"};
+            throw Failure("operations such as --twist pose a cage: give --cage, such as lattice:6x6x6");
         return std::optional<Control>();
     }
-    auto cage = load_or_make_cage(given.cage, all_stages);
-    if (!cage) return cage.error();
-    std::vector<Point3> pose = first_pose(cage->vertices);
+    auto cage = value_or_fail(load_or_make_cage(given.cage, all_stages));
+    std::vector<Point3> pose = first_pose(cage.vertices);
     if (is_posed) {
-        const auto parts = cage_parts(*cage);
-        auto posed = given.operations.posed(cage->vertices, cage->lattice, nullptr, &parts);
-        if (!posed) return posed.error();
-        pose = std::move(*posed);
+        const auto parts = cage_parts(cage);
+        pose = value_or_fail(given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts));
     }
-    auto coordinates = make_coordinates<double>(given.choice, *cage);
-    if (!coordinates.note.empty()) note(coordinates.note);
+    auto coordinates = make_coordinates<double>(given.choice, cage);
+    note(coordinates.note);
     const auto bound = coordinates.bind(all_stages.vertices, given.outside.bind_options(coordinates));
-    if (!bound) return FileError{describe_mesh_faults(cage->name, bound.report)};
-    const auto outside =
-        given.outside.judge(coordinates, bound.report, all_stages.vertices, all_stages.name, cage->name);
-    if (!outside.fault.empty()) return FileError{outside.fault};
-    if (!outside.warning.empty()) warn(outside.warning);
-    return std::optional<Control>(Control{std::move(coordinates), std::move(*cage), std::move(pose)});
+    if (!bound) throw Failure(describe_mesh_faults(cage.name, bound.report));
+    given.outside.check(coordinates, bound.report, all_stages.vertices, all_stages.name, cage.name);
+    return std::optional<Control>(Control{std::move(coordinates), std::move(cage), std::move(pose)});
 }
 
 /// A stage to draw.
@@ -110,24 +104,23 @@ public:
         }
     }
 
-    /// The stage at a time, deformed by the cage if there is one.
-    Expected<Tile> tile(double time) const {
+    /// The stage at a time, as the cage moves it, if there is one.
+    Tile tile(double time) const {
         EversionMesh mesh = eversion_mesh(eversion_.stage(time), given_.net_rows(), given_.net_columns());
-        if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return FileError{why};
+        if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) throw Failure(why);
         Tile tile{std::move(mesh.vertices), {}};
         for (const auto& [a, b] : double_curve(tile.vertices, shown_))
             tile.lines.push_back({{a, b}, 1.5, {1.0f, 0.88f, 0.45f}});
         return tile;
     }
 
-    /// Draws a tile. All tiles have the same scale.
-    Expected<Picture> draw(const Tile& tile) {
+    /// A tile, at the scale of a whole eversion.
+    Picture draw(const Tile& tile) {
         if (stage_.empty()) {
             for (int n = 0; n <= 24; ++n) {
                 auto mesh = eversion_mesh(eversion_.stage(n / 24.0), 16, 32);
-                if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return FileError{why};
-                for (const Point3& p : mesh.vertices)
-                    stage_.push_back(1.04 * p); // a margin for stages between these
+                if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) throw Failure(why);
+                for (const Point3& p : mesh.vertices) stage_.push_back(1.04 * p); // what lies between these
             }
             if (control_) add_cage();
         }
@@ -136,17 +129,16 @@ public:
         return draw_meshes(std::span(&scene, 1), side, side, given_.view.sight);
     }
 
-    /// The smallest ratio of volumes, deformed to rest, around points of a stage. Fails if Jacobians are not
-    /// available.
-    Expected<double> least_determinant(double time) const {
+    /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
+    double least_determinant(double time) const {
         const auto rest = eversion_mesh(eversion_.stage(time), 48, 96).vertices;
         const auto columns =
             control_->coordinates.bind_jacobians(rest, given_.outside.bind_options(control_->coordinates));
-        if (!columns) return FileError{cageform::to_string(columns.report.status)};
+        if (!columns) throw Failure(cageform::to_string(columns.report.status));
         std::string warning;
-        const auto handles = pose_of_handles(columns.value[0], control_->pose, control_->cage.name, warning);
-        if (!handles) return handles.error();
-        return cageform::report_folds(columns.value, *handles).least_determinant;
+        const auto handles =
+            value_or_fail(pose_of_handles(columns.value[0], control_->pose, control_->cage.name, warning));
+        return cageform::report_folds(columns.value, handles).least_determinant;
     }
 
     bool has_cage() const { return control_.has_value(); }
@@ -220,7 +212,7 @@ std::string volume_curve(const Theatre& theatre) {
 }
 
 /// Prints properties of a stage, and of the cage's deformation there.
-Expected<bool> print_stage(const Theatre& theatre, double time) {
+void print_stage(const Theatre& theatre, double time) {
     constexpr std::size_t rows = 100, columns = 180;
     const EversionStage stage = theatre.stage(time);
     const EversionMesh mesh = eversion_mesh(stage, rows, columns);
@@ -229,12 +221,9 @@ Expected<bool> print_stage(const Theatre& theatre, double time) {
               << text_of("%+.4f", volume_of(mesh)) << ", least area factor "
               << text_of("%.4f", least_area_factor(stage, rows, columns) / (size * size));
     if (theatre.has_cage()) {
-        const auto least = theatre.least_determinant(time);
-        if (!least) return least.error();
-        std::cout << ", least determinant " << text_of("%.3f", *least);
+        std::cout << ", least determinant " << text_of("%.3f", theatre.least_determinant(time));
     }
     std::cout << '\n';
-    return true;
 }
 
 /// The largest displacement of a vertex between two frames, relative to the largest distance from the origin.
@@ -255,13 +244,10 @@ int play(const Arguments& given, Theatre theatre) {
     for (std::size_t n = 0; n < count; ++n) {
         const double time = double(n) / double(count - 1);
         const auto tile = theatre.tile(time);
-        if (!tile) return fail(to_string(tile.error()));
-        auto picture = theatre.draw(*tile);
-        if (!picture) return fail(to_string(picture.error()));
-        picture->text({10, double(side) - 14}, text_of("%.2f", time), 2, {0.35f, 0.35f, 0.35f});
-        sheet.place(*picture, n % columns * side, n / columns * side);
-        if (const auto printed = print_stage(theatre, time); !printed)
-            return fail(to_string(printed.error()));
+        auto picture = theatre.draw(tile);
+        picture.text({10, double(side) - 14}, text_of("%.2f", time), 2, {0.35f, 0.35f, 0.35f});
+        sheet.place(picture, n % columns * side, n / columns * side);
+        print_stage(theatre, time);
     }
 
     OutputFiles outputs;
@@ -273,19 +259,17 @@ int play(const Arguments& given, Theatre theatre) {
     double largest = 0; // step of a vertex between two frames, relative to the size
     for (int n = 0; given.film.is_given() && n < given.film.frames && !outputs.error(); ++n) {
         const auto tile = theatre.tile(double(n) / (given.film.frames - 1));
-        if (!tile) return fail(to_string(tile.error()));
-        if (n > 0) largest = std::max(largest, largest_step(before, tile->vertices));
-        before = tile->vertices;
-        const auto picture = theatre.draw(*tile);
-        if (!picture) return fail(to_string(picture.error()));
-        if (film) film->add_frame(*picture);
+        if (n > 0) largest = std::max(largest, largest_step(before, tile.vertices));
+        before = tile.vertices;
+        const auto picture = theatre.draw(tile);
+        if (film) film->add_frame(picture);
         if (given.film.stills.empty()) continue;
         AtomicFile& file = outputs.add(given.film.still(n, ".png"));
-        picture->write_png(file);
-        (void)file.finish(); // commit() reports the error
+        picture.write_png(file);
+        (void)file.finish(); // commit() has the fault
     }
     if (film) film->finish();
-    if (const auto error = outputs.commit()) return fail(*error);
+    fail_if(outputs.commit());
     if (given.film.is_given())
         std::cout << given.film.frames << " frames: between two frames a vertex moves by at most "
                   << text_of("%.2f", 100 * largest) << " % of the size\n";
@@ -325,10 +309,9 @@ int run_program(int argc, char** argv) {
     given.view.add_options(line);
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
+    fail_if(given.outside.fault());
 
     auto control = read_control(given, all_stages());
-    if (!control) return fail(to_string(control.error()));
-    if (const auto why = given.film.fault({given.out, given.volume}, ".png")) return fail(*why);
-    return play(given, Theatre(given, std::move(*control)));
+    fail_if(given.film.fault({given.out, given.volume}, ".png"));
+    return play(given, Theatre(given, std::move(control)));
 }

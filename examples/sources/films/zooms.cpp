@@ -79,7 +79,7 @@ int run_program(int argc, char** argv) {
     if (!levels.is_given()) level = kind == Kind::peano ? 3 : 4;
     if (kind == Kind::peano && level > 4)
         return fail("--level: 4 is the most for peano: each level has 9 times as many sides");
-    if (const auto why = film.fault({out}, ".svg")) return fail(*why);
+    fail_if(film.fault({out}, ".svg"));
 
     const SelfSimilarCurve curve(kind);
     print_levels(curve, level);

@@ -41,7 +41,7 @@ int run_program(int argc, char** argv) {
 
     OutputFiles outputs;
     draw_hand(bound, builder, folder, outputs);
-    if (const auto failure = outputs.commit()) return fail(*failure);
+    fail_if(outputs.commit());
     std::printf("%zu of %zu lines are missed\n", count.missed, count.lines);
     return 0;
 }

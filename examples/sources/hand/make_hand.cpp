@@ -76,18 +76,17 @@ Rows difference(Rows a, const Rows& b) {
 }
 
 /// The clip as morph targets, one per key.
-Expected<std::string> clip_text(const BoundHand& bound) {
+std::string clip_text(const BoundHand& bound) {
     using Use = GltfDocument::Use;
     constexpr std::size_t keys = 17; // the first and the last are at rest
-    const auto file = parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj");
-    if (!file) return file.error();
-    const auto meshes = gltf_meshes(*file, read_parts(*file));
-    if (!meshes) return meshes.error();
-    const GltfMesh& mesh = meshes->front();
+    const auto file =
+        value_or_fail(parse_obj(obj_text(bound.hand.skin, "A right hand, made by make_hand"), "hand.obj"));
+    const auto meshes = value_or_fail(gltf_meshes(file, read_parts(file)));
+    const GltfMesh& mesh = meshes.front();
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform make_hand";
-    const Rows rest = gltf_positions(mesh, file->vertices),
-               normals = gltf_normals(mesh, *file, {file->vertices});
+    const Rows rest = gltf_positions(mesh, file.vertices),
+               normals = gltf_normals(mesh, file, {file.vertices});
     GltfJson primitive;
     primitive["attributes"] = {{"POSITION", document.add(rest, Use::vertices, true)},
                                {"NORMAL", document.add(normals, Use::vertices)}};
@@ -100,9 +99,9 @@ Expected<std::string> clip_text(const BoundHand& bound) {
             weights.push_back({target == key ? 1.0f : 0.0f});
         if (key == 0 || key + 1 == keys) continue;
         const auto skin = bound.clone(pose_at(bound, 0.25 * double(key)));
-        if (skin.empty()) return FileError{"a pose of the clip cannot be cloned"};
+        if (skin.empty()) throw Failure("a pose of the clip cannot be cloned");
         const Rows shift = difference(gltf_positions(mesh, skin), rest),
-                   turn = difference(gltf_normals(mesh, *file, {skin}), normals);
+                   turn = difference(gltf_normals(mesh, file, {skin}), normals);
         primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
                                         {"NORMAL", document.add(turn, Use::vertices)}});
         zeros.push_back(0.0);
@@ -145,21 +144,20 @@ int run_program(int argc, char** argv) {
         return fail(std::string("the skin: ") + to_string(sound.status));
     const ImplicitMesh cage = cage_of(hand);
     const auto clip = clip_text(bound);
-    if (!clip) return fail(clip.error().message);
     OutputFiles outputs;
     const auto path = std::filesystem::path(folder);
     outputs.add(path / "hand.obj").write(obj_text(hand.skin, "A right hand, made by make_hand"));
     outputs.add(path / "hand_cage.obj").write(obj_text(cage, "A cage of hand.obj, made by make_hand"));
     outputs.add(path / "hand_points.csv").write(points_text(hand));
     outputs.add(path / "hand_poses.csv").write(poses_text(bound));
-    outputs.add(path / "hand.glb").write(*clip);
-    if (const auto failure = outputs.commit()) return fail(*failure);
+    outputs.add(path / "hand.glb").write(clip);
+    fail_if(outputs.commit());
     const auto shown = [](const std::filesystem::path& file) { return printable(file.string()); };
     std::cout << shown(path / "hand.obj") << ": " << hand.skin.vertices.size() << " vertices, "
               << hand.skin.faces.size() << " faces\n"
               << shown(path / "hand_cage.obj") << ": " << cage.vertices.size() << " vertices\n"
               << shown(path / "hand_points.csv") << ": " << hand.points.size() << " control points\n"
               << shown(path / "hand_poses.csv") << ": " << hand_poses().size() << " poses\n"
-              << shown(path / "hand.glb") << ": " << clip->size() << " bytes\n";
+              << shown(path / "hand.glb") << ": " << clip.size() << " bytes\n";
     return 0;
 }

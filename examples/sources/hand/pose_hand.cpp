@@ -42,20 +42,19 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
     return {};
 }
 
-Expected<std::vector<HandPose>> load_poses(const std::string& path) {
-    const auto file = read_text(path);
-    if (!file) return file.error();
+std::vector<HandPose> load_poses(const std::string& path) {
+    const auto file = value_or_fail(read_text(path));
     std::vector<HandPose> poses;
     detail::RowFilter rows;
-    std::string_view rest = *file, line;
+    std::string_view rest = file, line;
     for (std::size_t number = 1; take_line(rest, line); ++number) {
         if (!rows.take(line)) continue;
         const std::string why = parse_angles(line, poses.emplace_back());
-        if (!why.empty()) return detail::row_fault(path, number, line, why);
+        if (!why.empty()) throw Failure(to_string(detail::row_fault(path, number, line, why)));
     }
-    if (poses.empty()) return FileError{path + ": holds no pose"};
+    if (poses.empty()) throw Failure(path + ": holds no pose");
     if (poses.size() > 16)
-        return FileError{path + ": holds more than 16 poses, the most that a picture can show"};
+        throw Failure(path + ": holds more than 16 poses, the most that a picture can show");
     return poses;
 }
 
@@ -93,7 +92,7 @@ int run_program(int argc, char** argv) {
     if (!poses) return fail(poses.error().message);
     if (!out.empty() && poses->size() > 1)
         return fail(pose + ": holds " + std::to_string(poses->size()) + " poses, but an OBJ file has one");
-    if (const auto why = fault_of_outputs({out, picture})) return fail(*why);
+    fail_if(fault_of_outputs({out, picture}));
     const BoundHand bound;
     if (named != hand_poses().end()) poses->front() = bound.closed(*named);
     if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
@@ -112,6 +111,5 @@ int run_program(int argc, char** argv) {
         for (const auto& skin : skins) scenes.push_back({{skin, bound.hand.skin.faces}, {}});
         draw_meshes(scenes, 450 * scenes.size(), 650).write_png(outputs.add(picture));
     }
-    if (const auto failure = outputs.commit()) return fail(*failure);
-    return 0;
+    return commit(outputs);
 }

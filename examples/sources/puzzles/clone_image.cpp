@@ -69,47 +69,44 @@ int make_pictures(const Given& given) {
     harbour.noon().write_png(outputs.add(folder / "noon.png"));
     harbour.evening().write_png(outputs.add(folder / "evening.png"));
     outputs.add(folder / "boat.svg").write(harbour.boat_outline());
-    if (const auto why = outputs.commit()) return fail(*why);
+    fail_if(outputs.commit());
     for (const char* name : {"noon.png", "evening.png", "boat.svg"})
         std::cout << printable((folder / name).string()) << '\n';
     return 0;
 }
 
 /// The region of a mask or an outline in the source.
-Expected<PixelRegion> load_region(const std::string& path, const Pixels& source) {
-    const auto refuse = [&](const std::string& why) { return FileError{path + ": " + why}; };
+PixelRegion load_region(const std::string& path, const Pixels& source) {
+    const auto refuse = [&](const std::string& why) { return Failure(path + ": " + why); };
     const std::string size = std::to_string(source.width) + " x " + std::to_string(source.height);
     PixelRegion region;
     if (const std::string ending = ending_of(path);
         ending == ".svg" || ending == ".svgz" || ending == ".csv") {
-        const auto outline = load_cage(path, CageEdges::as_drawn);
-        if (!outline) return outline.error();
-        const auto loops = outline->loops(0.1);
+        const auto outline = value_or_fail(load_cage(path, CageEdges::as_drawn));
+        const auto loops = outline.loops(0.1);
         constexpr double slack = 1e-6; // of a pixel
         for (const auto& loop : loops) {
             for (const Point2& p : loop) {
                 if (p.x >= -slack && p.y >= -slack && p.x <= double(source.width) + slack &&
                     p.y <= double(source.height) + slack)
                     continue;
-                return refuse("the outline reaches (" + detail::short_number(p.x) + ", " +
-                              detail::short_number(p.y) + "), outside the source of " + size +
-                              " pixels; its units are pixels from the upper left corner");
+                throw refuse("the outline reaches (" + detail::short_number(p.x) + ", " +
+                             detail::short_number(p.y) + "), outside the source of " + size +
+                             " pixels; its units are pixels from the upper left corner");
             }
         }
         region = make_region(mask_of(loops, source.width, source.height), source.width);
-        if (region.is_empty()) return refuse("the outline contains no centre of a pixel");
+        if (region.is_empty()) throw refuse("the outline holds no pixel's centre");
     } else {
-        const auto mask = read_png(path);
-        if (!mask) return mask.error();
-        if (mask->width != source.width || mask->height != source.height)
-            return refuse("the mask has " + std::to_string(mask->width) + " x " +
-                          std::to_string(mask->height) + " pixels, and the source " + size +
-                          ": make them equal");
-        region = make_region(mask_of(*mask), source.width);
-        if (region.is_empty()) return refuse("the mask is empty: no pixel is light and opaque");
+        const auto mask = value_or_fail(read_png(path));
+        if (mask.width != source.width || mask.height != source.height)
+            throw refuse("the mask has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
+                         " pixels, and the source " + size + ": make them equal");
+        region = make_region(mask_of(mask), source.width);
+        if (region.is_empty()) throw refuse("the mask is empty: no pixel is light and opaque");
     }
     if (region.inside == 0)
-        return refuse(
+        throw refuse(
             "the region has no inside: all its pixels lie on its outline; it has to be 3 pixels wide");
     return region;
 }
@@ -145,45 +142,47 @@ std::string in_svg(const Pixels& picture) {
            base64(picture.png()) + "\"/></svg>";
 }
 
-int clone_region(const Given& given) {
-    const auto source = read_png(given.source);
-    if (!source) return fail(to_string(source.error()));
-    const auto target = read_png(given.target);
-    if (!target) return fail(to_string(target.error()));
-    Stopwatch watch;
-    const auto region = load_region(given.region, *source);
-    if (!region) return fail(to_string(region.error()));
-    const std::vector<PixelPlace> way = way_of(given, *region);
+/// Fails if the region does not fit into the target at a place.
+void check_places(const Given& given, const PixelRegion& region, const Pixels& target,
+                  const std::vector<PixelPlace>& way) {
     for (const PixelPlace& at : way) {
-        const std::string why = fault_of_place(*region, *target, at);
+        const std::string why = fault_of_place(region, target, at);
         if (why.empty()) continue;
-        return fail((given.places.empty()
-                         ? "without --at: "
-                         : "--at " + std::to_string(at.x) + "," + std::to_string(at.y) + ": ") +
-                    why);
+        throw Failure((given.places.empty()
+                           ? "without --at: "
+                           : "--at " + std::to_string(at.x) + "," + std::to_string(at.y) + ": ") +
+                      why);
     }
-    if (const auto why = fault_of_outputs({given.out, given.pasted, given.poisson, given.film}))
-        return fail(*why);
+}
 
-    watch.lap();
+/// The source, the target and the region, with the threads of the program.
+struct Scene {
+    Pixels source, target;
+    PixelRegion region;
     cageform::ParallelFor parallel = cageform::SerialFor{};
-    if (given.threads > 1) parallel = cageform::ThreadedFor{unsigned(given.threads)};
-    auto membrane = Membrane::bind(*region, {}, parallel);
-    if (!membrane) return fail(given.region + ": " + membrane.error().message);
-    const double set_up = watch.lap();
+};
 
-    OutputFiles outputs;
-    std::optional<Film> film;
-    const std::size_t widest = std::min<std::size_t>(target->width, 640);
-    if (!given.film.empty()) film.emplace(outputs, given.film, 20, int(widest));
-    std::vector<Pixels> strip;
+/// The picture at the last place, and the seconds of all moves.
+struct Moved {
     Pixels picture;
     double moves = 0, shortest = std::numeric_limits<double>::infinity();
+};
+
+/// Clones the region at all places, and adds the picture or the strip, frames and film to the outputs.
+Moved move_region(const Given& given, const Scene& scene, Membrane& membrane,
+                  const std::vector<PixelPlace>& way, OutputFiles& outputs) {
+    const auto& [source, target, region, parallel] = scene;
+    std::optional<Film> film;
+    const std::size_t widest = std::min<std::size_t>(target.width, 640);
+    if (!given.film.empty()) film.emplace(outputs, given.film, 20, int(widest));
+    std::vector<Pixels> strip;
+    Moved moved;
+    auto& [picture, moves, shortest] = moved;
+    Stopwatch watch;
     for (std::size_t n = 0; n < way.size(); ++n) {
-        picture = *target;
+        picture = target;
         watch.lap();
-        paste(*source, *region, way[n], outline_differences(*source, *region, *target, way[n]), *membrane,
-              picture);
+        paste(source, region, way[n], outline_differences(source, region, target, way[n]), membrane, picture);
         const double move = watch.lap();
         moves += move;
         shortest = std::min(shortest, move);
@@ -194,34 +193,57 @@ int clone_region(const Given& given) {
     if (film) film->finish();
     if (!given.out.empty())
         (way.size() > 1 ? side_by_side(strip, 8) : picture).write_png(outputs.add(given.out));
-    // The last place again, by the other methods.
-    const PixelPlace& at = way.back();
+    return moved;
+}
+
+/// Clones the region at a place by Poisson's equation; returns a line on the differences from `picture`.
+std::string compare_poisson(const Given& given, const Scene& scene, const PixelPlace& at,
+                            const Pixels& picture, OutputFiles& outputs) {
+    const auto& [source, target, region, parallel] = scene;
+    Pixels exact = target;
+    Stopwatch watch;
+    {
+        ProgressBar bar("Poisson");
+        const auto solved = poisson_function(region, outline_differences(source, region, target, at),
+                                             {.parallel = parallel, .progress = bar.callback()});
+        if (!solved) throw Failure(given.region + ": " + solved.error().message);
+        paste(source, region, at, *solved, exact);
+    }
+    const double seconds = watch.lap();
+    if (!given.poisson.empty()) exact.write_png(outputs.add(given.poisson));
+    const ColourDifference apart = colour_difference(picture, exact, region, at);
+    return "Poisson: " + detail::short_number(seconds) + " s a place; its colours differ by at most " +
+           std::to_string(apart.largest) + ", in the mean by " + detail::short_number(apart.mean) +
+           ", of 255\n";
+}
+
+int clone_region(const Given& given) {
+    Scene scene{value_or_fail(read_png(given.source)), value_or_fail(read_png(given.target)), {}};
+    scene.region = load_region(given.region, scene.source);
+    const auto& [source, target, region, parallel] = scene;
+    if (given.threads > 1) scene.parallel = cageform::ThreadedFor{unsigned(given.threads)};
+    const std::vector<PixelPlace> way = way_of(given, region);
+    check_places(given, region, target, way);
+    fail_if(fault_of_outputs({given.out, given.pasted, given.poisson, given.film}));
+    Stopwatch watch;
+    auto membrane = Membrane::bind(region, {}, parallel);
+    if (!membrane) return fail(given.region + ": " + membrane.error().message);
+    const double set_up = watch.lap();
+
+    OutputFiles outputs;
+    const auto [picture, moves, shortest] = move_region(given, scene, *membrane, way, outputs);
+    // The last place once more, by other means.
     if (!given.pasted.empty()) {
-        Pixels pasted = *target;
-        paste(*source, *region, at, std::vector<Membrane::Values>(region->kinds.size()), pasted);
+        Pixels pasted = target;
+        paste(source, region, way.back(), std::vector<Membrane::Values>(region.kinds.size()), pasted);
         pasted.write_png(outputs.add(given.pasted));
     }
     std::string compared;
-    if (!given.poisson.empty() || given.report) {
-        Pixels exact = *target;
-        watch.lap();
-        {
-            ProgressBar bar("Poisson");
-            const auto solved = poisson_function(*region, outline_differences(*source, *region, *target, at),
-                                                 {.parallel = parallel, .progress = bar.callback()});
-            if (!solved) return fail(given.region + ": " + solved.error().message);
-            paste(*source, *region, at, *solved, exact);
-        }
-        const double seconds = watch.lap();
-        if (!given.poisson.empty()) exact.write_png(outputs.add(given.poisson));
-        const ColourDifference apart = colour_difference(picture, exact, *region, at);
-        compared = "Poisson: " + detail::short_number(seconds) +
-                   " s a place; its colours differ by at most " + std::to_string(apart.largest) +
-                   ", in the mean by " + detail::short_number(apart.mean) + ", of 255\n";
-    }
-    if (const auto why = outputs.commit()) return fail(*why);
+    if (!given.poisson.empty() || given.report)
+        compared = compare_poisson(given, scene, way.back(), picture, outputs);
+    fail_if(outputs.commit());
 
-    std::cout << region->inside << " pixels inside, " << region->outline.size() << " on the outline, "
+    std::cout << region.inside << " pixels inside, " << region.outline.size() << " on the outline, "
               << way.size() << (way.size() == 1 ? " place\n" : " places\n");
     if (given.report) {
         const MembraneReport& made = membrane->report();

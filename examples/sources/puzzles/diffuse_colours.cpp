@@ -68,6 +68,27 @@ Expected<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light&
     return stroke;
 }
 
+/// The bytes of a picture. Each pixel is the mean of four places, so that the lines are smooth.
+std::string bytes_of(const cageform::Diffusion<double>& field, const Light& light) {
+    const auto lattice = field.lattice();
+    std::string bytes;
+    std::vector<cageform::Vec<double, 2>> places(4 * lattice.cells[0]);
+    std::vector<double> values(channels * places.size());
+    for (std::size_t row = 0; row < lattice.cells[1]; ++row) {
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double dx = 0.25 + 0.5 * double(i % 2), dy = 0.25 + 0.5 * double(i / 2 % 2);
+            places[i] = {lattice.origin[0] + (double(i / 4) + dx) * lattice.spacing,
+                         lattice.origin[1] + (double(row) + dy) * lattice.spacing};
+        }
+        if (field.sample(places, std::span(values)) != cageform::Status::ok) throw Failure("no field");
+        for (std::size_t i = 0; i < places.size(); i += 4) {
+            const auto pixel = light.bytes(values.data() + channels * i, 4);
+            bytes.append(pixel.data(), pixel.size());
+        }
+    }
+    return bytes;
+}
+
 } // namespace
 
 int run_program(int argc, char** argv) {
@@ -88,47 +109,30 @@ int run_program(int argc, char** argv) {
                     "#rgb, #rrggbb, #rrggbbaa, rgb(…) or a name.\n");
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto file = load_strokes(drawing, {"data-left", "data-right"});
-    if (!file) return fail(to_string(file.error()));
-    const auto& [x, y, width, height] = file->canvas;
+    const auto file = value_or_fail(load_strokes(drawing, {"data-left", "data-right"}));
+    const auto& [x, y, width, height] = file.canvas;
     cageform::Diffusion<double> field({{x, y}, {x + width, y + height}}, size, channels);
-    for (const DrawnLine& drawn : file->lines) {
+    for (const DrawnLine& drawn : file.lines) {
         const auto stroke = stroke_of(drawn, light);
-        if (!stroke) return fail(file->name + ": " + drawn.label + ": " + stroke.error().message);
+        if (!stroke) return fail(file.name + ": " + drawn.label + ": " + stroke.error().message);
         const auto status = field.add(*stroke);
         if (status != cageform::Status::ok)
-            return fail(file->name + ": " + drawn.label + ": " + to_string(status));
+            return fail(file.name + ": " + drawn.label + ": " + to_string(status));
     }
     {
         ProgressBar bar("diffuse colours");
         const auto solved = field.solve({.tolerance = 1e-4}, {.progress = bar.callback()});
         if (solved.status == cageform::Status::grid_too_coarse) {
-            return fail(file->name + ": " + file->lines[solved.solver.culprit].label +
+            return fail(file.name + ": " + file.lines[solved.solver.culprit].label +
                         " is smaller than a pixel: give a larger --size");
         }
-        if (solved.status != cageform::Status::ok) return fail(file->name + ": " + to_string(solved.status));
+        if (solved.status != cageform::Status::ok) return fail(file.name + ": " + to_string(solved.status));
     }
-    // Each pixel is the mean of four places, so that the lines are smooth.
     const auto lattice = field.lattice();
-    std::string bytes;
-    std::vector<cageform::Vec<double, 2>> places(4 * lattice.cells[0]);
-    std::vector<double> values(channels * places.size());
-    for (std::size_t row = 0; row < lattice.cells[1]; ++row) {
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const double dx = 0.25 + 0.5 * double(i % 2), dy = 0.25 + 0.5 * double(i / 2 % 2);
-            places[i] = {lattice.origin[0] + (double(i / 4) + dx) * lattice.spacing,
-                         lattice.origin[1] + (double(row) + dy) * lattice.spacing};
-        }
-        if (field.sample(places, std::span(values)) != cageform::Status::ok) return fail("no field");
-        for (std::size_t i = 0; i < places.size(); i += 4) {
-            const auto pixel = light.bytes(values.data() + channels * i, 4);
-            bytes.append(pixel.data(), pixel.size());
-        }
-    }
     AtomicFile out(out_path);
-    write_png(out, lattice.cells[0], lattice.cells[1], int(channels), bytes);
-    if (const auto error = out.commit()) return fail(*error);
-    std::cout << file->lines.size() << " strokes, " << lattice.cells[0] << " x " << lattice.cells[1]
+    write_png(out, lattice.cells[0], lattice.cells[1], int(channels), bytes_of(field, light));
+    fail_if(out.commit());
+    std::cout << file.lines.size() << " strokes, " << lattice.cells[0] << " x " << lattice.cells[1]
               << " pixels\n";
     return 0;
 }

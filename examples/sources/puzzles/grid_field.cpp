@@ -37,17 +37,16 @@ std::string parse_cell(std::string_view cell, double& value) {
 }
 
 /// Reads a grid; an error has the line and the column.
-Expected<Grid> load_grid(const std::string& path) {
+Grid load_grid(const std::string& path) {
     Grid grid;
-    const auto size = read_table(path, [&](std::string_view cell) -> std::string {
+    const auto size = value_or_fail(read_table(path, [&](std::string_view cell) -> std::string {
         double& value = grid.values.emplace_back(std::numeric_limits<double>::quiet_NaN());
         if (cell.empty() || cell == ".") return {};
         return parse_cell(cell, value);
-    });
-    if (!size) return size.error();
-    grid.width = size->columns;
+    }));
+    grid.width = size.columns;
     if (std::all_of(grid.values.begin(), grid.values.end(), [](double value) { return std::isnan(value); }))
-        return FileError{path + ": has no values"};
+        throw Failure(path + ": has no values");
     return grid;
 }
 
@@ -111,20 +110,19 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto grid = load_grid(path);
-    if (!grid) return fail(to_string(grid.error()));
-    const auto [least, largest] = least_and_largest(grid->values);
+    const auto [least, largest] = least_and_largest(grid.values);
     const double size = std::max(std::fabs(least), std::fabs(largest));
     const double zero = style.signs == "root" ? 0 : least, one = style.signs == "root" ? size : largest;
     style.set_range(zero, one > zero ? one : zero + std::max(1.0, std::fabs(zero))); // if all are equal
 
-    const PlaneBox whole{{0, 0}, {double(grid->width), double(grid->height())}};
+    const PlaneBox whole{{0, 0}, {double(grid.width), double(grid.height())}};
     const PlaneBox part = parse_box(zoom).value_or(whole);
     OutputFiles outputs;
-    with_colour_bar(draw_cells(*grid, part, style), least, style.one, style).write_png(outputs.add(out));
+    with_colour_bar(draw_cells(grid, part, style), least, style.one, style).write_png(outputs.add(out));
     if (!view.path.empty())
-        draw_surface(surface_of(*grid, part), view, style).write_png(outputs.add(view.path));
-    if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << grid->height() << " rows of " << grid->width << " cells: " << least << " to " << largest
+        draw_surface(surface_of(grid, part), view, style).write_png(outputs.add(view.path));
+    fail_if(outputs.commit());
+    std::cout << grid.height() << " rows of " << grid.width << " cells: " << least << " to " << largest
               << '\n';
     return 0;
 }

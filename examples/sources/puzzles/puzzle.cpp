@@ -23,17 +23,16 @@ namespace {
 
 using namespace cageform_sources;
 
-Expected<Puzzle> read_puzzle(const std::string& path, int neighbours) {
+Puzzle read_puzzle(const std::string& path, int neighbours) {
     Puzzle puzzle{path, 0, 0, {}, {}, neighbours};
-    const auto size = read_table(path, [&](std::string_view cell) -> std::string {
+    const auto size = value_or_fail(read_table(path, [&](std::string_view cell) -> std::string {
         const bool unknown = cell.empty() || cell == ".";
         puzzle.given.push_back(unknown ? 0 : 1);
         if (parse_fraction(unknown ? "0" : cell, puzzle.values.emplace_back())) return {};
         return "\"" + std::string(cell.substr(0, 40)) + "\" is not a whole number or a fraction a/b";
-    });
-    if (!size) return size.error();
-    puzzle.rows = size->rows;
-    puzzle.columns = size->columns;
+    }));
+    puzzle.rows = size.rows;
+    puzzle.columns = size.columns;
     return puzzle;
 }
 
@@ -120,89 +119,107 @@ std::string picture(const Puzzle& puzzle, const std::vector<std::string>& words)
     return svg + "</svg>\n";
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    CommandLine line("Solves a table of numbers in which each unknown cell is the mean of its neighbours.");
-    line.set_examples({"grid.csv -o solved.svg", "grid.csv --exact -o solved.svg"});
+struct Arguments {
     std::string path, csv, svg;
     int neighbours = 4;
     bool exact = false;
     std::vector<std::string> size, from;
     std::size_t walks = 0, seed = 1;
-    line.add("table", path, "a CSV file: whole numbers, fractions a/b, and . or nothing for unknown cells");
-    line.add("--neighbours", neighbours, "the number of neighbours of a cell: 4, or 8 with the diagonal ones")
+};
+
+void add_options(CommandLine& line, Arguments& given) {
+    line.add("table", given.path,
+             "a CSV file: whole numbers, fractions a/b, and . or nothing for unknown cells");
+    line.add("--neighbours", given.neighbours,
+             "the number of neighbours of a cell: 4, or 8 with the diagonal ones")
         .range(4, 8)
         .show_default();
-    line.add_flag("--exact", exact, "solve in exact fractions");
-    line.add("--csv", csv, "a CSV file to write the solved (with --make the unsolved) table to")
+    line.add_flag("--exact", given.exact, "solve in exact fractions");
+    line.add("--csv", given.csv, "a CSV file to write the solved (with --make the unsolved) table to")
         .ends_with({".csv"});
-    line.add("-o,--output", svg, "an SVG file to draw it to").ends_with({".svg"});
-    line.add("--walks", walks,
+    line.add("-o,--output", given.svg, "an SVG file to draw it to").ends_with({".svg"});
+    line.add("--walks", given.walks,
              "the number of random walks from a cell; their mean is printed beside its value")
         .range(1, 1'000'000'000);
-    line.add("--from", from, "the line and column of the cell, counted from 1").count(2, 2);
-    line.add("--make", size,
+    line.add("--from", given.from, "the line and column of the cell, counted from 1").count(2, 2);
+    line.add("--make", given.size,
              "make a puzzle with this many lines and columns, whose answers are whole numbers")
         .count(2, 2);
-    line.add("--seed", seed, "the seed of --walks and --make").show_default();
-    if (const auto code = line.parse(argc, argv)) return *code;
-    if (neighbours != 4 && neighbours != 8) return fail("--neighbours is 4 or 8");
-    const auto count_of = [](const std::string& word, std::size_t least, std::size_t most) {
-        std::size_t number = 0;
-        const bool digits =
-            !word.empty() && word.size() < 7 && std::all_of(word.begin(), word.end(), detail::is_digit);
-        if (digits) number = std::stoul(word);
-        return number >= least && number <= most ? number : 0;
-    };
-    OutputFiles outputs;
-    if (!size.empty()) {
-        const std::size_t rows = count_of(size[0], 3, 1000), columns = count_of(size[1], 3, 1000);
-        if (rows == 0 || columns == 0) return fail("--make takes two numbers from 3 to 1000");
-        const std::string text = table_text(make_puzzle(rows, columns, seed), false);
-        if (csv.empty()) {
-            std::cout << text;
-            return 0;
-        }
-        outputs.add(csv).write(text);
-        return commit(outputs);
-    }
-    if (path.empty()) return fail("a table, or --make, is required");
-    auto puzzle = read_puzzle(path, neighbours);
-    if (!puzzle) return fail(to_string(puzzle.error()));
-    std::size_t start = 0;
-    if (walks > 0) {
-        const std::size_t row = from.empty() ? 0 : count_of(from[0], 1, puzzle->rows);
-        const std::size_t column = from.empty() ? 0 : count_of(from[1], 1, puzzle->columns);
-        if (row == 0 || column == 0) return fail("--walks needs --from LINE COLUMN, a cell of the table");
-        start = (row - 1) * puzzle->columns + column - 1;
-    }
-    std::vector<double> solution;
-    std::string why = solve(*puzzle, solution);
-    if (why.empty() && exact) why = ExactSolver(*puzzle).solve();
-    if (!why.empty()) return fail(why);
+    line.add("--seed", given.seed, "the seed of --walks and --make").show_default();
+}
 
+/// A whole number from `least` to `most`, or 0.
+std::size_t count_of(const std::string& word, std::size_t least, std::size_t most) {
+    std::size_t number = 0;
+    const bool digits =
+        !word.empty() && word.size() < 7 && std::all_of(word.begin(), word.end(), detail::is_digit);
+    if (digits) number = std::stoul(word);
+    return number >= least && number <= most ? number : 0;
+}
+
+int make(const Arguments& given) {
+    const std::size_t rows = count_of(given.size[0], 3, 1000), columns = count_of(given.size[1], 3, 1000);
+    if (rows == 0 || columns == 0) return fail("--make takes two numbers from 3 to 1000");
+    const std::string text = table_text(make_puzzle(rows, columns, given.seed), false);
+    if (given.csv.empty())
+        std::cout << text;
+    else
+        fail_if(write_file_atomically(given.csv, text));
+    return 0;
+}
+
+/// The cell of --from.
+std::size_t start_of(const Arguments& given, const Puzzle& puzzle) {
+    const std::size_t row = given.from.empty() ? 0 : count_of(given.from[0], 1, puzzle.rows);
+    const std::size_t column = given.from.empty() ? 0 : count_of(given.from[1], 1, puzzle.columns);
+    if (row == 0 || column == 0) throw Failure("--walks needs --from LINE COLUMN, a cell of the table");
+    return (row - 1) * puzzle.columns + column - 1;
+}
+
+/// Prints the solution; returns the words of its cells.
+std::vector<std::string> print(const Puzzle& puzzle, const std::vector<double>& solution, bool exact) {
     std::vector<std::string> words;
     for (std::size_t cell = 0; cell < solution.size(); ++cell) {
-        const bool as_fraction = exact || puzzle->given[cell] != 0;
-        words.push_back(as_fraction ? puzzle->values[cell].get_str() : short_decimal(solution[cell]));
+        const bool as_fraction = exact || puzzle.given[cell] != 0;
+        words.push_back(as_fraction ? puzzle.values[cell].get_str() : short_decimal(solution[cell]));
         std::cout << words.back();
-        if (exact && puzzle->given[cell] == 0 && puzzle->values[cell].get_den() != 1)
-            std::cout << " = " << short_decimal(puzzle->values[cell].get_d());
-        std::cout << ((cell + 1) % puzzle->columns == 0 ? "\n" : "\t");
+        if (exact && puzzle.given[cell] == 0 && puzzle.values[cell].get_den() != 1)
+            std::cout << " = " << short_decimal(puzzle.values[cell].get_d());
+        std::cout << ((cell + 1) % puzzle.columns == 0 ? "\n" : "\t");
     }
-    if (walks > 0) {
-        const auto [mean, error] = walk(*puzzle, start, walks, seed);
-        std::cout << walks << " walks from there, seed " << seed << ": " << short_decimal(mean)
+    return words;
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Solves a table of numbers in which each unknown cell is the mean of its neighbours.");
+    line.set_examples({"grid.csv -o solved.svg", "grid.csv --exact -o solved.svg"});
+    Arguments given;
+    add_options(line, given);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (given.neighbours != 4 && given.neighbours != 8) return fail("--neighbours is 4 or 8");
+    if (!given.size.empty()) return make(given);
+    if (given.path.empty()) return fail("a table, or --make, is required");
+    auto puzzle = read_puzzle(given.path, given.neighbours);
+    const std::size_t start = given.walks > 0 ? start_of(given, puzzle) : 0;
+    std::vector<double> solution;
+    fail_if(solve(puzzle, solution));
+    if (given.exact) fail_if(ExactSolver(puzzle).solve());
+    const std::vector<std::string> words = print(puzzle, solution, given.exact);
+    if (given.walks > 0) {
+        const auto [mean, error] = walk(puzzle, start, given.walks, given.seed);
+        std::cout << given.walks << " walks from there, seed " << given.seed << ": " << short_decimal(mean)
                   << " with a standard error of " << short_decimal(error) << "; its value is "
                   << short_decimal(solution[start]) << '\n';
     }
-    if (!csv.empty()) {
+    OutputFiles outputs;
+    if (!given.csv.empty()) {
         std::string text;
         for (std::size_t cell = 0; cell < words.size(); ++cell)
-            text += words[cell] + ((cell + 1) % puzzle->columns == 0 ? "\n" : ",");
-        outputs.add(csv).write(text);
+            text += words[cell] + ((cell + 1) % puzzle.columns == 0 ? "\n" : ",");
+        outputs.add(given.csv).write(text);
     }
-    if (!svg.empty()) outputs.add(svg).write(picture(*puzzle, words));
+    if (!given.svg.empty()) outputs.add(given.svg).write(picture(puzzle, words));
     return commit(outputs);
 }

@@ -28,27 +28,26 @@ struct Line {
     double high() const { return *std::max_element(values.begin(), values.end()); }
 };
 
-Expected<Line> load_line(const std::string& path) {
+Line load_line(const std::string& path) {
     Line line;
-    const auto size = read_table(path, [&](std::string_view cell) -> std::string {
+    const auto size = value_or_fail(read_table(path, [&](std::string_view cell) -> std::string {
         const bool unknown = cell.empty() || cell == ".";
         double& value = line.values.emplace_back(0.0);
         line.given.push_back(!unknown);
         std::string why = unknown ? "" : detail::parse_number(cell, value);
         if (why.empty() && !(std::fabs(value) <= 1e100)) why = detail::quoted(cell) + " is beyond 1e100";
         return why;
-    });
-    if (!size) return size.error();
+    }));
     const std::size_t count = line.values.size();
-    if (size->rows > 1 && size->columns > 1) {
-        return FileError{path + ": holds " + std::to_string(size->rows) + " rows of " +
-                         std::to_string(size->columns) + " cells; a line is one row, or one column"};
+    if (size.rows > 1 && size.columns > 1) {
+        throw Failure(path + ": holds " + std::to_string(size.rows) + " rows of " +
+                      std::to_string(size.columns) + " cells; a line is one row, or one column");
     }
     if (count > most_cells)
-        return FileError{path + ": holds " + std::to_string(count) + " cells; the limit is 1000"};
+        throw Failure(path + ": holds " + std::to_string(count) + " cells; the limit is 1000");
     const auto given = std::count(line.given.begin(), line.given.end(), true);
-    if (given == 0) return FileError{path + ": no cell has a value"};
-    if (std::size_t(given) == count) return FileError{path + ": every cell has a value, none is unknown (.)"};
+    if (given == 0) throw Failure(path + ": no cell has a value");
+    if (std::size_t(given) == count) throw Failure(path + ": every cell has a value, none is unknown (.)");
     return line;
 }
 
@@ -294,32 +293,31 @@ int run_program(int argc, char** argv) {
     if (const auto code = words.parse(argc, argv)) return *code;
 
     const auto line = load_line(path);
-    if (!line) return fail(to_string(line.error()));
-    double scale = std::max(std::fabs(line->low()), std::fabs(line->high()));
+    double scale = std::max(std::fabs(line.low()), std::fabs(line.high()));
     if (scale == 0) scale = 1;
     std::vector<double> good;
     if (guess == "coarse") {
-        good = coarse_guess(*line, tolerance * scale);
+        good = coarse_guess(line, tolerance * scale);
     } else if (guess == "linear") {
-        good = solution_of(*line);
+        good = solution_of(line);
     } else {
-        for (std::size_t c = 0; c < line->values.size(); ++c) {
+        for (std::size_t c = 0; c < line.values.size(); ++c) {
             std::size_t off = 0; // distance to the nearest given cell, on ties the one before
-            while (!(c >= off && line->given[c - off]) &&
-                   !(c + off < line->given.size() && line->given[c + off]))
+            while (!(c >= off && line.given[c - off]) &&
+                   !(c + off < line.given.size() && line.given[c + off]))
                 ++off;
-            good.push_back(line->values[c >= off && line->given[c - off] ? c - off : c + off]);
+            good.push_back(line.values[c >= off && line.given[c - off] ? c - off : c + off]);
         }
     }
     const std::string words_of = guess == "coarse"   ? "from the solution on cells twice as long"
                                  : guess == "linear" ? "from linear pieces"
                                                      : "from the nearest value";
-    const std::vector<Run> runs{relax("from zero", *line, line->values, tolerance * scale),
-                                relax(words_of, *line, good, tolerance * scale)};
+    const std::vector<Run> runs{relax("from zero", line, line.values, tolerance * scale),
+                                relax(words_of, line, good, tolerance * scale)};
     for (const Run& run : runs)
         std::cout << run.name << ": " << run.caption(run.frames.size() - 1) << " at most\n";
     OutputFiles outputs;
-    add_svg(outputs, sheet, sheet_of(*line, runs), png ? 1400 : 0);
-    if (!film.empty()) write_film(outputs.add(film), *line, runs);
+    add_svg(outputs, sheet, sheet_of(line, runs), png ? 1400 : 0);
+    if (!film.empty()) write_film(outputs.add(film), line, runs);
     return commit(outputs);
 }

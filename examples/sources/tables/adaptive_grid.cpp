@@ -123,34 +123,30 @@ struct Arguments {
     CoordinatesChoice choice;
 };
 
-Expected<Section> in_plane(const Arguments& given) {
-    const auto cage = load_cage(given.cage);
-    if (!cage) return cage.error();
+Section in_plane(const Arguments& given) {
+    const auto cage = value_or_fail(load_cage(given.cage));
     Section section;
-    cage->for_each_edge([&](std::size_t i, std::size_t j) {
-        section.cage.push_back({cage->vertices[i], cage->vertices[j]});
-    });
+    cage.for_each_edge(
+        [&](std::size_t i, std::size_t j) { section.cage.push_back({cage.vertices[i], cage.vertices[j]}); });
     if (!given.figure.empty()) {
-        const auto figure = load_svg(given.figure);
-        if (!figure) return figure.error();
-        const auto view = view_box(*figure);
+        const auto figure = value_or_fail(load_svg(given.figure));
+        const auto view = view_box(figure);
         section.image = "<image" + place(view.x, view.y, view.width, view.height) +
-                        " href=\"data:image/svg+xml;base64," + base64(to_text(*figure)) + "\"/>\n";
+                        " href=\"data:image/svg+xml;base64," + base64(to_text(figure)) + "\"/>\n";
     }
-    const auto coordinates = make_coordinates<double>(given.choice, *cage);
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
     cageform::BindReport report;
     const auto cells = cells_of(coordinates, report);
-    if (report.status != cageform::Status::ok) return FileError{describe_faults(given.cage, report)};
+    if (report.status != cageform::Status::ok) throw Failure(describe_faults(given.cage, report));
     for (const auto& cell : cells) section.cells.push_back({{cell.low[0], cell.low[1]}, cell.size});
     return section;
 }
 
-Expected<Section> in_space(const Arguments& given) {
-    const auto cage = load_mesh_cage(given.cage);
-    if (!cage) return cage.error();
+Section in_space(const Arguments& given) {
+    const auto cage = value_or_fail(load_mesh_cage(given.cage));
     auto slice = parse_slice(given.slice);
     if (!slice) { // at right angles to the shortest side of the cage, through its middle
-        const auto bounds = cageform::bounds_of(std::span<const Point3>(cage->vertices));
+        const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
         const auto extent = bounds.upper - bounds.lower;
         slice.emplace();
         for (std::size_t k = 0; k < 3; ++k) slice->axis = extent[k] < extent[slice->axis] ? k : slice->axis;
@@ -158,21 +154,20 @@ Expected<Section> in_space(const Arguments& given) {
     }
     Section section;
     section.y_up = true;
-    section.cage = cut(cage->vertices, cage->triangles, *slice);
+    section.cage = cut(cage.vertices, cage.triangles, *slice);
     if (!given.figure.empty()) {
-        const auto figure = load_mesh_figure(given.figure, given.is_strict);
-        if (!figure) return figure.error();
-        section.figure = cut(figure->vertices, figure->triangles, *slice);
+        const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+        section.figure = cut(figure.vertices, figure.triangles, *slice);
     }
-    const auto coordinates = make_coordinates<double>(given.choice, *cage);
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
     cageform::BindReport report;
     const auto cells = cells_of(coordinates, report);
-    if (report.status != cageform::Status::ok) return FileError{describe_mesh_faults(given.cage, report)};
+    if (report.status != cageform::Status::ok) throw Failure(describe_mesh_faults(given.cage, report));
     for (const auto& cell : cells) {
         const double above = slice->at - cell.low[slice->axis];
         if (above >= 0 && above < cell.size) section.cells.push_back({slice->flat(cell.low), cell.size});
     }
-    if (section.cells.empty()) return FileError{"--slice: the plane does not meet the cage"};
+    if (section.cells.empty()) throw Failure("--slice: the plane does not meet the cage");
     return section;
 }
 
@@ -252,10 +247,7 @@ int run_program(int argc, char** argv) {
     line.add("--cage", given.cage, "an SVG or CSV file, or in space an OBJ file").required();
     line.add("--figure", given.figure, "an SVG or OBJ file, whose outlines are drawn over the cells");
     line.add("-o,--output", given.out, "the SVG file to write").required().ends_with({".svg"});
-    line.add_flag("--png", given.png, "also render it, to the same name with .png");
-    line.add("--png-width", given.png_width, "the width of the PNG file, in pixels")
-        .range(1, 16384)
-        .show_default();
+    line.add_png(given.png, given.png_width);
     line.add("--accuracy", given.choice.harmonic.accuracy, "the target for the largest error of a weight")
         .range(1e-5, 0.1)
         .show_default();
@@ -275,16 +267,15 @@ int run_program(int argc, char** argv) {
     const bool is_mesh = given.cage.ends_with(".obj");
     if (!is_mesh && !given.slice.empty()) return fail("--slice: " + given.cage + " lies in the plane");
     const auto section = is_mesh ? in_space(given) : in_plane(given);
-    if (!section) return fail(to_string(section.error()));
     PlaneBox around;
-    for (const auto& segment : section->cage) {
+    for (const auto& segment : section.cage) {
         for (const Point2& p : segment) around.add(p);
     }
     const double margin = 0.02 * around.extent();
     around.add({around.low.x - margin, around.low.y - margin});
     around.add({around.high.x + margin, around.high.y + margin});
     OutputFiles outputs;
-    const auto picture = draw(*section, parse_box(given.zoom).value_or(around));
+    const auto picture = draw(section, parse_box(given.zoom).value_or(around));
     if (picture.empty()) return fail("no part of the grid is at --zoom " + given.zoom);
     add_svg(outputs, given.out, picture, given.png ? given.png_width : 0);
     return commit(outputs);

@@ -408,7 +408,7 @@ void w12_against_sup() {
     table.row("II IV VIII XVI", medians, Row{16.6, 15.1, 9.3, 7.2});
 }
 
-void inner_and_outer() {
+void inner_handles() {
     constexpr std::array<std::array<double, 2>, 4> outer{
         {{1. / 3, 2. / 3}, {1. / 6, 1. / 2}, {0, 1}, {-0.5, 1.5}}};
     const auto candidates = uniform_in_parameter(20);
@@ -450,7 +450,10 @@ void inner_and_outer() {
         row.push_back(fit_pieces(curve, search.value.parameters, options).report.l2_error);
     }
     corners.row("", row, Row{0.001463, 0.001463, 0.008739, 0});
+}
 
+void outer_handles() {
+    const auto candidates = uniform_in_parameter(20);
     constexpr std::array<std::array<double, 2>, 3> inner{
         {{1. / 6, 5. / 6}, {2. / 3, 1. / 3}, {2. / 3, 2. / 3}}};
     constexpr std::array<std::array<double, 2>, 3> found{
@@ -514,7 +517,7 @@ void degrees_and_splines() {
     }
 }
 
-void scale_and_memory() {
+void scales_of_time() {
     constexpr std::array<double, 10> lengths{0.1, 0.25, 0.5, 2, 5, 10, 20, 50, 100, 1000};
     constexpr std::array<std::array<double, 10>, 2> theirs{
         {{3.16, 2, 1.414, 0.708, 0.45, 0.33, 0.26, 0.22, 0.25, 0.71},
@@ -538,7 +541,9 @@ void scale_and_memory() {
     }
     scale.row("least", least, theirs[0]);
     scale.row("most", most, theirs[1]);
+}
 
+void memory_of_pieces() {
     Table memory("8.10",
                  "random curves, degrees 3, 4, 5: mean pieces for 0.0125, size over Bezier's, % over 0.125",
                  2, true);
@@ -591,9 +596,11 @@ int run_program(int argc, char** argv) {
     knots();
     conditions();
     w12_against_sup();
-    inner_and_outer();
+    inner_handles();
+    outer_handles();
     degrees_and_splines();
-    scale_and_memory();
+    scales_of_time();
+    memory_of_pieces();
     std::printf("\n== differences from the known numbers\n");
     for (const std::string& line : summaries) std::printf("%s\n", line.c_str());
     std::printf("%.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

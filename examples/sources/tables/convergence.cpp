@@ -245,12 +245,11 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
 }
 
 /// Reads an oracle from a text file.
-Expected<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
-    auto cage = load_obj(path.parent_path() / "cage.obj");
-    if (!cage) return cage.error();
+Oracle<3> read_oracle(const std::filesystem::path& path, std::string text) {
+    auto cage = value_or_fail(load_obj(path.parent_path() / "cage.obj"));
     const std::string folder = printable(path.parent_path().filename().string()),
                       file = printable(path.stem().string());
-    Oracle<3> oracle{file == "reference" ? folder : folder + ", " + file, std::move(*cage), {}, {}};
+    Oracle<3> oracle{file == "reference" ? folder : folder + ", " + file, std::move(cage), {}, {}};
     std::replace_if(text.begin(), text.end(), [](char c) { return c == ',' || c == ';' || c == ':'; }, ' ');
     std::istringstream lines(std::move(text));
     for (std::string line; std::getline(lines, line);) {
@@ -262,8 +261,8 @@ Expected<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string t
         words >> p[0] >> p[1] >> p[2];
         while (words >> vertex >> weight && vertex < row.size()) row[vertex] = weight;
         if (!words.eof())
-            return FileError{path.string() + ":" + std::to_string(oracle.points.size()) +
-                             ": not a line of an oracle"};
+            throw Failure(path.string() + ":" + std::to_string(oracle.points.size()) +
+                          ": not a line of an oracle");
     }
     return oracle;
 }
@@ -347,9 +346,7 @@ std::string add_oracle(const std::string& path, const char* colour, Diagrams& di
     const auto text = read_file(path);
     if (!text) return to_string(text.error());
     if (path.ends_with(".txt")) {
-        const auto oracle = read_oracle(path, *text);
-        if (!oracle) return to_string(oracle.error());
-        add_oracle(*oracle, colour, diagrams);
+        add_oracle(read_oracle(path, *text), colour, diagrams);
         return {};
     }
     const std::string name = printable(std::filesystem::path(path).stem().string());
@@ -461,15 +458,14 @@ int run_program(int argc, char** argv) {
             if (const InputFile file(path); !file.error().empty()) return fail(file.error());
         }
     }
-    if (const auto why = fault_of_outputs({out_path, png ? png_of(out_path) : ""})) return fail(*why);
+    fail_if(fault_of_outputs({out_path, png ? png_of(out_path) : ""}));
     Diagrams diagrams;
     for (std::size_t n = 0; n < cage_paths.size(); ++n) {
         const std::string why = add_cage(cage_paths[n], colours[n], resolution, diagrams);
-        if (!why.empty()) return fail(why);
+        fail_if(why);
     }
     for (std::size_t n = 0; n < oracle_paths.size(); ++n) {
-        const std::string why = add_oracle(oracle_paths[n], colours[n], diagrams);
-        if (!why.empty()) return fail(why);
+        fail_if(add_oracle(oracle_paths[n], colours[n], diagrams));
     }
     OutputFiles outputs;
     add_svg(outputs, out_path, draw(diagrams, resolution), png ? 1100 : 0);

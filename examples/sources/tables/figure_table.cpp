@@ -59,7 +59,7 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     if (!handles) return to_string(handles.error());
     const auto at_rest = pose_of_handles(binding, cage->vertices, cage_path, warning);
     if (!at_rest) return to_string(at_rest.error());
-    if (!warning.empty()) warn(warning);
+    warn(warning);
     const double bind_seconds = median_seconds(5, 1, [&] { (void)coordinates.bind(*figure); });
     std::vector<Point2> out(figure->size());
     cageform::Status status = cageform::Status::ok;
@@ -104,7 +104,7 @@ int run_program(int argc, char** argv) {
                 error = "\"" + name + "\" is not one of " + known;
             else
                 error = print_row(words[i], words[i + 1], words[i + 2], name);
-            if (!error.empty()) return fail(error);
+            fail_if(error);
         }
     }
     return 0;

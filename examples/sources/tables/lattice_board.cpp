@@ -90,10 +90,10 @@ struct Fitted {
     std::vector<Point3> pose, moved;
     cageform::LatticeFitReport report;
 };
-Expected<Fitted> fitted(const Board& board, const Lattice& lattice) {
+Fitted fitted(const Board& board, const Lattice& lattice) {
     const auto bound =
         cageform::bind(lattice, board.vertices, {.outside = cageform::OutsidePoints::keep_in_place});
-    if (!bound) return FileError{cageform::to_string(bound.status())};
+    if (!bound) throw Failure(cageform::to_string(bound.status()));
     std::vector<Point3> targets;
     std::vector<double> weights; // 1 for points inside the lattice, 0 for others
     for (std::size_t i = 0; i < board.vertices.size(); ++i) {
@@ -105,10 +105,10 @@ Expected<Fitted> fitted(const Board& board, const Lattice& lattice) {
     const auto still = frozen(lattice);
     auto fit = cageform::fit_lattice(lattice, bound.value, targets,
                                      {.smoothness = 1e-10, .point_weights = weights, .frozen = still});
-    if (!fit) return FileError{cageform::to_string(fit.status())};
+    if (!fit) throw Failure(cageform::to_string(fit.status()));
     Fitted result{std::move(fit.value), board.vertices, fit.report};
     const auto status = cageform::clone(bound.value, result.pose, result.moved);
-    if (status != cageform::Status::ok) return FileError{cageform::to_string(status)};
+    if (status != cageform::Status::ok) throw Failure(cageform::to_string(status));
     std::cout << lattice.points(0) << " x " << lattice.points(1) << " x " << lattice.points(2)
               << " points: distances of the board from the relief: rms " << result.report.rms << ", largest "
               << result.report.largest << '\n';
@@ -142,7 +142,6 @@ int run_program(int argc, char** argv) {
     Axes axes{{{.points = 11}, {.points = 11}, {.points = 2}}};
     const Lattice coarse(axes, box);
     const auto soft = fitted(board, coarse);
-    if (!soft) return fail(to_string(soft.error()));
     for (int round = 0; round < 2; ++round) {
         for (const std::size_t axis : {0u, 1u}) {
             auto finer = cageform::halve_spans(axes[axis]);
@@ -152,13 +151,12 @@ int run_program(int argc, char** argv) {
     }
     const Lattice fine(axes, box);
     const auto sharp = fitted(board, fine);
-    if (!sharp) return fail(to_string(sharp.error()));
 
     const auto lines = lines_of(coarse);
     const std::vector<Point3> rest(coarse.handles().begin(), coarse.handles().end());
     const std::array<MeshScene, 3> scenes{{{{board.vertices, board.triangles}, {rest, lines}},
-                                           {{soft->moved, board.triangles}, {soft->pose, lines}},
-                                           {{sharp->moved, board.triangles}, {}}}};
+                                           {{soft.moved, board.triangles}, {soft.pose, lines}},
+                                           {{sharp.moved, board.triangles}, {}}}};
     OutputFiles outputs;
     draw_meshes(scenes, 1500, 480, {.turn = 22, .rise = 8}).write_png(outputs.add(out));
     return commit(outputs);

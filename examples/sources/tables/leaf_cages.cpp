@@ -130,6 +130,40 @@ std::string panel(const SvgDocument& document, const CageFile& cage, const ViewB
            text_of("%.9g", y + view.height + 24) + "\">" + title + "</text>\n";
 }
 
+/// The largest distance between the figures of both trials.
+double distance(const std::array<Trial, 2>& trials) {
+    double largest = 0;
+    for (std::size_t i = 0; i < trials[0].places.size(); ++i) {
+        const Point2 &p = trials[0].places[i], &q = trials[1].places[i];
+        largest = std::max(largest, std::hypot(p.x - q.x, p.y - q.y));
+    }
+    return largest;
+}
+
+/// The picture: the figure at rest and posed, in each cage.
+std::string draw(const Arguments& given, const SvgDocument& figure, const std::array<Trial, 2>& trials) {
+    const auto view = view_box(figure);
+    const double gap = 40;
+    std::string text;
+    for (std::size_t n = 0; n < 2; ++n) {
+        const Trial& trial = trials[n];
+        const double y = double(n) * (view.height + gap);
+        const std::string handles = std::to_string(trial.handles) + " handles, " +
+                                    std::to_string(trial.handles / 2) +
+                                    (trial.cage.curves ? " of them control points" : " of them vertices");
+        text += panel(figure, trial.cage, view, 0, y, trial.title + ": " + handles);
+        text += panel(trial.posed, trial.pose, view, view.width, y,
+                      given.seconds ? text_of("%.0f", double(trial.places.size())) + " points: bound in " +
+                                          text_of("%.0f", 1000 * trial.bind_seconds) + " ms, posed in " +
+                                          text_of("%.1f", 1000 * trial.clone_seconds) + " ms"
+                                    : "posed");
+    }
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%.9g", 2 * view.width) +
+           ' ' + text_of("%.9g", 2 * (view.height + gap)) +
+           "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" + text +
+           "</svg>\n";
+}
+
 } // namespace
 
 int run_program(int argc, char** argv) {
@@ -148,14 +182,11 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_svg(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_cage(given.cage, CageEdges::curves);
-    if (!cage) return fail(to_string(cage.error()));
-    if (!cage->curves) return fail(given.cage + ": is no outline");
-    const auto pose = load_pose(given.pose, *cage);
-    if (!pose) return fail(to_string(pose.error()));
-    const auto view = view_box(*figure);
+    const auto figure = value_or_fail(load_svg(given.figure));
+    const auto cage = value_or_fail(load_cage(given.cage, CageEdges::curves));
+    if (!cage.curves) return fail(given.cage + ": is no outline");
+    const auto pose = value_or_fail(load_pose(given.pose, cage));
+    const auto view = view_box(figure);
 
     constexpr std::size_t along = 400; // points across the picture
     std::vector<Point2> points;
@@ -163,43 +194,18 @@ int run_program(int argc, char** argv) {
         points.push_back({view.x + view.width * (0.5 + double(n % along)) / along,
                           view.y + view.height * (0.5 + double(n / along)) / along});
     std::array<Trial, 2> trials;
-    trials[0] = {*cage, *pose, "curved-green", "curves", {}, {}};
+    trials[0] = {cage, pose, "curved-green", "curves", {}, {}};
     trials[1] = {
-        polygon_on(*cage, given.vertices), polygon_on(*pose, given.vertices), "green", "polygon", {}, {}};
-    for (const std::size_t n : {1u, 0u, 1u}) { // the polygon's points lie in both
-        if (const std::string why = run_trial(given, *figure, points, trials[n]); !why.empty())
-            return fail(why);
-    }
-    double largest = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Point2 &p = trials[0].places[i], &q = trials[1].places[i];
-        largest = std::max(largest, std::hypot(p.x - q.x, p.y - q.y));
-    }
-    std::string text;
-    const double gap = 40;
-    for (std::size_t n = 0; n < 2; ++n) {
-        const Trial& trial = trials[n];
-        const std::string handles = std::to_string(trial.handles) + " handles, " +
-                                    std::to_string(trial.handles / 2) +
-                                    (trial.cage.curves ? " of them control points" : " of them vertices");
+        polygon_on(cage, given.vertices), polygon_on(pose, given.vertices), "green", "polygon", {}, {}};
+    for (const std::size_t n : {1u, 0u, 1u}) // the polygon's points lie in both
+        fail_if(run_trial(given, figure, points, trials[n]));
+    for (const Trial& trial : trials)
         std::printf("%-8s %3zu handles, %zu points: bound in %.4f s, posed in %.4f s\n", trial.title.c_str(),
                     trial.handles, points.size(), trial.bind_seconds, trial.clone_seconds);
-        text += panel(*figure, trial.cage, view, 0, double(n) * (view.height + gap),
-                      trial.title + ": " + handles);
-        text += panel(trial.posed, trial.pose, view, view.width, double(n) * (view.height + gap),
-                      given.seconds ? text_of("%.0f", double(points.size())) + " points: bound in " +
-                                          text_of("%.0f", 1000 * trial.bind_seconds) + " ms, posed in " +
-                                          text_of("%.1f", 1000 * trial.clone_seconds) + " ms"
-                                    : "posed");
-    }
+    const double largest = distance(trials);
     std::printf("the figures differ by %.3g at most, %.2g of the picture's width\n", largest,
                 largest / view.width);
     OutputFiles outputs;
-    add_svg(outputs, given.out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%.9g", 2 * view.width) +
-                ' ' + text_of("%.9g", 2 * (view.height + gap)) +
-                "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" +
-                text + "</svg>\n",
-            given.png ? 1400 : 0);
+    add_svg(outputs, given.out, draw(given, figure, trials), given.png ? 1400 : 0);
     return commit(outputs);
 }

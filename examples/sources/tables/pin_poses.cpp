@@ -41,16 +41,14 @@ struct Arguments {
 };
 
 template <std::size_t D>
-Expected<std::vector<Pin<D>>> pins_in(const std::string& words,
-                                      std::span<const cageform::Vec<double, D>> vertices = {}) {
+std::vector<Pin<D>> pins_in(const std::string& words,
+                            std::span<const cageform::Vec<double, D>> vertices = {}) {
     std::vector<Pin<D>> pins;
     for (const std::string_view word : detail::parts_of(words, ' ')) {
         if (word.empty()) continue;
-        auto pin = parse_pin<D>(word, vertices);
-        if (!pin) return pin.error();
-        pins.push_back(std::move(*pin));
+        pins.push_back(value_or_fail(parse_pin<D>(word, vertices)));
     }
-    if (pins.empty()) return FileError{"--pinned " + detail::quoted(words) + ": a pose has no pins"};
+    if (pins.empty()) throw Failure("--pinned " + detail::quoted(words) + ": a pose has no pins");
     return pins;
 }
 
@@ -118,19 +116,16 @@ public:
     /// Draws both poses; an empty reason is success.
     std::string add(std::size_t number, OutputFiles& outputs) {
         auto pins = pins_in<2>(given_.poses[number]);
-        if (!pins) return to_string(pins.error());
-        auto pinned =
-            PinnedFigure::make(control_, {given_.choice, given_.pins, outside_, cage_.vertices, {}}, *pins);
-        if (!pinned) return to_string(pinned.error());
-        const auto pose = pinned->settled();
-        if (!pose) return to_string(pose.error());
+        auto pinned = value_or_fail(
+            PinnedFigure::make(control_, {given_.choice, given_.pins, outside_, cage_.vertices, {}}, pins));
+        const auto pose = value_or_fail(pinned.settled());
         const std::string name = given_.out + std::to_string(number + 1);
-        std::string why = draw(*pins, *pose, name + ".svg", outputs);
-        auto least = pinned->rest();
-        const auto moves = least_moves(control_.coordinates, *pins);
+        std::string why = draw(pins, pose, name + ".svg", outputs);
+        auto least = pinned.rest();
+        const auto moves = least_moves(control_.coordinates, pins);
         for (std::size_t i = 0; i < least.size(); ++i)
             least[i] = {least[i].x + moves[i][0], least[i].y + moves[i][1]};
-        if (why.empty()) why = draw(*pins, least, name + "_least.svg", outputs);
+        if (why.empty()) why = draw(pins, least, name + "_least.svg", outputs);
         return why;
     }
 
@@ -158,42 +153,37 @@ private:
 
 /// Draws the poses of a mesh side by side, one picture per method.
 int draw_in_space(const Arguments& given) {
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
-    const auto coordinates = make_coordinates<double>(given.choice, *cage);
+    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure));
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
     const auto faults = [&](const cageform::BindReport& report) {
-        return describe_mesh_faults(cage->name, report);
+        return describe_mesh_faults(cage.name, report);
     };
-    const auto bound = coordinates.bind(figure->vertices);
+    const auto bound = coordinates.bind(figure.vertices);
     if (!bound) return fail(faults(bound.report));
     std::array<std::vector<std::vector<Point3>>, 2> moved;
     Inside<3> inside;
     for (std::size_t n = 0; n < given.poses.size(); ++n) {
-        auto pins = pins_in<3>(given.poses[n], figure->vertices);
-        if (!pins) return fail(to_string(pins.error()));
-        const auto moves = least_moves(coordinates, *pins);
-        auto pinned = PinnedCage<double, 3>::make(coordinates, {cage->name, given.choice.name, faults},
-                                                  {std::move(*pins), {}}, given.pins, {});
-        if (!pinned) return fail(to_string(pinned.error()));
-        std::array poses{pinned->rest(), pinned->rest()};
-        if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), poses[0]); !done)
+        auto pins = pins_in<3>(given.poses[n], figure.vertices);
+        const auto moves = least_moves(coordinates, pins);
+        auto pinned = value_or_fail(PinnedCage<double, 3>::make(
+            coordinates, {cage.name, given.choice.name, faults}, {std::move(pins), {}}, given.pins, {}));
+        std::array poses{pinned.rest(), pinned.rest()};
+        if (const auto done = pinned.settle(pinned.targets(), pinned.turns(), poses[0]); !done)
             return fail(to_string(done.error()));
         for (std::size_t i = 0; i < moves.size(); ++i) poses[1][i] = poses[1][i] + moves[i];
         for (const std::size_t k : {0u, 1u}) {
-            auto& out = moved[k].emplace_back(figure->vertices.size());
+            auto& out = moved[k].emplace_back(figure.vertices.size());
             const auto status = cageform::clone(bound.value, poses[k], out);
             if (status != cageform::Status::ok) return fail(cageform::to_string(status));
-            const std::string why = inside.print(
-                coordinates, poses[k], std::to_string(n + 1) + (k == 0 ? " by pins" : " by least moves"));
-            if (!why.empty()) return fail(why);
+            fail_if(inside.print(coordinates, poses[k],
+                                 std::to_string(n + 1) + (k == 0 ? " by pins" : " by least moves")));
         }
     }
     OutputFiles outputs;
     for (const std::size_t k : {0u, 1u}) {
         std::vector<MeshScene> scenes;
-        for (const auto& vertices : moved[k]) scenes.push_back({{vertices, figure->triangles}, {}});
+        for (const auto& vertices : moved[k]) scenes.push_back({{vertices, figure.triangles}, {}});
         draw_meshes(scenes, 260 * scenes.size(), 330, given.view.sight)
             .write_png(outputs.add(given.out + (k == 0 ? "all.png" : "all_least.png")));
     }
@@ -231,14 +221,12 @@ int run_program(int argc, char** argv) {
     given.pins.solving.settled_step = 1e-6;
     if (ending_of(given.figure) == ".obj") return draw_in_space(given);
 
-    const auto figure = load_svg(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_or_make_cage(given.cage, *figure, given.choice.edges());
-    if (!cage) return fail(to_string(cage.error()));
-    PoseSheet sheet(given, *figure, *cage);
+    const auto figure = value_or_fail(load_svg(given.figure));
+    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure, given.choice.edges()));
+    PoseSheet sheet(given, figure, cage);
     OutputFiles outputs;
     for (std::size_t n = 0; n < given.poses.size(); ++n) {
-        if (const std::string why = sheet.add(n, outputs); !why.empty()) return fail(why);
+        fail_if(sheet.add(n, outputs));
     }
     return commit(outputs);
 }

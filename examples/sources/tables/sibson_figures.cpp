@@ -558,7 +558,7 @@ int run_program(int argc, char** argv) {
     add_svg(outputs, folder + "/sibson_cells.svg", figure.draw(), 1280);
     draw_types().write_png(outputs.add(folder + "/sibson_types.png"));
     draw_legs().write_png(outputs.add(folder + "/sibson_legs.png"));
-    if (const auto error = outputs.commit()) return fail(*error);
+    fail_if(outputs.commit());
     std::printf("areas of cells and the library's weights differ by at most %.1e\n\n",
                 figure.largest_difference());
     print_table();

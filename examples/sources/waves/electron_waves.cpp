@@ -13,6 +13,7 @@
 #include "cli/progress_bar.hpp"
 #include "io/atomic_file.hpp"
 #include "io/messages.hpp"
+#include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 
 #include <chrono>
@@ -35,12 +36,6 @@ struct Settings {
 
     unsigned thread_count() const { return unsigned(threads); }
 };
-
-std::string text_of(const char* format, double value) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, value);
-    return text.data();
-}
 
 /// Parses columns and rows "384x288"; returns the fault, or empty.
 std::string parse_size(const std::string& text, WaveLattice& lattice) {
@@ -92,6 +87,39 @@ std::string fringes(const WaveScene& scene, const std::vector<double>& screen) {
     return words.empty() ? " none" : words;
 }
 
+/// Measurements of a run.
+struct Measured {
+    double norm = 1, norm_off = 0, first_energy = 0, energy_off = 0, through = 0;
+};
+
+/// Prints the directions of the beams of a run.
+///
+///   screen   densities on the screen, of the scene shadow
+template <class T>
+void print_run(const WaveScene& scene, const WaveRun& run, const LatticeWave<T>& wave,
+               const Measured& measured, const std::vector<double>& screen) {
+    const auto& [norm, norm_off, first_energy, energy_off, through] = measured;
+    std::cout << run.name << ": ";
+    if (scene.half == 0) std::cout << "transmitted " << text_of("%.4g", through);
+    const auto beam = beam_by_angle(wave, scene);
+    if (scene.zeeman > 0)
+        std::cout << ", direction " << text_of("%.2f", beam_angle(wave, scene)) << " degrees, energy "
+                  << text_of("%.9f", first_energy)
+                  << text_of(", of the transmitted part %.6f", wave.energy(scene.beyond));
+    else if (scene.name == "slit")
+        std::cout << ", half width " << text_of("%.1f", half_width(beam)) << " degrees";
+    else if (scene.half > 0)
+        std::cout << "bright fringes" << fringes(scene, screen);
+    else
+        for (const double place : maxima(beam, 4, 0.01)) std::cout << text_of(", %.1f degrees", place - 90);
+    if (run.terms.losses.empty())
+        std::cout << "; norm off by at most " << text_of("%.1e", norm_off) << ", energy by "
+                  << text_of("%.1e", energy_off);
+    else
+        std::cout << "; remaining norm " << text_of("%.3g", norm);
+    std::cout << std::endl;
+}
+
 /// Runs a scene once, and prints the directions of its beams.
 template <class T>
 Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settings, std::size_t steps,
@@ -105,8 +133,8 @@ Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settin
     const auto screen = std::size_t(scene.beyond / lattice.mesh);
     const auto x = [&](std::size_t n) { return lattice.x(n % lattice.columns); };
     const auto y = [&](std::size_t n) { return lattice.y(n / lattice.columns); };
-    const double first_energy = wave.energy();
-    double norm = 1, norm_off = 0, energy_off = 0, through = 0;
+    Measured measured{.first_energy = wave.energy()};
+    auto& [norm, norm_off, first_energy, energy_off, through] = measured;
     ProgressBar bar(run.name);
     const auto tell = bar.callback();
     for (std::size_t frame = 0, done = 0;; ++frame) {
@@ -141,25 +169,7 @@ Recorded play(const WaveScene& scene, const WaveRun& run, const Settings& settin
         }
         done = next;
     }
-    std::cout << run.name << ": ";
-    if (scene.half == 0) std::cout << "transmitted " << text_of("%.4g", through);
-    const auto beam = beam_by_angle(wave, scene);
-    if (scene.zeeman > 0)
-        std::cout << ", direction " << text_of("%.2f", beam_angle(wave, scene)) << " degrees, energy "
-                  << text_of("%.9f", first_energy)
-                  << text_of(", of the transmitted part %.6f", wave.energy(scene.beyond));
-    else if (scene.name == "slit")
-        std::cout << ", half width " << text_of("%.1f", half_width(beam)) << " degrees";
-    else if (scene.half > 0)
-        std::cout << "bright fringes" << fringes(scene, recorded.screen);
-    else
-        for (const double place : maxima(beam, 4, 0.01)) std::cout << text_of(", %.1f degrees", place - 90);
-    if (run.terms.losses.empty())
-        std::cout << "; norm off by at most " << text_of("%.1e", norm_off) << ", energy by "
-                  << text_of("%.1e", energy_off);
-    else
-        std::cout << "; remaining norm " << text_of("%.3g", norm);
-    std::cout << std::endl;
+    print_run(scene, run, wave, measured, recorded.screen);
     return recorded;
 }
 
@@ -353,14 +363,7 @@ int tables() {
     return 0;
 }
 
-} // namespace
-
-int run_program(int argc, char** argv) {
-    Settings settings;
-    CommandLine line("Simulates electrons as waves on a lattice, and measures the waves.");
-    line.set_examples({"--scene slit -o slit.png --csv slit.csv",
-                       "--scene shadow --size 512x512 --gif shadow.gif",
-                       "--scene spin --stills spin_ --frames 12", "--benchmark", "--tables"});
+void add_options(CommandLine& line, Settings& settings) {
     line.add("--scene", settings.scene, "slit, with and without a barrier; two-slits; spin; shadow")
         .one_of(wave_scene_names())
         .show_default();
@@ -373,7 +376,7 @@ int run_program(int argc, char** argv) {
              "also write the frames to files whose names begin with this: 00.png, 01.png, …");
     line.add("--frames", settings.frames, "the number of frames after the first").range(3, 99).show_default();
     line.add_text(
-            "--size", [&](const std::string& text) { parse_size(text, settings.lattice); },
+            "--size", [&settings](const std::string& text) { parse_size(text, settings.lattice); },
             "columns and rows of the lattice; 384x288 by default")
         .check([](const std::string& text) {
             WaveLattice lattice;
@@ -397,23 +400,39 @@ int run_program(int argc, char** argv) {
     line.add_flag("--benchmark", settings.benchmark, "print steps per second, and write nothing");
     line.add_flag("--tables", settings.tables,
                   "print errors of the method in one dimension, and write nothing");
+}
+
+/// Fails if a file cannot be written, the lattice is too small, or memory does not suffice.
+void check(const Settings& settings) {
+    std::vector<std::filesystem::path> paths{settings.out, settings.csv, settings.gif};
+    if (!settings.stills.empty()) paths.emplace_back(settings.stills + "00.png");
+    fail_if(fault_of_outputs(paths));
+
+    const double wide = settings.lattice.width(), high = settings.lattice.height();
+    if (wide < 12 || high < 9)
+        throw Failure("--size with this --mesh is " + text_of("%.1f", wide) + text_of(" x %.1f", high) +
+                      " wavelengths: a scene needs at least 12 x 9");
+    const double gigabyte = 1e9, memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+    if (const double needed = memory_of(settings); needed > 0.8 * memory)
+        throw Failure("--size needs " + text_of("%.1f", needed / gigabyte) + " GB, and the machine has " +
+                      text_of("%.1f", memory / gigabyte) + ": give fewer points, fewer --frames or --float");
+}
+
+} // namespace
+
+int run_program(int argc, char** argv) {
+    Settings settings;
+    CommandLine line("Simulates electrons as waves on a lattice, and measures the waves.");
+    line.set_examples({"--scene slit -o slit.png --csv slit.csv",
+                       "--scene shadow --size 512x512 --gif shadow.gif",
+                       "--scene spin --stills spin_ --frames 12", "--benchmark", "--tables"});
+    add_options(line, settings);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (settings.benchmark) return benchmark(settings);
     if (settings.tables) return tables();
     if (settings.out.empty() && settings.csv.empty() && settings.gif.empty() && settings.stills.empty())
         return fail("nothing to write: give -o, --csv, --gif or --stills");
-    std::vector<std::filesystem::path> paths{settings.out, settings.csv, settings.gif};
-    if (!settings.stills.empty()) paths.emplace_back(settings.stills + "00.png");
-    if (const auto fault = fault_of_outputs(paths)) return fail(*fault);
-
-    const double wide = settings.lattice.width(), high = settings.lattice.height();
-    if (wide < 12 || high < 9)
-        return fail("--size with this --mesh is " + text_of("%.1f", wide) + text_of(" x %.1f", high) +
-                    " wavelengths: a scene needs at least 12 x 9");
-    const double gigabyte = 1e9, memory = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
-    if (const double needed = memory_of(settings); needed > 0.8 * memory)
-        return fail("--size needs " + text_of("%.1f", needed / gigabyte) + " GB, and the machine has " +
-                    text_of("%.1f", memory / gigabyte) + ": give fewer points, fewer --frames or --float");
+    check(settings);
     const bool absorbing =
         settings.walls.empty() ? settings.scene == "shadow" : settings.walls == "absorbing";
     const WaveScene scene = make_wave_scene(settings.scene, settings.lattice, absorbing);

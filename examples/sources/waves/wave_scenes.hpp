@@ -56,67 +56,69 @@ inline auto packet(double x, double y, double wide, double high) {
     };
 }
 
-/// Makes one of the four scenes.
-///
-///   rows       a multiple of 4: pairs of rows are then symmetric about the middle
-///   absorbing  the sides of the lattice absorb the wave; otherwise they reflect it
-///
-/// Follows "Computer animation of electron motion in nanometre-scale devices", fig. 1–5; dimensions are ours.
-inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lattice, bool absorbing) {
-    constexpr double metal = 6, pi = std::numbers::pi; // the height of walls, in E_F
-    WaveScene scene{name, lattice, {}, {}, 0.35 * lattice.width(), 0, 0.58 * lattice.width()};
-    const double width = lattice.width(), height = lattice.height(), mesh = lattice.mesh;
-    const double middle = height / 2;
-    const auto fill = [&](const auto& function) {
+/// A scene, and what its runs have in common.
+struct SceneBuilder {
+    static constexpr double metal = 6, pi = std::numbers::pi; // the height of walls, in E_F
+    WaveScene scene;
+    double width = scene.lattice.width(), height = scene.lattice.height(), mesh = scene.lattice.mesh;
+    double middle = height / 2;
+    WaveTerms walls{};
+
+    /// Samples a function of x and of y from the middle.
+    template <class F>
+    std::vector<double> fill(const F& function) const {
+        const WaveLattice& lattice = scene.lattice;
         std::vector<double> values(lattice.size());
         for (std::size_t n = 0; n < values.size(); ++n)
             values[n] = function(lattice.x(n % lattice.columns), lattice.y(n / lattice.columns) - middle);
         return values;
-    };
-    WaveTerms walls;
-    if (absorbing) {
+    }
+    void absorb() {
         const double layer = 0.1 * std::min(width, height);
         walls.losses = fill([&](double x, double y) {
-            const double near = std::min({x, width - x, middle - std::fabs(y)});
-            const double depth = std::max(0.0, 1 - near / layer);
+            const double side = std::min({x, width - x, middle - std::fabs(y)});
+            const double depth = std::max(0.0, 1 - side / layer);
             return 3 * depth * depth;
         });
     }
-    const auto add = [&](const std::string& run, const auto& potential, const auto& start) -> WaveRun& {
+    template <class Potential, class Start>
+    WaveRun& add(const std::string& run, const Potential& potential, const Start& start) {
         scene.runs.push_back({run, walls, start});
         scene.runs.back().terms.potential = fill(potential);
         return scene.runs.back();
-    };
-    // A wall one wavelength thick; `open` is 1 in a hole and 0 in the wall.
-    const auto wall = [&](double x, double open) {
+    }
+    /// A wall one wavelength thick; `open` is 1 in a hole and 0 in the wall.
+    double wall(double x, double open) const {
         return metal * (1 - open) * inside(x, scene.exit - 1, scene.exit, mesh);
-    };
-    const auto wide = packet(0.16 * width, middle, 0.04 * width, 0.12 * height);
-    scene.beyond = scene.exit + 2;
-    if (name == "slit") {
-        const auto slit = [=](double x, double y) { return wall(x, inside(y, -0.5, 0.5, mesh)); };
-        add("open", slit, wide);
+    }
+    auto wide() const { return packet(0.16 * width, middle, 0.04 * width, 0.12 * height); }
+
+    void add_slit() {
+        const auto slit = [&](double x, double y) { return wall(x, inside(y, -0.5, 0.5, mesh)); };
+        add("open", slit, wide());
         add(
             "barrier",
-            [=, exit = scene.exit](double x, double y) { // the potential between metal and vacuum: a triangle
+            [&, exit = scene.exit](double x, double y) { // the potential between metal and vacuum: a triangle
                 const double fall = 1.5 * std::max(0.0, 1 - (x - exit) / 2);
                 return slit(x, y) + fall * inside(x, exit, exit + 4, mesh);
             },
-            wide);
-    } else if (name == "two-slits") {
+            wide());
+    }
+    void add_two_slits() {
         add(
-            "two slits", [=](double x, double y) { return wall(x, inside(std::fabs(y), 1.5, 2.5, mesh)); },
-            wide);
-    } else if (name == "spin") {
+            "two slits", [&](double x, double y) { return wall(x, inside(std::fabs(y), 1.5, 2.5, mesh)); },
+            wide());
+    }
+    void add_spin() {
         // B is constant up to two wavelengths beyond the wall, then falls to 0 within two wavelengths. A
         // points along y and is the integral of B over x. A is 0 where the packet starts.
         constexpr double strength = 0.18;
         const double edge = scene.exit + 2;
-        const auto at = [=](double x) {
+        const auto at = [&](double x) {
             const double t = std::clamp((x - edge) / 2, 0.0, 1.0);
             return strength * (0.5 + 0.5 * std::cos(pi * t));
         };
-        const auto potential_of_field = [=](double x) {
+        const auto potential_of_field = [&](double x) {
             const double t = std::clamp((x - edge) / 2, 0.0, 1.0);
             return strength * (std::min(x, edge) - 0.16 * width + t + std::sin(pi * t) / pi);
         };
@@ -126,25 +128,26 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
         for (const double spin : {1.0, -1.0}) {
             add(
                 spin > 0 ? "spin up" : "spin down",
-                [=](double x, double y) {
+                [&](double x, double y) {
                     return wall(x, inside(y, -0.75, 0.75, mesh)) + spin * at(x) / (4 * pi * pi);
                 },
-                wide)
+                wide())
                 .terms.bonds = fill([&](double x, double) { return mesh * potential_of_field(x); });
         }
-    } else { // shadow
+    }
+    void add_shadow() {
         scene.source = 0.25 * width;
         scene.front = 0.5 * width;
         scene.half = 1;
         scene.exit = scene.front;
         scene.beyond = 0.85 * width;
         scene.distance = 0.95 * width;
-        const auto square = [=, front = scene.front, half = scene.half](double x, double y) {
+        const auto square = [&, front = scene.front, half = scene.half](double x, double y) {
             return metal * inside(x, front, front + 2 * half, mesh) * inside(y, -half, half, mesh);
         };
         // A channel that ends at the tip, with the wave of its lowest mode in it.
         constexpr double channel = 0.75;
-        const auto tip = [=, end = scene.source](double x, double y) {
+        const auto tip = [&, end = scene.source](double x, double y) {
             return x > end + mesh / 2
                        ? 0.0
                        : metal * inside(x, -1, end, mesh) * (1 - inside(y, -channel / 2, channel / 2, mesh));
@@ -155,16 +158,36 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
             decay = std::sqrt(most * most - mode * mode);
             mode = 2 / channel * std::atan(decay / mode);
         }
-        const auto in_channel = [=](double x, double y) {
+        const auto in_channel = [=, width = width, middle = middle](double x, double y) {
             const double u = (x - 0.13 * width) / (0.06 * width), side = std::fabs(y - middle) - channel / 2;
             const double across = side < 0 ? std::cos(mode * (y - middle))
                                            : std::cos(mode * channel / 2) * std::exp(-decay * side);
             return std::polar(std::exp(-u * u), x * std::sqrt(4 * pi * pi - mode * mode)) * across;
         };
         add("Gaussian", square, packet(0.16 * width, middle, 0.04 * width, 2));
-        add("tip", [=](double x, double y) { return tip(x, y) + square(x, y); }, in_channel);
+        add("tip", [&](double x, double y) { return tip(x, y) + square(x, y); }, in_channel);
     }
-    return scene;
+};
+
+/// Makes one of the four scenes.
+///
+///   rows       a multiple of 4: pairs of rows are then symmetric about the middle
+///   absorbing  the sides of the lattice absorb the wave; otherwise they reflect it
+///
+/// Follows "Computer animation of electron motion in nanometre-scale devices", fig. 1–5; dimensions are ours.
+inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lattice, bool absorbing) {
+    SceneBuilder builder{{name, lattice, {}, {}, 0.35 * lattice.width(), 0, 0.58 * lattice.width()}};
+    builder.scene.beyond = builder.scene.exit + 2;
+    if (absorbing) builder.absorb();
+    if (name == "slit")
+        builder.add_slit();
+    else if (name == "two-slits")
+        builder.add_two_slits();
+    else if (name == "spin")
+        builder.add_spin();
+    else
+        builder.add_shadow();
+    return std::move(builder.scene);
 }
 
 /// |Φ|² by direction from the middle of the exit, at −90, −89, …, 90 degrees. Ignores points close to the

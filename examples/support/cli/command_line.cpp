@@ -164,6 +164,10 @@ CommandOption CommandLine::add(const std::string& name, double& value, const std
 CommandOption CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {
     return CommandOption(app_->add_flag(name, value, help));
 }
+void CommandLine::add_png(bool& png, int& width) {
+    add_flag("--png", png, "also render it, to the same name with .png");
+    add("--png-width", width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
+}
 CommandOption CommandLine::add_text(const std::string& name,
                                     const std::function<void(const std::string&)>& take,
                                     const std::string& help) {

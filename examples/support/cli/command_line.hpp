@@ -75,6 +75,8 @@ public:
     }
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
+    /// Adds --png and --png-width of programs that write SVG.
+    void add_png(bool& png, int& width);
     /// Sets the examples in the help, without the program's name.
     void set_examples(std::vector<std::string> arguments);
     /// Text after the options in --help-all: file formats.

@@ -60,6 +60,74 @@ std::string SiteChoice::fault(const CoordinatesChoice& choice) const {
     return {};
 }
 
+namespace {
+
+void add_faces(CommandLine& line, CoordinatesChoice& choice) {
+    line.add("--faces", choice.faces,
+             "faces of more than three corners in space: planar keeps planar faces, with 2D coordinates "
+             "in each (mean-value, harmonic), and divides the others into fans about the mean of their "
+             "corners; fan divides all into fans; triangles cuts them into triangles")
+        .one_of({"planar", "fan", "triangles"})
+        .show_default();
+    line.add("--divisions", choice.divisions,
+             "mean-value, harmonic: divide faces of four corners in space into N x N cells, each a fan, "
+             "so that weights on them are nearly bilinear; a bind takes about 2 N^2 times as long, and "
+             "above 1 all faces of more than three corners are fans")
+        .range(1, 64)
+        .show_default();
+}
+
+void add_disk(CommandLine& line, CoordinatesChoice& choice) {
+    line.add_flag(
+        "--disk", choice.in_disk,
+        "curved-green: use Green's function of the smallest disk around the cage; the figure follows "
+        "a round cage more closely, and angles change a little");
+    line.add_number(
+            "--disk-radius",
+            [&choice](double radius) {
+                choice.in_disk = true;
+                choice.disk_radius = radius;
+            },
+            "curved-green: use Green's function of a disk of this radius instead of the smallest")
+        .range(1e-100, 1e100)
+        .rarely_needed();
+}
+
+void add_harmonic(CommandLine& line, CoordinatesChoice& choice) {
+    const CommandOption accuracy = line.add("--accuracy", choice.harmonic.accuracy,
+                                            "harmonic: the target for the largest error of a weight, 1e-5 to "
+                                            "0.1; the grid adapts to the cage's narrow parts")
+                                       .range(1e-5, 0.1)
+                                       .show_default();
+    if (choice.limits_memory) {
+        line.add_number(
+                "--memory",
+                [&choice](double megabytes) { choice.memory = std::size_t(megabytes * (1 << 20)); },
+                "harmonic: the most memory for the grid and its solver, in MB; if they need more, the "
+                "program stops before it solves")
+            .range(1.0, 1e8)
+            .show_default("half of what is free");
+    }
+    line.add("--resolution", choice.resolution,
+             "harmonic: use a uniform grid with this many cells along the cage's longest side")
+        .range(8, 16384)
+        .excludes(accuracy)
+        .show_default("none; if --tolerance is given, 128 in the plane, 64 in space")
+        .rarely_needed();
+    line.add_number(
+            "--tolerance",
+            [&choice](double t) {
+                choice.harmonic.multigrid.tolerance = t;
+                choice.is_uniform = true;
+            },
+            "harmonic: the solver of the uniform grid stops below this error")
+        .excludes(accuracy)
+        .show_default("1e-06")
+        .rarely_needed();
+}
+
+} // namespace
+
 void CoordinatesChoice::add_options(CommandLine& line) {
     std::string help;
     for (const cageform::CoordinateType its : types()) {
@@ -76,20 +144,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
             help)
         .one_of(names())
         .show_default(name);
-    if (in_space) {
-        line.add("--faces", faces,
-                 "faces of more than three corners in space: planar keeps planar faces, with 2D coordinates "
-                 "in each (mean-value, harmonic), and divides the others into fans about the mean of their "
-                 "corners; fan divides all into fans; triangles cuts them into triangles")
-            .one_of({"planar", "fan", "triangles"})
-            .show_default();
-        line.add("--divisions", divisions,
-                 "mean-value, harmonic: divide faces of four corners in space into N x N cells, each a fan, "
-                 "so that weights on them are nearly bilinear; a bind takes about 2 N^2 times as long, and "
-                 "above 1 all faces of more than three corners are fans")
-            .range(1, 64)
-            .show_default();
-    }
+    if (in_space) add_faces(line, *this);
     if (with_sites) {
         line.add("--gradients", gradients,
                  "sibson-c1: the estimate of the gradients at the points: facets, gentle (less negative "
@@ -98,50 +153,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
             .show_default()
             .rarely_needed();
     }
-    if (in_plane && with_normals) {
-        line.add_flag(
-            "--disk", in_disk,
-            "curved-green: use Green's function of the smallest disk around the cage; the figure follows "
-            "a round cage more closely, and angles change a little");
-        line.add_number(
-                "--disk-radius",
-                [this](double radius) {
-                    in_disk = true;
-                    disk_radius = radius;
-                },
-                "curved-green: use Green's function of a disk of this radius instead of the smallest")
-            .range(1e-100, 1e100)
-            .rarely_needed();
-    }
-    const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,
-                                            "harmonic: the target for the largest error of a weight, 1e-5 to "
-                                            "0.1; the grid adapts to the cage's narrow parts")
-                                       .range(1e-5, 0.1)
-                                       .show_default();
-    if (limits_memory) {
-        line.add_number(
-                "--memory", [this](double megabytes) { memory = std::size_t(megabytes * (1 << 20)); },
-                "harmonic: the most memory for the grid and its solver, in MB; if they need more, the "
-                "program stops before it solves")
-            .range(1.0, 1e8)
-            .show_default("half of what is free");
-    }
-    line.add("--resolution", resolution,
-             "harmonic: use a uniform grid with this many cells along the cage's longest side")
-        .range(8, 16384)
-        .excludes(accuracy)
-        .show_default("none; if --tolerance is given, 128 in the plane, 64 in space")
-        .rarely_needed();
-    line.add_number(
-            "--tolerance",
-            [this](double t) {
-                harmonic.multigrid.tolerance = t;
-                is_uniform = true;
-            },
-            "harmonic: the solver of the uniform grid stops below this error")
-        .excludes(accuracy)
-        .show_default("1e-06")
-        .rarely_needed();
+    if (in_plane && with_normals) add_disk(line, *this);
+    add_harmonic(line, *this);
 }
 
 /// Returns the available memory in bytes, if the system reports it (Linux).

@@ -7,6 +7,7 @@
 #include "files/cage_file.hpp"
 #include "files/obj_file.hpp"
 #include "files/site_file.hpp"
+#include "io/messages.hpp"
 
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/clone/pose_handles.hpp>
@@ -252,6 +253,14 @@ struct OutsideChoice {
     Verdict judge(const ChosenCoordinates<T, D>& coordinates, const cageform::BindReport& report,
                   std::span<const std::conditional_t<D == 2, Point2, Point3>> points,
                   const std::string& figure, const std::string& cage) const;
+    /// Prints the warning of judge(), and throws its error as a Failure.
+    template <cageform::Scalar T>
+    void check(const ChosenCoordinates<T, 3>& coordinates, const cageform::BindReport& report,
+               std::span<const Point3> points, const std::string& figure, const std::string& cage) const {
+        const auto [fault, warning] = judge(coordinates, report, points, figure, cage);
+        fail_if(fault);
+        warn(warning);
+    }
 };
 
 } // namespace cageform_support

@@ -217,7 +217,7 @@ Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string
     if (!drawing) return mover.failure.empty() ? drawing.error() : FileError{mover.failure};
     if (mover.first.points != 0) result.bound = mover.first;
     for (const std::string& each : {mover.warning, mover.unreached, mover.pose_warning}) {
-        if (!each.empty()) warn(each);
+        warn(each);
     }
     const DeformReport& report = drawing->report;
     print_warnings(report.warnings);
@@ -243,11 +243,23 @@ Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>
     std::vector<Point2> moved(control.frames * points.size());
     if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) return FileError{mover.failure};
     if (!mover.unreached.empty()) return FileError{mover.unreached};
-    if (!mover.warning.empty()) warn(mover.warning);
+    warn(mover.warning);
     std::vector<std::vector<Point2>> frames;
     for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))
         frames.emplace_back(at, at + std::ptrdiff_t(points.size()));
     return frames;
+}
+
+void add_text_as_paths(CommandLine& line, bool& text_as_paths) {
+    line.add_flag(
+        "--text-as-paths", text_as_paths,
+        "deform the outlines of letters (as rsvg-convert draws them); otherwise a text moves as a whole");
+}
+
+void add_threads(CommandLine& line, std::size_t& threads) {
+    line.add("--threads", threads, "the number of threads that bind; 0: all processors")
+        .range(0, 1024)
+        .show_default();
 }
 
 } // namespace cageform_support

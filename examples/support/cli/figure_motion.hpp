@@ -59,4 +59,8 @@ Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>
                                                        const FigureControl& control,
                                                        const OutsideChoice& outside);
 
+/// Adds --text-as-paths and --threads of programs that deform drawings.
+void add_text_as_paths(CommandLine& line, bool& text_as_paths);
+void add_threads(CommandLine& line, std::size_t& threads);
+
 } // namespace cageform_support

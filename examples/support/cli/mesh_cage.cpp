@@ -93,6 +93,8 @@ std::string describe_mesh_faults(const std::string& name, const cageform::BindRe
                                        : "\n  (vertices and faces are counted from 0, faces after cutting)");
 }
 
+namespace {
+
 void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report) {
     std::size_t count = 0;
     const cageform::CageFault* first = nullptr;
@@ -104,6 +106,14 @@ void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& re
     warn(name + ": " + std::to_string(count) + " open edges were closed, first between vertices " +
          std::to_string(first->a + 1) + " and " + std::to_string(first->b + 1) +
          " (counted from 1, as in the file)");
+}
+
+} // namespace
+
+void print_notes(const std::string& name, const cageform::CageReport& report,
+                 const std::string& of_coordinates) {
+    warn_of_closed_gaps(name, report);
+    note(of_coordinates);
 }
 
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices) {

@@ -64,8 +64,9 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
 /// describe_faults() of a mesh, with a note on indices.
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report);
 
-/// Warns of open edges of a cage that were closed, if any.
-void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report);
+/// Warns of open edges of a cage that were closed, if any, and prints the note of its coordinates, if any.
+void print_notes(const std::string& name, const cageform::CageReport& report,
+                 const std::string& of_coordinates);
 
 /// "v 1 (0.1, 0.2, 0.3), …": the first three points of a list, with vertex numbers of the file.
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);

@@ -36,7 +36,7 @@ Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::sp
     if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), pose); !done)
         return done.error();
     to.on_pins = pinned->report();
-    if (const std::string why = pinned->warning(); !why.empty()) warn(why);
+    warn(pinned->warning());
     std::copy(pose.begin(), pose.begin() + std::ptrdiff_t(to.pose.vertices.size()), to.pose.vertices.begin());
     if (to.coordinates.handles().vector_count() > 0) to.handles = std::move(pose);
     return true;

@@ -55,7 +55,7 @@ Expected<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<doub
             all.push_back(std::move(*one));
         }
     }
-    if (const std::string why = contradiction(all); !why.empty()) warn(why);
+    warn(contradiction(all));
     return all;
 }
 

@@ -103,6 +103,17 @@ void note_loss_of_four(const FigureFrames& frames, const FittedMotion& motion) {
     note(frames.name + ": " + describe_sets(sets) + "such a player is off by " + describe(of_four.loss));
 }
 
+/// The error if the figure is farther off than `asked`.
+FileError too_far(const FigureFrames& frames, const FittedMotion& motion, double asked, bool searches) {
+    return {frames.name + ": " +
+            (searches ? "no number of bones that its vertices allow keeps it within " + percent(asked) +
+                            ": with " + count_bones(motion)
+                      : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
+                            " not keep it within " + percent(asked) + ":") +
+            " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
+            (searches ? "" : "--bones auto, ") + "more --influences or --kind similar"};
+}
+
 } // namespace
 
 std::string parse_share(const std::string& word, double& share) {
@@ -207,15 +218,7 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
     round_to_single(motion);
     measure(frames, motion);
     note_loss_of_four(frames, motion);
-    if (asked > 0 && motion.loss.share() > asked) {
-        return FileError{frames.name + ": " +
-                         (searches ? "no number of bones that its vertices allow keeps it within " +
-                                         percent(asked) + ": with " + count_bones(motion)
-                                   : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
-                                         " not keep it within " + percent(asked) + ":") +
-                         " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
-                         (searches ? "" : "--bones auto, ") + "more --influences or --kind similar"};
-    }
+    if (asked > 0 && motion.loss.share() > asked) return too_far(frames, motion, asked, searches);
     return motion;
 }
 

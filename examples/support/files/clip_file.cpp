@@ -192,6 +192,32 @@ std::string clip_text(const ClipFile& clip, const std::string& heading) {
     return text;
 }
 
+namespace {
+
+std::string parse_way(std::string_view word, PoseWay& way) {
+    if (word == "linear")
+        way = PoseWay::linear;
+    else if (word == "ease")
+        way = PoseWay::ease;
+    else if (word != "smooth" && !word.empty())
+        return "a pose is smooth, linear or ease, not " + detail::quoted(word);
+    return {};
+}
+
+/// Parses x,y,z in single precision; returns the error, or empty.
+std::string parse_vertex(std::string_view line, cageform::Vec<double, 3>& vertex) {
+    std::array<double, 3> p{};
+    std::string why = detail::parse_point(line, p);
+    for (std::size_t k = 0; k < 3 && why.empty(); ++k) {
+        vertex[k] = p[k];
+        why = detail::single_precision_fault(p[k]);
+        if (!why.empty()) why = "column " + std::to_string(k + 1) + ": " + why;
+    }
+    return why;
+}
+
+} // namespace
+
 Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& path, std::size_t vertex_count) {
     PoseClip clip;
     clip.name = path;
@@ -219,13 +245,7 @@ Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& pat
             if (why.empty()) why = count_fault();
             PoseKey key;
             key.time = finite_number();
-            const std::string_view way = fields.size() > 2 ? fields[2] : "";
-            if (way == "linear")
-                key.way = PoseWay::linear;
-            else if (way == "ease")
-                key.way = PoseWay::ease;
-            else if (way != "smooth" && !way.empty() && why.empty())
-                why = "a pose is smooth, linear or ease, not " + detail::quoted(way);
+            if (why.empty()) why = parse_way(fields.size() > 2 ? fields[2] : "", key.way);
             if (why.empty() && clip.keys.empty() && key.time != 0) why = "the first pose has to be at time 0";
             if (why.empty() && !clip.keys.empty() && !(float(key.time) > float(clip.keys.back().time)))
                 why = "a pose is not later than the one before it";
@@ -233,16 +253,9 @@ Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& pat
         } else if (clip.keys.empty()) {
             why = "\"pose,TIME\" is missing before this line";
         } else {
-            std::array<double, 3> p{};
-            why = detail::parse_point(line, p);
-            const auto& [x, y, z] = p;
-            for (std::size_t k = 0; k < 3 && why.empty(); ++k) {
-                why = detail::single_precision_fault(p[k]);
-                if (!why.empty()) why = "column " + std::to_string(k + 1) + ": " + why;
-            }
-            if (why.empty() && clip.keys.back().places.size() == vertex_count)
+            why = parse_vertex(line, clip.keys.back().places.emplace_back());
+            if (why.empty() && clip.keys.back().places.size() > vertex_count)
                 why = "more vertices than the cage has, " + std::to_string(vertex_count);
-            clip.keys.back().places.push_back({x, y, z});
         }
         if (!why.empty()) return detail::row_fault(path, number, line, why);
     }

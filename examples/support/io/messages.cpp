@@ -69,11 +69,23 @@ int fail(const std::string& message) {
 }
 
 void warn(const std::string& text) {
-    say("warning: ", text);
+    if (!text.empty()) say("warning: ", text);
 }
 
 void note(const std::string& text) {
-    say("note: ", text);
+    if (!text.empty()) say("note: ", text);
+}
+
+void fail_if(const std::string& fault) {
+    if (!fault.empty()) throw Failure(fault);
+}
+
+void fail_if(const std::optional<std::string>& fault) {
+    if (fault) throw Failure(*fault);
+}
+
+void fail_if(const std::optional<FileError>& fault) {
+    if (fault) throw Failure(to_string(*fault));
 }
 
 int guarded(const char* program, const std::function<int()>& run) {

@@ -2,9 +2,14 @@
 
 // Messages on stderr. Control characters are escaped, so that a file's contents cannot control a terminal.
 
+#include "io/expected.hpp"
+
 #include <functional>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace cageform_support {
 
@@ -17,8 +22,26 @@ inline constexpr int try_again = 75;
 
 /// Prints "program: message", escaped; returns 1, the exit code of a failure.
 int fail(const std::string& message);
-void warn(const std::string& text); ///< "program: warning: text", escaped
-void note(const std::string& text); ///< "program: note: text", escaped
+/// Print "program: warning: text" and "program: note: text", escaped; nothing if the text is empty.
+void warn(const std::string& text);
+void note(const std::string& text);
+
+/// An error that ends the program; guarded() prints its message.
+struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Throws a Failure if there is a fault: a text that is not empty, or an error.
+void fail_if(const std::string& fault);
+void fail_if(const std::optional<std::string>& fault);
+void fail_if(const std::optional<FileError>& fault);
+
+/// The value of a result; throws its error as a Failure.
+template <class T>
+T value_or_fail(Expected<T> result) {
+    if (!result) throw Failure(to_string(result.error()));
+    return std::move(*result);
+}
 
 /// Returns the exit code of run(). Exceptions, and a failed write to stdout, give a message and code 1. Sets
 /// the program name of all messages.

@@ -72,11 +72,11 @@ Point3 slope(const F& f, const Point3& p) {
     return g;
 }
 
-/// Adds a quadrilateral around every edge of a grid that the surface crosses.
+/// Adds two triangles around every edge of a grid that the surface intersects.
 ///
-///   value    per node, negative inside
-///   vertex   of the cell above each node
-///   stride   from a node to the next, per axis
+///   value    of the function, by node
+///   vertex   of the mesh, by the lowest node of its cell
+///   stride   from a node to the next, by axis
 inline void add_faces(ImplicitMesh& mesh, const std::vector<double>& value,
                       const std::vector<std::uint32_t>& vertex, const std::array<std::size_t, 3>& stride) {
     for (std::size_t i = 0; i < value.size(); ++i) {

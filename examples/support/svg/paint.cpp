@@ -121,16 +121,28 @@ std::optional<PaintServer> PaintFollower::find(const std::string& value) {
     return server;
 }
 
+namespace {
+
+/// Extends the box of a track.
+void add_places(AnimatedSvg::Track& track, Box box) {
+    for (const Point2& p : track.places) box.add(p);
+    const auto corners = box.corners();
+    track.places.assign(corners.begin(), corners.end());
+}
+
+bool has_area(const Box& box) {
+    return inverse(from_unit_square(box)).has_value();
+}
+
+} // namespace
+
 void PaintFollower::follow(const DrawnShape& shape, const char* property, const std::string& value,
                            const std::vector<Affine2>& local, const Box& rest,
                            const std::vector<Box>& moved) {
     const auto server = find(value);
-    if (!server) return;
-    if (rest.empty() || moved.front().empty()) return;
-
+    if (!server || rest.empty() || moved.front().empty()) return;
     const auto from_rest = inverse(from_unit_square(rest));
     if (server->of_box && !from_rest) { // browsers use the fallback for a box without area
-        const auto has_area = [](const Box& box) { return inverse(from_unit_square(box)).has_value(); };
         const std::string otherwise(trimmed(std::string_view(value).substr(value.find(')') + 1)));
         if (std::any_of(moved.begin(), moved.end(), has_area))
             styles_.set(shape.node, property, otherwise.empty() ? "none" : otherwise);
@@ -177,14 +189,10 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     }
     AnimatedSvg::Track& track = tracks_[copy->track];
     const Affine2 back = inverse(server->transform).value_or(Affine2());
-    Box all = (fills_box ? Box{0, 0, 1, 1} : rest).mapped(back); // before the transform
-    for (const Point2& p : track.places) all.add(p);
-    const auto corners = all.corners();
-    track.places.assign(corners.begin(), corners.end());
+    add_places(track, (fills_box ? Box{0, 0, 1, 1} : rest).mapped(back)); // before the transform
     for (const Box& box : moved) {
-        const double scale =
-            largest_scale(shape.to_root) * (fills_box ? std::max(box.width(), box.height()) : 1);
-        track.scale = std::max(track.scale, scale);
+        const double size = fills_box ? std::max(box.width(), box.height()) : 1;
+        track.scale = std::max(track.scale, largest_scale(shape.to_root) * size);
     }
     styles_.set(shape.node, property, with_referenced_id(value, copy->id));
 }

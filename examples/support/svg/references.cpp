@@ -262,6 +262,30 @@ bool ShapeCollector::make_clip_path(pugi::xml_node node, const Values& values, c
     return true;
 }
 
+namespace {
+
+/// The region of a mask if it clips the painted content; else empty.
+///
+///   box   of the content
+Box clipping_region(const std::vector<DrawnShape>& shapes, const Reference& reference,
+                    const Viewport& viewport, const Box& box) {
+    const Box region = region_in_user_space(reference.target, viewport, box);
+    const Box painted =
+        painted_bounds(shapes, reference.first, reference.end, reference.level, reference.from_root);
+    const bool holds = region.grown(1e-9 * (region.width() + region.height())).contains(painted);
+    return holds ? Box() : region;
+}
+
+/// Extends the region of a mask by a box, so that it does not clip.
+void widen_region(pugi::xml_node mask, const Viewport& viewport, const Box& box) {
+    Box region = region_in_user_space(mask, viewport, box);
+    region.add(box);
+    set_attribute(mask, "maskUnits", "userSpaceOnUse");
+    set_box(mask, region, 17);
+}
+
+} // namespace
+
 bool ShapeCollector::visit_reference(const char* property, const std::string& id, const Place& place,
                                      Reference& reference) {
     pugi::xml_node target = reference.target;
@@ -272,19 +296,13 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     const bool clip = local_name(target) == "clipPath";
     const char* const units = clip ? "clipPathUnits" : "maskContentUnits";
     const bool has_content_of_box = attribute_text(target, units) == "objectBoundingBox";
-    const auto& [first, end, level, from_root] =
-        std::tie(reference.first, reference.end, reference.level, reference.from_root);
-    const Box box = bounds(drawing.shapes, first, end, level, from_root);
-    Box window; // region of a mask, if it clips painted content
-    if (!clip && !box.empty()) {
-        const Box region = region_in_user_space(target, place.viewport, box);
-        const Box painted = painted_bounds(drawing.shapes, first, end, level, from_root);
-        if (!region.grown(1e-9 * (region.width() + region.height())).contains(painted)) window = region;
-    }
+    const Box box =
+        bounds(drawing.shapes, reference.first, reference.end, reference.level, reference.from_root);
+    const Box window =
+        clip || box.empty() ? Box() : clipping_region(drawing.shapes, reference, place.viewport, box);
     const bool of_box =
         has_content_of_box || (!window.empty() && attribute_text(target, "maskUnits") != "userSpaceOnUse");
-    Affine2 to_root = place.to_root;
-    Affine2 unit_square;
+    Affine2 to_root = place.to_root, unit_square;
     if (of_box) {
         if (box.empty() || !(box.width() > 0 && box.height() > 0)) {          // not drawn
             if (!box.empty()) styles_.set(reference.node, "display", "none"); // not in any pose
@@ -294,15 +312,13 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
         to_root = compose(to_root, unit_square);
     }
     std::vector<ContentInUse>& in_use = contents_in_use_[target.hash_value()];
-    auto used = std::find_if(in_use.begin(), in_use.end(),
-                             [&](const ContentInUse& c) { return c.to_root == to_root; });
+    auto used = std::ranges::find(in_use, to_root, &ContentInUse::to_root);
     if (used == in_use.end()) {
         pugi::xml_node content = target;
         std::string content_id = id;
         if (!in_use.empty() || of_box) {
-            if (!count_copies(target)) {
+            if (!count_copies(target))
                 return fail(reference.node, "the clip paths of this file expand to too many elements");
-            }
             content = target.parent().insert_copy_after(target, target);
             keep_places(document_, target, document_, content);
             drop_ids(content);
@@ -312,7 +328,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
         if (has_content_of_box) to_user_space(content, units, unit_square);
         in_use.push_back({to_root, content_id, drawing.shapes.size(), 0, !window.empty()});
         const std::size_t index = in_use.size() - 1;
-        if (!visit_content(content, target, place, first, window)) return false;
+        if (!visit_content(content, target, place, reference.first, window)) return false;
         std::vector<ContentInUse>& grown = contents_in_use_[target.hash_value()];
         grown[index].end = drawing.shapes.size();
         used = grown.begin() + static_cast<std::ptrdiff_t>(index);
@@ -322,12 +338,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     const auto is_text = [](pugi::xml_node part) { return local_name(part) == "text"; };
     reference.hides_rest = used->first < used->end || !target.find_node(is_text);
     reference.target = ids_.find(used->id);
-    if (used->region_clips) { // its region must not clip
-        Box region = region_in_user_space(reference.target, place.viewport, box);
-        region.add(box);
-        set_attribute(reference.target, "maskUnits", "userSpaceOnUse");
-        set_box(reference.target, region, 17);
-    }
+    if (used->region_clips) widen_region(reference.target, place.viewport, box);
     if (used->id != id) {
         const std::string value = styles_.value(reference.node, property).text;
         styles_.set(reference.node, property, with_referenced_id(value, used->id));
