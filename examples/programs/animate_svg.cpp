@@ -261,9 +261,8 @@ std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& c
 int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
             const ClipFile& file) {
     const auto view = view_box(document);
-    const auto plan = plan_of(settings, file, view);
-    if (!plan) return fail(to_string(plan.error()));
-    const auto& [frames, passed] = *plan;
+    const auto plan = plan_of(settings, file, view).value();
+    const auto& [frames, passed] = plan;
     std::vector<std::filesystem::path> outputs_asked(settings.films.begin(), settings.films.end());
     for (const std::string& path : {settings.out, settings.save_clip, settings.save_tracks})
         outputs_asked.emplace_back(path);
@@ -273,21 +272,19 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     FigureControl control = control_of(settings.choice, cage);
     control.pose_name = settings.clip;
     control.frames = frames;
-    const auto keys = keys_of(settings, cage, file, control);
-    if (!keys) return fail(to_string(keys.error()));
-    const auto clip = make_clip(keys->file, keys->rest);
-    if (!clip) return fail(to_string(clip.error()));
-    control.poses = poses_of(*clip, file, frames, keys->rest.size());
+    const auto keys = keys_of(settings, cage, file, control).value();
+    const auto clip = make_clip(keys.file, keys.rest).value();
+    control.poses = poses_of(clip, file, frames, keys.rest.size());
     DeformOptions options = settings.options;
     for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
     if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view.width, view.height);
     auto moved = move_figure(document, settings.figure, control, settings.outside, options,
-                             cageform::ThreadedFor{unsigned(settings.threads)});
-    if (!moved) return fail(to_string(moved.error()));
+                             cageform::ThreadedFor{unsigned(settings.threads)})
+                     .value();
     const std::string fault = pose_faults(control, cage);
     if (!fault.empty()) warn(fault);
 
-    AnimatedSvg& drawing = moved->drawing;
+    AnimatedSvg& drawing = moved.drawing;
     pugi::xml_node ground;
     if (file.ground)
         ground =
@@ -328,24 +325,23 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
                                           "0 0;" + format_number(passed, 2) + " 0");
         }
         const auto played = played_file(drawing, settings, file.length, options.tolerance,
-                                        0.02 * std::hypot(view.width, view.height));
-        if (!played) return fail(to_string(played.error()));
-        outputs.add(settings.out).write(played->text);
-        size = ", " + std::to_string(played->text.size()) + " bytes, " + std::to_string(played->keys) +
-               " key frames of attributes, within " + detail::short_number(played->tolerance) + " units";
+                                        0.02 * std::hypot(view.width, view.height))
+                                .value();
+        outputs.add(settings.out).write(played.text);
+        size = ", " + std::to_string(played.text.size()) + " bytes, " + std::to_string(played.keys) +
+               " key frames of attributes, within " + detail::short_number(played.tolerance) + " units";
     }
     if (!settings.save_clip.empty())
         outputs.add(settings.save_clip)
-            .write(clip_text(keys->file, "A motion of the cage, by keys of its vertices"));
+            .write(clip_text(keys.file, "A motion of the cage, by keys of its vertices"));
     if (!settings.save_tracks.empty()) {
-        const auto tracks = tracks_of(settings, control, file);
-        if (!tracks) return fail(to_string(tracks.error()));
-        outputs.add(settings.save_tracks).write(*tracks);
+        const auto tracks = tracks_of(settings, control, file).value();
+        outputs.add(settings.save_tracks).write(tracks);
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << printable(settings.out.empty() ? settings.films.front() : settings.out) << ": " << frames
               << " frames of " << file.length << " s, " << drawing.report.segments << " segments, "
-              << drawing.report.points << " points bound, clip of " << clip->bytes() << " bytes" << size
+              << drawing.report.points << " points bound, clip of " << clip.bytes() << " bytes" << size
               << '\n';
     return 0;
 }
@@ -455,17 +451,14 @@ int run_program(int argc, char** argv) {
         settings.out.clear();
     }
     if (settings.rate == 0) settings.rate = settings.out.empty() ? 25 : 60;
-    const auto document = load_figure(settings.figure, settings.text_as_paths);
-    if (!document) return fail(to_string(document.error()));
+    const auto document = load_figure(settings.figure, settings.text_as_paths).value();
     settings.outside.cage_is_made = CageWord::of(settings.cage).is_auto;
     const bool is_first_look = settings.clip.empty() && settings.markers.empty() &&
                                !settings.pins.is_given() && settings.pose.empty() &&
                                settings.operations.operations.empty();
     settings.options.fit = settings.options.fit || is_first_look;
-    const auto cage = load_or_make_cage(settings.cage, *document, settings.choice.edges());
-    if (!cage) return fail(to_string(cage.error()));
-    const auto file = read_clip(settings, *cage);
-    if (!file) return fail(to_string(file.error()));
-    settings.clip = file->name;
-    return animate(settings, *document, *cage, *file);
+    const auto cage = load_or_make_cage(settings.cage, document, settings.choice.edges()).value();
+    const auto file = read_clip(settings, cage).value();
+    settings.clip = file.name;
+    return animate(settings, document, cage, file);
 }

@@ -248,18 +248,15 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::FigurePackOptions options;
     options.weights.format = given.weights.format;
     options.weights.largest = given.weights.largest;
-    const auto posed = poses_of_handles(bound->points, motion->clip, motion->poses);
-    if (!posed) return fail(to_string(posed.error()));
-    options.weights.poses = *posed;
+    const auto posed = poses_of_handles(bound->points, motion->clip, motion->poses).value();
+    options.weights.poses = posed;
     options.weights.tolerance = given.weights.distance * size_of(figure);
     const std::string clip_name = std::filesystem::path(motion->clip.name).stem().string();
     const cageform::FigureClipData clips[] = {{clip_name, motion->packed.bytes()}};
     if (!motion->packed.bytes().empty()) options.clips = clips;
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
-        auto packed = packed_samples(coordinates, cage.name, given.report);
-        if (!packed) return fail(to_string(packed.error()));
-        samples = std::move(*packed);
+        samples = packed_samples(coordinates, cage.name, given.report).value();
     }
     cageform::PackedBinding<float, 3> across;
     if (given.keeps_normals(figure)) {
@@ -337,20 +334,16 @@ int run_program(int argc, char** argv) {
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);
 
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (figure->faces.empty()) return fail(figure->name + ": has no faces, so no normals");
-    const auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
-    for (const auto* file : {&*figure, &*cage}) {
+    const auto figure = load_mesh_figure(given.figure, given.is_strict).value();
+    if (figure.faces.empty()) return fail(figure.name + ": has no faces, so no normals");
+    const auto cage = load_or_make_cage(given.cage, figure).value();
+    for (const auto* file : {&figure, &cage}) {
         if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
     }
     std::vector<std::string> labels;
     if (!given.labels.empty()) {
-        auto read = read_labels(given.labels, cage->vertices.size());
-        if (!read) return fail(to_string(read.error()));
-        labels = std::move(*read);
+        labels = read_labels(given.labels, cage.vertices.size()).value();
     }
-    given.outside.origin = far_origin(*figure);
-    return bind_figure(given, *figure, *cage, labels);
+    given.outside.origin = far_origin(figure);
+    return bind_figure(given, figure, cage, labels);
 }

@@ -427,58 +427,54 @@ int run_program(int argc, char** argv) {
     if (has_solution &&
         (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
         return fail("--solution and --save-solution need --coordinates harmonic with --accuracy");
-    const auto tiles = given.tiles.tiles();
-    if (!tiles) return fail(to_string(tiles.error()));
+    const auto tiles = given.tiles.tiles().value();
     std::vector<std::string> inputs = given.moves.poses;
     inputs.push_back(given.cage);
     if (!given.moves.clip.empty()) inputs.push_back(given.moves.clip);
     if (!given.solution.empty()) inputs.push_back(given.solution);
     std::vector<std::string> outputs;
     if (!given.saved_solution.empty()) outputs.push_back(given.saved_solution);
-    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return fail(*why);
+    if (const auto why = fault_of_tiles(tiles, inputs, outputs)) return fail(*why);
 
-    const auto cage = load_mesh_cage(given.cage);
-    if (!cage) return fail(to_string(cage.error()));
-    if (const auto fault = single_precision_fault(*cage)) return fail(to_string(*fault));
+    const auto cage = load_mesh_cage(given.cage).value();
+    if (const auto fault = single_precision_fault(cage)) return fail(to_string(*fault));
     Job job;
-    job.size = cageform::bounds_of(std::span<const Point3>(cage->vertices)).diagonal();
-    if (const std::string why = rounding_fault(cage->name, cage->vertices); !why.empty()) return fail(why);
-    const auto motion = given.moves.motion(*cage);
+    job.size = cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal();
+    if (const std::string why = rounding_fault(cage.name, cage.vertices); !why.empty()) return fail(why);
+    const auto motion = given.moves.motion(cage);
     if (!motion) return fail(to_string(motion.error()));
-    job.cage = cage->name;
-    job.coordinates = make_coordinates<float>(given.choice, *cage);
+    job.cage = cage.name;
+    job.coordinates = make_coordinates<float>(given.choice, cage);
     if (job.coordinates.cage_report().status != Status::ok) {
         cageform::BindReport refused;
         refused.cage = job.coordinates.cage_report();
         refused.status = refused.cage.status;
-        return fail(describe_mesh_faults(cage->name, refused));
+        return fail(describe_mesh_faults(cage.name, refused));
     }
     job.piece = points_of_piece(job.coordinates.handles().count);
     job.pack.format = given.weights.format.value_or(cageform::WeightFormat::scalar);
     job.pack.largest = given.weights.largest;
     job.pack.tolerance = given.weights.distance * job.size;
     std::size_t of_solver = 0;
-    const std::size_t threads = plan_memory(given, job, tiles->size(), of_solver);
+    const std::size_t threads = plan_memory(given, job, tiles.size(), of_solver);
     if (threads == 0) return 1;
     if (of_solver > 0) {
         given.choice.memory = of_solver;
-        job.coordinates = make_coordinates<float>(given.choice, *cage);
+        job.coordinates = make_coordinates<float>(given.choice, cage);
     }
     job.outside = given.outside.word;
     job.is_strict = given.is_strict;
     job.bind = given.outside.bind_options(job.coordinates);
-    warn_of_closed_gaps(cage->name, job.coordinates.cage_report());
+    warn_of_closed_gaps(cage.name, job.coordinates.cage_report());
     if (!job.coordinates.note.empty()) note(job.coordinates.note);
     std::optional<InputFile> solution; // must outlive the coordinates
     if (const int code = solve(given, threads, job, solution); code != 0) return code;
     if (!motion->keys.empty()) {
-        const auto bound = job.coordinates.bind(std::span(cage->vertices).first(1), job.bind);
-        if (!bound) return fail(describe_mesh_faults(cage->name, bound.report));
-        auto posed = poses_of_handles(bound.value, *motion, sample_poses(*motion));
-        if (!posed) return fail(to_string(posed.error()));
-        job.poses = std::move(*posed);
+        const auto bound = job.coordinates.bind(std::span(cage.vertices).first(1), job.bind);
+        if (!bound) return fail(describe_mesh_faults(cage.name, bound.report));
+        job.poses = poses_of_handles(bound.value, *motion, sample_poses(*motion)).value();
         job.pack.poses = job.poses;
     }
-    job.parameters = hash_of_parameters(given, *cage, job);
-    return bind_all(job, *tiles, threads, given.json);
+    job.parameters = hash_of_parameters(given, cage, job);
+    return bind_all(job, tiles, threads, given.json);
 }

@@ -95,9 +95,8 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     total.status = total.cage.status;
     if (total.status != cageform::Status::ok) return refuse(total);
     const std::size_t handles = coordinates.handles().count;
-    auto header = header_line(settings.labels_path, handles, handles - coordinates.handles().vector_count());
-    if (!header) return fail(to_string(header.error()));
-    std::string text = std::move(*header);
+    std::string text =
+        header_line(settings.labels_path, handles, handles - coordinates.handles().vector_count()).value();
     AtomicFile out(settings.out_path);
     if (const auto error = out.error()) return fail(*error);
 
@@ -225,53 +224,48 @@ std::string fault_of_place(const Settings& settings, const std::vector<Point>& p
 /// Reads sites.
 template <class T, std::size_t D>
 int run_with_sites(const Settings& settings) {
-    const auto sites = load_sites<D>(settings.cage_path);
-    if (!sites) return fail(to_string(sites.error()));
-    if (const auto why = single_precision_fault(*sites); !why.empty() && sizeof(T) == 4) return fail(why);
-    if (const auto why = fault_of_place<T>(settings, sites->points); !why.empty()) return fail(why);
-    return run(settings, make_coordinates<T>(settings.choice, *sites),
-               [&](const auto& report) { return describe_site_faults(*sites, report); });
+    const auto sites = load_sites<D>(settings.cage_path).value();
+    if (const auto why = single_precision_fault(sites); !why.empty() && sizeof(T) == 4) return fail(why);
+    if (const auto why = fault_of_place<T>(settings, sites.points); !why.empty()) return fail(why);
+    return run(settings, make_coordinates<T>(settings.choice, sites),
+               [&](const auto& report) { return describe_site_faults(sites, report); });
 }
 
 /// Reads the cage, or sites.
 template <class T>
 int run(const Settings& settings) {
     if (settings.choice.takes_sites()) {
-        const auto dimension = site_dimension(settings.cage_path);
-        if (!dimension) return fail(to_string(dimension.error()));
-        return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
+        const auto dimension = site_dimension(settings.cage_path).value();
+        return dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
     }
     if (settings.cage_path.starts_with("lattice:"))
         return fail(
             "--cage " + settings.cage_path +
             ": there is no figure that determines its box; make_cage --lattice writes a .lattice.json file");
-    const auto dimension = cage_dimension(settings.cage_path);
-    if (!dimension) return fail(to_string(dimension.error()));
-    if (*dimension == 3) {
+    const auto dimension = cage_dimension(settings.cage_path).value();
+    if (dimension == 3) {
         if (settings.choice.is_planar() && !is_lattice_path(settings.cage_path))
             return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
-        auto file = load_mesh_cage(settings.cage_path);
-        if (!file) return fail(to_string(file.error()));
-        if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
+        auto file = load_mesh_cage(settings.cage_path).value();
+        if (const auto fault = single_precision_fault(file); fault && sizeof(T) == 4)
             return fail(to_string(*fault));
-        const Point3 origin = sizeof(T) == 4 ? far_origin(*file) : Point3{};
-        file->vertices = counted_from(origin, file->vertices);
-        if (file->lattice) file->lattice->frame.translation = file->lattice->frame.translation - origin;
+        const Point3 origin = sizeof(T) == 4 ? far_origin(file) : Point3{};
+        file.vertices = counted_from(origin, file.vertices);
+        if (file.lattice) file.lattice->frame.translation = file.lattice->frame.translation - origin;
         return run(
-            settings, make_coordinates<T>(settings.choice, *file),
+            settings, make_coordinates<T>(settings.choice, file),
             [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); }, origin);
     }
-    const auto file = load_cage(settings.cage_path, settings.choice.edges());
-    if (!file) return fail(to_string(file.error()));
-    for (std::size_t i = 0; i < file->vertices.size() && sizeof(T) == 4; ++i) {
-        for (const double x : {file->vertices[i].x, file->vertices[i].y}) {
+    const auto file = load_cage(settings.cage_path, settings.choice.edges()).value();
+    for (std::size_t i = 0; i < file.vertices.size() && sizeof(T) == 4; ++i) {
+        for (const double x : {file.vertices[i].x, file.vertices[i].y}) {
             const std::string why = detail::single_precision_fault(x);
             if (!why.empty() && std::isfinite(x))
                 return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
         }
     }
-    if (const auto why = fault_of_place<T>(settings, file->vertices); !why.empty()) return fail(why);
-    return run(settings, make_coordinates<T>(settings.choice, *file),
+    if (const auto why = fault_of_place<T>(settings, file.vertices); !why.empty()) return fail(why);
+    return run(settings, make_coordinates<T>(settings.choice, file),
                [&](const auto& report) { return describe_faults(settings.cage_path, report); });
 }
 

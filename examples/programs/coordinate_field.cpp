@@ -334,50 +334,45 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto cage = cage_about(figure, given.cage, given.choice.edges());
-    if (!cage) return fail(to_string(cage.error()));
-    given.cage = cage->name;
-    given.is_lattice = cage->lattice.has_value();
-    if (!given.classes.empty() && (cage->has_cells() || cage->curves))
+    const auto cage = cage_about(figure, given.cage, given.choice.edges()).value();
+    given.cage = cage.name;
+    given.is_lattice = cage.lattice.has_value();
+    if (!given.classes.empty() && (cage.has_cells() || cage.curves))
         return fail("--classes: " + given.cage + ": the papers' grid needs a cage " +
-                    (cage->curves ? "of lines" : "without chains and points inside"));
+                    (cage.curves ? "of lines" : "without chains and points inside"));
     given.is_coordinate = vertex.is_given();
     if (vertex.is_given() == of_values.is_given())
         return fail("give --vertex or --values to choose what to draw");
-    if (given.vertex >= cage->vertices.size()) {
+    if (given.vertex >= cage.vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
-                    std::to_string(cage->vertices.size()));
+                    std::to_string(cage.vertices.size()));
     }
-    given.values.assign(cage->vertices.size(), 0.0);
+    given.values.assign(cage.vertices.size(), 0.0);
     given.values[given.vertex] = 1;
     given.style.set_range(0, 1);
     if (of_values.is_given()) {
         if (given.choice.takes_normals())
             return fail("--values: " + given.choice.name + " coordinates do not interpolate at the vertices");
-        auto parsed = parse_values(values, *cage);
-        if (!parsed) return fail(to_string(parsed.error()));
-        given.values = std::move(*parsed);
+        given.values = parse_values(values, cage).value();
         const auto [least, largest] = least_and_largest(given.values);
         given.style.set_range(least, largest > least ? largest : least + 1);
     }
     PlaneBox around;
-    for (const Point2& p : cage->vertices) around.add(p);
+    for (const Point2& p : cage.vertices) around.add(p);
     const double margin = 0.04 * around.extent(); // for the cage's outline
     const PlaneBox wide{{around.low.x - margin, around.low.y - margin},
                         {around.high.x + margin, around.high.y + margin}};
     const auto zoomed = parse_box(given.zoom);
-    CoordinateField field(given, *cage);
+    CoordinateField field(given, cage);
     if (const std::string why = field.solve(given.cage); !why.empty()) return fail(why);
 
     OutputFiles outputs;
-    const auto map = draw_map(given, *cage, field, zoomed.value_or(wide));
-    if (!map) return fail(to_string(map.error()));
-    map->write_png(outputs.add(given.out));
-    if (!given.classes.empty()) draw_classes(given, *cage).write_png(outputs.add(given.classes));
+    const auto map = draw_map(given, cage, field, zoomed.value_or(wide)).value();
+    map.write_png(outputs.add(given.out));
+    if (!given.classes.empty()) draw_classes(given, cage).write_png(outputs.add(given.classes));
     if (!given.view.path.empty()) {
-        const auto surface = draw_as_surface(given, *cage, field, zoomed.value_or(around));
-        if (!surface) return fail(to_string(surface.error()));
-        surface->write_png(outputs.add(given.view.path));
+        const auto surface = draw_as_surface(given, cage, field, zoomed.value_or(around)).value();
+        surface.write_png(outputs.add(given.view.path));
     }
     return commit(outputs);
 }

@@ -317,19 +317,17 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
-    if (!figure) return fail(to_string(figure.error()));
+    auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit).value();
     if (given.flips_faces && ending == ".mesh")
-        return fail("--flip-faces: " + figure->name + ": only OBJ files are supported");
-    auto control = read_mesh_control(given.control, *figure, figure->vertices);
-    if (!control) return fail(to_string(control.error()));
-    if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);
+        return fail("--flip-faces: " + figure.name + ": only OBJ files are supported");
+    auto control = read_mesh_control(given.control, figure, figure.vertices).value();
+    if (const std::string why = given.control.save_fault(control); !why.empty()) return fail(why);
     given.paints = weight.is_given();
     if (given.paints && given.picture.empty()) return fail("--weight needs --picture");
-    if (given.paints && given.weight >= control->cage.vertices.size()) {
+    if (given.paints && given.weight >= control.cage.vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
-                    " has " + std::to_string(control->cage.vertices.size()));
+                    " has " + std::to_string(control.cage.vertices.size()));
     }
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    return deform_figure(given, *figure, std::move(*control));
+    if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
+    return deform_figure(given, figure, std::move(control));
 }

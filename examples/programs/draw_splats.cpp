@@ -45,9 +45,7 @@ int run_program(int argc, char** argv) {
     if (!scene->warning.empty()) warn(scene->warning);
     std::optional<ObjFile> mesh;
     if (!beside.empty()) {
-        auto read = load_mesh_figure(beside, strict);
-        if (!read) return fail(to_string(read.error()));
-        mesh = std::move(*read);
+        mesh = load_mesh_figure(beside, strict).value();
     }
     if (const auto why = fault_of_outputs({out})) return fail(*why);
     const MeshView left = mesh ? MeshView{mesh->vertices, mesh->triangles} : MeshView{};

@@ -617,33 +617,30 @@ int export_figure(const Arguments& given, const Scene& scene) {
         why = add_targets(document, scene, given, bound.value, axes);
         if (why.empty()) moved = std::to_string(document.json["meshes"][0]["weights"].size()) + " targets";
     } else if (!given.skeleton.bones.empty()) {
-        const auto frames = frames_of(given, scene, bound.value);
-        if (!frames) return fail(to_string(frames.error()));
-        const auto motion = fit_motion(given.skeleton, *frames, given.weights);
-        if (!motion) return fail(to_string(motion.error()));
-        if (motion->loss.share() > StoredLoss::worth_a_warning ||
-            motion->report.turn > worth_a_warning_of_turns)
-            warn(figure.name + ": " + describe_loss(*motion) + "; use more --bones for a smaller error");
-        add_skinned_meshes(document, scene.meshes, scene.stored, motion->skeleton.skin, given.weights,
-                           motion->skeleton.bones, 0);
-        add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name),
+        const auto frames = frames_of(given, scene, bound.value).value();
+        const auto motion = fit_motion(given.skeleton, frames, given.weights).value();
+        if (motion.loss.share() > StoredLoss::worth_a_warning ||
+            motion.report.turn > worth_a_warning_of_turns)
+            warn(figure.name + ": " + describe_loss(motion) + "; use more --bones for a smaller error");
+        add_skinned_meshes(document, scene.meshes, scene.stored, motion.skeleton.skin, given.weights,
+                           motion.skeleton.bones, 0);
+        add_skeleton(document, scene.meshes, motion.skeleton, motion.keys, stem(scene.clip.name),
                      scene.origin);
-        moved = count_bones(*motion);
-        if (given.report) printed = describe(*motion);
-        if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
+        moved = count_bones(motion);
+        if (given.report) printed = describe(motion);
+        if (!given.picture.empty()) picture = draw_skeleton(frames, motion, given.view.sight);
     } else {
         why = add_chosen_skin(document, given, scene, bound.value);
         if (why.empty()) moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
     }
     if (!why.empty()) return fail(why);
 
-    const auto text = gltf_bytes(document, given.out);
-    if (!text) return fail(to_string(text.error()));
+    const auto text = gltf_bytes(document, given.out).value();
     OutputFiles outputs;
-    outputs.add(given.out).write(*text);
+    outputs.add(given.out).write(text);
     if (picture) picture->write_png(outputs.add(given.picture));
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(describe_gltf(given.out, scene.meshes, scene.parts, figure, moved, text->size()))
+    std::cout << printable(describe_gltf(given.out, scene.meshes, scene.parts, figure, moved, text.size()))
               << '\n'
               << printed;
     return 0;
@@ -764,7 +761,6 @@ int run_program(int argc, char** argv) {
     if (given.morph && !given.moves.is_given())
         return fail("--morph needs poses: give --clip, --pose, or operations such as --turn");
 
-    const auto scene = read_scene(given);
-    if (!scene) return fail(to_string(scene.error()));
-    return export_figure(given, *scene);
+    const auto scene = read_scene(given).value();
+    return export_figure(given, scene);
 }

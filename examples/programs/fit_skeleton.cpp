@@ -169,11 +169,9 @@ std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<P
 /// Reads the frames, fits, and writes the files.
 int fit_figure(Arguments& given, ObjFile figure) {
     const ObjParts parts = read_parts(figure);
-    const auto meshes = gltf_meshes(figure, parts);
-    if (!meshes) return fail(to_string(meshes.error()));
-    auto read = read_frames(given, figure);
-    if (!read) return fail(to_string(read.error()));
-    auto& places = read->frames;
+    const auto meshes = gltf_meshes(figure, parts).value();
+    auto read = read_frames(given, figure).value();
+    auto& places = read.frames;
     const std::size_t sound = figure.triangles[0][0]; // excluded vertices get its position
     for (const std::size_t vertex : figure.left_out) {
         figure.vertices[vertex] = figure.vertices[sound];
@@ -188,40 +186,37 @@ int fit_figure(Arguments& given, ObjFile figure) {
     figure.vertices = counted_from(origin, figure.vertices);
     for (auto& frame : places) frame = counted_from(origin, frame);
     const std::vector<Point3> rest = join_copies(figure, places);
-    FigureFrames frames{figure.name, rest, figure.triangles, std::move(places), std::move(read->times),
-                        given.frames};
+    FigureFrames frames{figure.name,           rest,        figure.triangles, std::move(places),
+                        std::move(read.times), given.frames};
     const double rate = given.rate > 0 ? given.rate : default_rate;
     while (frames.times.size() < frames.places.size())
         frames.times.push_back(double(float(double(frames.times.size()) / rate)));
     if (!ascend(frames.times)) return fail("--rate: the times of the frames are equal in single precision");
 
     warn_of_mirrors(given, frames);
-    const auto motion = fit_motion(given.choice, frames);
-    if (!motion) return fail(to_string(motion.error()));
-    if (motion->loss.share() > StoredLoss::worth_a_warning) {
-        warn(figure.name + ": " + describe_loss(*motion) +
+    const auto motion = fit_motion(given.choice, frames).value();
+    if (motion.loss.share() > StoredLoss::worth_a_warning) {
+        warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform fit_skeleton";
     document.json["scene"] = 0;
     print_warnings(parts.warnings);
-    print_warnings(add_materials(document, parts, !(*meshes)[0].texture.empty()));
-    add_skinned_meshes(document, *meshes, figure, motion->skeleton.skin, "float", motion->skeleton.bones, 0);
-    add_skeleton(document, *meshes, motion->skeleton, motion->keys,
+    print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
+    add_skinned_meshes(document, meshes, figure, motion.skeleton.skin, "float", motion.skeleton.bones, 0);
+    add_skeleton(document, meshes, motion.skeleton, motion.keys,
                  std::filesystem::path(given.rest).stem().string(), origin);
-    const auto bytes = gltf_bytes(document, given.out);
-    if (!bytes) return fail(to_string(bytes.error()));
+    const auto bytes = gltf_bytes(document, given.out).value();
 
     OutputFiles outputs;
-    outputs.add(given.out).write(*bytes);
+    outputs.add(given.out).write(bytes);
     if (!given.picture.empty())
-        draw_skeleton(frames, *motion, given.view.sight).write_png(outputs.add(given.picture));
+        draw_skeleton(frames, motion, given.view.sight).write_png(outputs.add(given.picture));
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(
-                     describe_gltf(given.out, *meshes, parts, figure, count_bones(*motion), bytes->size()))
+    std::cout << printable(describe_gltf(given.out, meshes, parts, figure, count_bones(motion), bytes.size()))
               << '\n';
-    if (given.report) std::cout << describe(*motion) << describe_unused(parts);
+    if (given.report) std::cout << describe(motion) << describe_unused(parts);
     return 0;
 }
 
@@ -269,9 +264,8 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    auto figure = load_mesh_figure(given.rest, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
-    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
-    return fit_figure(given, std::move(*figure));
+    auto figure = load_mesh_figure(given.rest, given.is_strict).value();
+    if (const auto fault = single_precision_fault(figure)) return fail(to_string(*fault));
+    if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
+    return fit_figure(given, std::move(figure));
 }

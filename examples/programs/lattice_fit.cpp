@@ -98,22 +98,17 @@ int fit_in_plane(const Arguments& given) {
         return fail("-o " + given.out + ": the figure lies in the plane: write .svg or .csv");
     if (!given.picture.empty())
         return fail("--picture is for figures in space; pose_cage draws a pose in the plane");
-    const auto rest = load_svg(given.rest);
-    if (!rest) return fail(to_string(rest.error()));
-    const auto posed = load_svg(given.posed);
-    if (!posed) return fail(to_string(posed.error()));
+    const auto rest = load_svg(given.rest).value();
+    const auto posed = load_svg(given.posed).value();
     Figures<2> figures{given.rest, given.posed, {}, {}};
-    for (const auto& [document, points] : {std::pair{&*rest, &figures.rest}, {&*posed, &figures.posed}}) {
-        const auto found = figure_vertices(*document);
-        if (!found) return fail(to_string(found.error()));
-        for (const Point2& p : *found) points->push_back({p.x, p.y});
+    for (const auto& [document, points] : {std::pair{&rest, &figures.rest}, {&posed, &figures.posed}}) {
+        const auto found = figure_vertices(*document).value();
+        for (const Point2& p : found) points->push_back({p.x, p.y});
     }
-    const auto cage = load_or_make_cage(given.cage, *rest);
-    if (!cage) return fail(to_string(cage.error()));
-    const auto fit = fitted(given, figures, cage->lattice);
-    if (!fit) return fail(to_string(fit.error()));
-    const CageFile pose = moved_cage(*cage, fit->pose);
-    const auto view = view_box(*rest);
+    const auto cage = load_or_make_cage(given.cage, rest).value();
+    const auto fit = fitted(given, figures, cage.lattice).value();
+    const CageFile pose = moved_cage(cage, fit.pose);
+    const auto view = view_box(rest);
     const Expected<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
@@ -125,28 +120,24 @@ int fit_in_space(const Arguments& given) {
     if (ending_of(given.out) != ".obj")
         return fail("-o " + given.out + ": the figure lies in space: write .obj");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    auto rest = load_mesh_figure(given.rest, given.is_strict);
-    if (!rest) return fail(to_string(rest.error()));
-    const auto posed = load_obj(given.posed, strays_of(given.is_strict));
-    if (!posed) return fail(to_string(posed.error()));
-    if (posed->vertices.size() == rest->vertices.size()) {
-        const std::string why = leave_out_also(*rest, posed->left_out, given.posed + ": ", given.is_strict);
+    auto rest = load_mesh_figure(given.rest, given.is_strict).value();
+    const auto posed = load_obj(given.posed, strays_of(given.is_strict)).value();
+    if (posed.vertices.size() == rest.vertices.size()) {
+        const std::string why = leave_out_also(rest, posed.left_out, given.posed + ": ", given.is_strict);
         if (!why.empty()) return fail(why);
     }
-    const auto cage = load_or_make_cage(given.cage, *rest);
-    if (!cage) return fail(to_string(cage.error()));
-    Figures<3> figures{given.rest, given.posed, rest->vertices, posed->vertices};
-    for (const std::size_t vertex : rest->left_out) // fit_lattice skips non-finite points
+    const auto cage = load_or_make_cage(given.cage, rest).value();
+    Figures<3> figures{given.rest, given.posed, rest.vertices, posed.vertices};
+    for (const std::size_t vertex : rest.left_out) // fit_lattice skips non-finite points
         figures.rest[vertex] = Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0};
-    const auto fit = fitted(given, figures, cage->lattice);
-    if (!fit) return fail(to_string(fit.error()));
+    const auto fit = fitted(given, figures, cage.lattice).value();
     OutputFiles outputs;
-    outputs.add(given.out).write(to_text(*cage, fit->pose));
+    outputs.add(given.out).write(to_text(cage, fit.pose));
     if (!given.picture.empty()) {
         const std::array<MeshScene, 3> scenes{
-            {{{rest->vertices, rest->triangles}, cage_view(*cage, cage->vertices)},
-             {{posed->vertices, rest->triangles}, {}},
-             {{fit->moved, rest->triangles}, cage_view(*cage, fit->pose)}}};
+            {{{rest.vertices, rest.triangles}, cage_view(cage, cage.vertices)},
+             {{posed.vertices, rest.triangles}, {}},
+             {{fit.moved, rest.triangles}, cage_view(cage, fit.pose)}}};
         draw_meshes(scenes, 1500, 620, given.view.sight).write_png(outputs.add(given.picture));
     }
     return commit(outputs);

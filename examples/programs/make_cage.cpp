@@ -111,9 +111,8 @@ int write_in_plane(const Arguments& given, const SvgDocument& figure, const Cage
         outputs.add(given.out).write(*text);
     }
     if (!given.picture.empty()) {
-        const auto picture = draw_pose(cage, cage, &figure, given.picture);
-        if (!picture) return fail(to_string(picture.error()));
-        add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
+        const auto picture = draw_pose(cage, cage, &figure, given.picture).value();
+        add_svg(outputs, given.picture, to_text(picture), given.png ? 1200 : 0);
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << description;
@@ -124,18 +123,15 @@ int cage_in_plane(const Arguments& given) {
     if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
     if (given.options.rings) return fail("--rings is for figures in space: a cage in the plane has no limbs");
     if (given.quads) return fail("--quads is for figures in space: a cage in the plane has no faces");
-    const auto figure = load_figure(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto view = view_box(*figure);
+    const auto figure = load_figure(given.figure).value();
+    const auto view = view_box(figure);
     if (given.lattice) {
-        const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
-        if (!made) return fail(to_string(made.error()));
-        return write_in_plane(given, *figure, *made, view, describe(*made->lattice) + '\n');
+        const auto made = make_lattice_for(figure, *given.lattice, given.lattice_margin()).value();
+        return write_in_plane(given, figure, made, view, describe(*made.lattice) + '\n');
     }
-    const auto made = make_cage_for(*figure, given.options);
-    if (!made) return fail(to_string(made.error()));
-    print_warnings(warnings_of(made->report, given.options));
-    return write_in_plane(given, *figure, made->cage, view, describe(made->report, 2));
+    const auto made = make_cage_for(figure, given.options).value();
+    print_warnings(warnings_of(made.report, given.options));
+    return write_in_plane(given, figure, made.cage, view, describe(made.report, 2));
 }
 
 int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
@@ -155,32 +151,28 @@ int cage_in_space(const Arguments& given) {
     if (given.options.holes)
         return fail("--holes is for figures in the plane; in space tunnels are always kept");
     if (given.png) return fail("--png: in space the picture is a .png file already");
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
+    const auto figure = load_mesh_figure(given.figure, given.is_strict).value();
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     if (given.lattice) {
-        const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
-        if (!made) return fail(to_string(made.error()));
-        return write_in_space(given, *figure, *made, describe(*made->lattice) + '\n');
+        const auto made = make_lattice_for(figure, *given.lattice, given.lattice_margin()).value();
+        return write_in_space(given, figure, made, describe(*made.lattice) + '\n');
     }
     ProgressBar bar("making the cage");
-    const auto made = make_cage_for(*figure, given.options, bar.callback());
-    if (!made) return fail(to_string(made.error()));
-    print_warnings(warnings_of(made->report, given.options));
+    const auto made = make_cage_for(figure, given.options, bar.callback()).value();
+    print_warnings(warnings_of(made.report, given.options));
     if (!given.quads) {
-        return write_in_space(given, *figure, made->cage,
-                              describe(made->report, 3) + describe_rings(made->report) +
-                                  describe_parts(cage_parts(made->cage)));
+        return write_in_space(given, figure, made.cage,
+                              describe(made.report, 3) + describe_rings(made.report) +
+                                  describe_parts(cage_parts(made.cage)));
     }
-    const auto paired = with_quads(*made, *figure, given.options);
-    if (!paired) return fail(to_string(paired.error()));
-    return write_in_space(given, *figure, paired->cage,
-                          describe(paired->report, 3) + describe_quads(paired->report) +
-                              describe_rings(paired->report) + describe_parts(cage_parts(paired->cage)));
+    const auto paired = with_quads(made, figure, given.options).value();
+    return write_in_space(given, figure, paired.cage,
+                          describe(paired.report, 3) + describe_quads(paired.report) +
+                              describe_rings(paired.report) + describe_parts(cage_parts(paired.cage)));
 }
 
 /// Parses "4x4" or "4x4x4".
-std::string parse_lattice(const std::string& word, std::optional<LatticeWord>& lattice) {
+std::string parse_lattice_option(const std::string& word, std::optional<LatticeWord>& lattice) {
     auto read = parse_lattice_word(word);
     if (!read) return to_string(read.error());
     lattice = std::move(*read);
@@ -200,7 +192,7 @@ int run_program(int argc, char** argv) {
     auto& options = given.options;
     line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
     CommandOption lattice =
-        line.add_parsed("--lattice", given.lattice, parse_lattice,
+        line.add_parsed("--lattice", given.lattice, parse_lattice_option,
                         "make a lattice of points around the figure instead of a cage: 4x4, in space 4x4x4; "
                         "--help-all describes the format");
     VertexCount vertices;

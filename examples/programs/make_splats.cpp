@@ -39,20 +39,19 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     options.seed = seed;
 
-    const auto mesh = load_mesh_figure(path, is_strict);
-    if (!mesh) return fail(to_string(mesh.error()));
-    if (const double area = area_of(*mesh); !(area > 0) || !std::isfinite(area))
+    const auto mesh = load_mesh_figure(path, is_strict).value();
+    if (const double area = area_of(mesh); !(area > 0) || !std::isfinite(area))
         return fail(path + ": its faces have no area");
-    if (const auto why = single_precision_fault(*mesh)) return fail(to_string(*why));
-    if (const std::string why = rounding_fault(path, mesh->vertices); !why.empty()) return fail(why);
+    if (const auto why = single_precision_fault(mesh)) return fail(to_string(*why));
+    if (const std::string why = rounding_fault(path, mesh.vertices); !why.empty()) return fail(why);
     if (const auto why = fault_of_outputs({out})) return fail(*why);
-    const SplatFile scene = splats_on(*mesh, options);
+    const SplatFile scene = splats_on(mesh, options);
     OutputFiles outputs;
     AtomicFile& file = outputs.add(out);
     file.write(scene.header_text(scene.size()));
     file.write(scene.rows);
     if (const auto error = outputs.commit()) return fail(*error);
-    if (const std::string others = describe_others(*mesh, {"v", "f"}); !others.empty())
+    if (const std::string others = describe_others(mesh, {"v", "f"}); !others.empty())
         note(path + ": not used: " + others);
     std::cout << printable(out) << ": " << scene.size() << " splats of degree " << scene.layout.degree()
               << '\n';

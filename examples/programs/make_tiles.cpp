@@ -114,12 +114,11 @@ int run_program(int argc, char** argv) {
     const RowPath path(given.output);
     if (!path.has_place() && given.tiles > 1)
         return fail("--output " + given.output + ": write %d in place of the number of a tile");
-    const auto mesh = load_mesh_figure(given.mesh, given.is_strict);
-    if (!mesh) return fail(to_string(mesh.error()));
-    if (const std::string why = rounding_fault(given.mesh, mesh->vertices); !why.empty()) return fail(why);
-    const FacePoints points(*mesh, given.points, given.seed);
+    const auto mesh = load_mesh_figure(given.mesh, given.is_strict).value();
+    if (const std::string why = rounding_fault(given.mesh, mesh.vertices); !why.empty()) return fail(why);
+    const FacePoints points(mesh, given.points, given.seed);
     if (!(points.area() > 0 && std::isfinite(points.area())))
-        return fail(mesh->name + ": its faces have no area, so no points lie on them");
+        return fail(mesh.name + ": its faces have no area, so no points lie on them");
     const auto first_of = [&](std::size_t tile) {
         return given.points / given.tiles * tile + std::min(tile, given.points % given.tiles);
     };

@@ -71,18 +71,15 @@ int pose_in_plane(const Arguments& given) {
                     ": in the plane the picture is an .svg file; --png renders it too");
     SvgDocument below;
     if (!given.figure.empty()) {
-        auto figure = load_svg(given.figure);
-        if (!figure) return fail(to_string(figure.error()));
-        below = std::move(*figure);
+        below = load_svg(given.figure).value();
     }
     const auto moved = posed<2>(given, cage->places(), cage->lattice, cage->curves ? &*cage : nullptr);
     if (!moved) return fail(to_string(moved.error()));
     const CageFile pose = moved_cage(*cage, *moved);
     OutputFiles outputs;
     if (!given.out.empty()) {
-        const auto view = view_of(pose);
-        if (!view) return fail(to_string(view.error()));
-        const auto text = pose_text(pose, given.out, *view);
+        const auto view = view_of(pose).value();
+        const auto text = pose_text(pose, given.out, view);
         if (!text) return fail("-o " + to_string(text.error()));
         outputs.add(given.out).write(*text);
     }
@@ -95,8 +92,7 @@ int pose_in_plane(const Arguments& given) {
 }
 
 int pose_in_space(const Arguments& given) {
-    const auto cage = load_mesh_cage(given.cage);
-    if (!cage) return fail(to_string(cage.error()));
+    const auto cage = load_mesh_cage(given.cage).value();
     if (!given.out.empty() && ending_of(given.out) != ".obj")
         return fail("-o " + given.out + ": the cage lies in space: write .obj");
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
@@ -104,12 +100,11 @@ int pose_in_space(const Arguments& given) {
     if (given.coordinates == "curved-green")
         return fail("--coordinates curved-green: " + given.cage + " lies in space, and curves in the plane");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const auto parts = cage_parts(*cage);
-    const auto pose = posed<3>(given, cage->vertices, cage->lattice, nullptr, &parts);
-    if (!pose) return fail(to_string(pose.error()));
+    const auto parts = cage_parts(cage);
+    const auto pose = posed<3>(given, cage.vertices, cage.lattice, nullptr, &parts).value();
     OutputFiles outputs;
-    if (!given.out.empty()) outputs.add(given.out).write(to_text(*cage, *pose));
-    if (!given.picture.empty()) draw_pose(*cage, *pose).write_png(outputs.add(given.picture));
+    if (!given.out.empty()) outputs.add(given.out).write(to_text(cage, pose));
+    if (!given.picture.empty()) draw_pose(cage, pose).write_png(outputs.add(given.picture));
     return commit(outputs);
 }
 
@@ -147,7 +142,6 @@ int run_program(int argc, char** argv) {
         return fail("nothing to write: give -o, --picture or both");
     if (given.picture.empty() && (given.png || !given.figure.empty()))
         return fail("--png and --figure are for --picture");
-    const auto dimension = cage_dimension(given.cage);
-    if (!dimension) return fail(to_string(dimension.error()));
-    return *dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
+    const auto dimension = cage_dimension(given.cage).value();
+    return dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
 }

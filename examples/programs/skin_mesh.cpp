@@ -351,15 +351,13 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     std::size_t turned = 0;
     const auto angle = [&](std::size_t b) { return dot(bones[b].turn, bones[b].turn); };
     for (std::size_t b = 1; b < bones.size(); ++b) turned = angle(b) > angle(turned) ? b : turned;
-    const auto blue = bone_named(given, bones, given.blue, turned);
-    if (!blue) return fail(to_string(blue.error()));
+    const auto blue = bone_named(given, bones, given.blue, turned).value();
     const auto red =
-        bone_named(given, bones, given.red, bones[*blue].parent == no_parent ? *blue : bones[*blue].parent);
+        bone_named(given, bones, given.red, bones[blue].parent == no_parent ? blue : bones[blue].parent);
     if (!red) return fail(to_string(red.error()));
 
     const ObjParts parts = read_parts(figure);
-    const auto meshes = gltf_meshes(figure, parts);
-    if (!meshes) return fail(to_string(meshes.error()));
+    const auto meshes = gltf_meshes(figure, parts).value();
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     std::vector<cageform::BoneSegment> segments;
     for (const Bone& bone : bones) segments.push_back(bone.segment);
@@ -429,18 +427,18 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         warn(figure.name + ": a skin of " + std::to_string(most) + " bones per vertex is off by " +
              describe(loss) + "; a larger --skin reduces the error");
     }
-    const auto text = gltf_text(stored, origin, parts, *meshes, bones, skin,
-                                std::filesystem::path(given.out).extension() != ".gltf");
-    if (!text) return fail(to_string(text.error()));
+    const auto text = gltf_text(stored, origin, parts, meshes, bones, skin,
+                                std::filesystem::path(given.out).extension() != ".gltf")
+                          .value();
 
     OutputFiles outputs;
-    outputs.add(given.out).write(*text);
+    outputs.add(given.out).write(text);
     if (!given.picture.empty()) {
         std::vector<Colour> paint;
         constexpr Colour clay{0.93f, 0.93f, 0.9f}, of_red{0.85f, 0.15f, 0.12f}, of_blue{0.12f, 0.25f, 0.85f};
         for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
             const auto share = [&](std::size_t b) { return float(written[i * bones.size() + b]); };
-            const float r = *red == *blue ? 0 : share(*red), b = share(*blue);
+            const float r = *red == blue ? 0 : share(*red), b = share(blue);
             const float rest = std::max(1 - r - b, 0.0f);
             paint.push_back({rest * clay.r + r * of_red.r + b * of_blue.r,
                              rest * clay.g + r * of_red.g + b * of_blue.g,
@@ -452,7 +450,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::size_t vertices = 0;
-    for (const GltfMesh& mesh : *meshes) vertices += mesh.corners.size();
+    for (const GltfMesh& mesh : meshes) vertices += mesh.corners.size();
     std::cout << printable(given.out) << ": " << vertices << " vertices, " << bones.size() << " bones, "
               << given.weights << '\n';
     if (given.report) {
@@ -503,11 +501,9 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    if (figure->faces.empty()) return fail(figure->name + ": holds no faces");
-    if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
-    const auto bones = load_bones(given.bones);
-    if (!bones) return fail(to_string(bones.error()));
-    return skin_figure(given, *figure, *bones);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict).value();
+    if (figure.faces.empty()) return fail(figure.name + ": holds no faces");
+    if (const auto fault = single_precision_fault(figure)) return fail(to_string(*fault));
+    const auto bones = load_bones(given.bones).value();
+    return skin_figure(given, figure, bones);
 }

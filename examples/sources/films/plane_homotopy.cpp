@@ -178,9 +178,8 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     std::vector<TurningCurve> curves;
     for (const std::string& word : words) {
-        auto curve = parse_curve(word);
-        if (!curve) return fail(to_string(curve.error()));
-        curves.push_back(std::move(*curve));
+        auto curve = parse_curve(word).value();
+        curves.push_back(std::move(curve));
     }
     if (const auto why = film.fault({out}, ".svg")) return fail(*why);
 

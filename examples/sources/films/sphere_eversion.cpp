@@ -254,12 +254,10 @@ int play(const Arguments& given, Theatre theatre) {
     Picture sheet(columns * side, (count + columns - 1) / columns * side);
     for (std::size_t n = 0; n < count; ++n) {
         const double time = double(n) / double(count - 1);
-        const auto tile = theatre.tile(time);
-        if (!tile) return fail(to_string(tile.error()));
-        auto picture = theatre.draw(*tile);
-        if (!picture) return fail(to_string(picture.error()));
-        picture->text({10, double(side) - 14}, text_of("%.2f", time), 2, {0.35f, 0.35f, 0.35f});
-        sheet.place(*picture, n % columns * side, n / columns * side);
+        const auto tile = theatre.tile(time).value();
+        auto picture = theatre.draw(tile).value();
+        picture.text({10, double(side) - 14}, text_of("%.2f", time), 2, {0.35f, 0.35f, 0.35f});
+        sheet.place(picture, n % columns * side, n / columns * side);
         if (const auto printed = print_stage(theatre, time); !printed)
             return fail(to_string(printed.error()));
     }
@@ -272,16 +270,14 @@ int play(const Arguments& given, Theatre theatre) {
     std::vector<Point3> before;
     double largest = 0; // step of a vertex between two frames, relative to the size
     for (int n = 0; given.film.is_given() && n < given.film.frames && !outputs.error(); ++n) {
-        const auto tile = theatre.tile(double(n) / (given.film.frames - 1));
-        if (!tile) return fail(to_string(tile.error()));
-        if (n > 0) largest = std::max(largest, largest_step(before, tile->vertices));
-        before = tile->vertices;
-        const auto picture = theatre.draw(*tile);
-        if (!picture) return fail(to_string(picture.error()));
-        if (film) film->add_frame(*picture);
+        const auto tile = theatre.tile(double(n) / (given.film.frames - 1)).value();
+        if (n > 0) largest = std::max(largest, largest_step(before, tile.vertices));
+        before = tile.vertices;
+        const auto picture = theatre.draw(tile).value();
+        if (film) film->add_frame(picture);
         if (given.film.stills.empty()) continue;
         AtomicFile& file = outputs.add(given.film.still(n, ".png"));
-        picture->write_png(file);
+        picture.write_png(file);
         (void)file.finish(); // commit() reports the error
     }
     if (film) film->finish();
@@ -327,8 +323,7 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
 
-    auto control = read_control(given, all_stages());
-    if (!control) return fail(to_string(control.error()));
+    auto control = read_control(given, all_stages()).value();
     if (const auto why = given.film.fault({given.out, given.volume}, ".png")) return fail(*why);
-    return play(given, Theatre(given, std::move(*control)));
+    return play(given, Theatre(given, std::move(control)));
 }

@@ -146,16 +146,13 @@ std::string in_svg(const Pixels& picture) {
 }
 
 int clone_region(const Given& given) {
-    const auto source = read_png(given.source);
-    if (!source) return fail(to_string(source.error()));
-    const auto target = read_png(given.target);
-    if (!target) return fail(to_string(target.error()));
+    const auto source = read_png(given.source).value();
+    const auto target = read_png(given.target).value();
     Stopwatch watch;
-    const auto region = load_region(given.region, *source);
-    if (!region) return fail(to_string(region.error()));
-    const std::vector<PixelPlace> way = way_of(given, *region);
+    const auto region = load_region(given.region, source).value();
+    const std::vector<PixelPlace> way = way_of(given, region);
     for (const PixelPlace& at : way) {
-        const std::string why = fault_of_place(*region, *target, at);
+        const std::string why = fault_of_place(region, target, at);
         if (why.empty()) continue;
         return fail((given.places.empty()
                          ? "without --at: "
@@ -168,21 +165,21 @@ int clone_region(const Given& given) {
     watch.lap();
     cageform::ParallelFor parallel = cageform::SerialFor{};
     if (given.threads > 1) parallel = cageform::ThreadedFor{unsigned(given.threads)};
-    auto membrane = Membrane::bind(*region, {}, parallel);
+    auto membrane = Membrane::bind(region, {}, parallel);
     if (!membrane) return fail(given.region + ": " + membrane.error().message);
     const double set_up = watch.lap();
 
     OutputFiles outputs;
     std::optional<Film> film;
-    const std::size_t widest = std::min<std::size_t>(target->width, 640);
+    const std::size_t widest = std::min<std::size_t>(target.width, 640);
     if (!given.film.empty()) film.emplace(outputs, given.film, 20, int(widest));
     std::vector<Pixels> strip;
     Pixels picture;
     double moves = 0, shortest = std::numeric_limits<double>::infinity();
     for (std::size_t n = 0; n < way.size(); ++n) {
-        picture = *target;
+        picture = target;
         watch.lap();
-        paste(*source, *region, way[n], outline_differences(*source, *region, *target, way[n]), *membrane,
+        paste(source, region, way[n], outline_differences(source, region, target, way[n]), *membrane,
               picture);
         const double move = watch.lap();
         moves += move;
@@ -197,31 +194,31 @@ int clone_region(const Given& given) {
     // The last place again, by the other methods.
     const PixelPlace& at = way.back();
     if (!given.pasted.empty()) {
-        Pixels pasted = *target;
-        paste(*source, *region, at, std::vector<Membrane::Values>(region->kinds.size()), pasted);
+        Pixels pasted = target;
+        paste(source, region, at, std::vector<Membrane::Values>(region.kinds.size()), pasted);
         pasted.write_png(outputs.add(given.pasted));
     }
     std::string compared;
     if (!given.poisson.empty() || given.report) {
-        Pixels exact = *target;
+        Pixels exact = target;
         watch.lap();
         {
             ProgressBar bar("Poisson");
-            const auto solved = poisson_function(*region, outline_differences(*source, *region, *target, at),
+            const auto solved = poisson_function(region, outline_differences(source, region, target, at),
                                                  {.parallel = parallel, .progress = bar.callback()});
             if (!solved) return fail(given.region + ": " + solved.error().message);
-            paste(*source, *region, at, *solved, exact);
+            paste(source, region, at, *solved, exact);
         }
         const double seconds = watch.lap();
         if (!given.poisson.empty()) exact.write_png(outputs.add(given.poisson));
-        const ColourDifference apart = colour_difference(picture, exact, *region, at);
+        const ColourDifference apart = colour_difference(picture, exact, region, at);
         compared = "Poisson: " + detail::short_number(seconds) +
                    " s a place; its colours differ by at most " + std::to_string(apart.largest) +
                    ", in the mean by " + detail::short_number(apart.mean) + ", of 255\n";
     }
     if (const auto why = outputs.commit()) return fail(*why);
 
-    std::cout << region->inside << " pixels inside, " << region->outline.size() << " on the outline, "
+    std::cout << region.inside << " pixels inside, " << region.outline.size() << " on the outline, "
               << way.size() << (way.size() == 1 ? " place\n" : " places\n");
     if (given.report) {
         const MembraneReport& made = membrane->report();

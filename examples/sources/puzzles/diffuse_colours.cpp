@@ -88,25 +88,24 @@ int run_program(int argc, char** argv) {
                     "#rgb, #rrggbb, #rrggbbaa, rgb(…) or a name.\n");
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto file = load_strokes(drawing, {"data-left", "data-right"});
-    if (!file) return fail(to_string(file.error()));
-    const auto& [x, y, width, height] = file->canvas;
+    const auto file = load_strokes(drawing, {"data-left", "data-right"}).value();
+    const auto& [x, y, width, height] = file.canvas;
     cageform::Diffusion<double> field({{x, y}, {x + width, y + height}}, size, channels);
-    for (const DrawnLine& drawn : file->lines) {
+    for (const DrawnLine& drawn : file.lines) {
         const auto stroke = stroke_of(drawn, light);
-        if (!stroke) return fail(file->name + ": " + drawn.label + ": " + stroke.error().message);
+        if (!stroke) return fail(file.name + ": " + drawn.label + ": " + stroke.error().message);
         const auto status = field.add(*stroke);
         if (status != cageform::Status::ok)
-            return fail(file->name + ": " + drawn.label + ": " + to_string(status));
+            return fail(file.name + ": " + drawn.label + ": " + to_string(status));
     }
     {
         ProgressBar bar("diffuse colours");
         const auto solved = field.solve({.tolerance = 1e-4}, {.progress = bar.callback()});
         if (solved.status == cageform::Status::grid_too_coarse) {
-            return fail(file->name + ": " + file->lines[solved.solver.culprit].label +
+            return fail(file.name + ": " + file.lines[solved.solver.culprit].label +
                         " is smaller than a pixel: give a larger --size");
         }
-        if (solved.status != cageform::Status::ok) return fail(file->name + ": " + to_string(solved.status));
+        if (solved.status != cageform::Status::ok) return fail(file.name + ": " + to_string(solved.status));
     }
     // Each pixel is the mean of four places, so that the lines are smooth.
     const auto lattice = field.lattice();
@@ -128,7 +127,7 @@ int run_program(int argc, char** argv) {
     AtomicFile out(out_path);
     write_png(out, lattice.cells[0], lattice.cells[1], int(channels), bytes);
     if (const auto error = out.commit()) return fail(*error);
-    std::cout << file->lines.size() << " strokes, " << lattice.cells[0] << " x " << lattice.cells[1]
+    std::cout << file.lines.size() << " strokes, " << lattice.cells[0] << " x " << lattice.cells[1]
               << " pixels\n";
     return 0;
 }

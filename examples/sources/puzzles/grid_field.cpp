@@ -110,21 +110,20 @@ int run_program(int argc, char** argv) {
     view.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto grid = load_grid(path);
-    if (!grid) return fail(to_string(grid.error()));
-    const auto [least, largest] = least_and_largest(grid->values);
+    const auto grid = load_grid(path).value();
+    const auto [least, largest] = least_and_largest(grid.values);
     const double size = std::max(std::fabs(least), std::fabs(largest));
     const double zero = style.signs == "root" ? 0 : least, one = style.signs == "root" ? size : largest;
     style.set_range(zero, one > zero ? one : zero + std::max(1.0, std::fabs(zero))); // if all are equal
 
-    const PlaneBox whole{{0, 0}, {double(grid->width), double(grid->height())}};
+    const PlaneBox whole{{0, 0}, {double(grid.width), double(grid.height())}};
     const PlaneBox part = parse_box(zoom).value_or(whole);
     OutputFiles outputs;
-    with_colour_bar(draw_cells(*grid, part, style), least, style.one, style).write_png(outputs.add(out));
+    with_colour_bar(draw_cells(grid, part, style), least, style.one, style).write_png(outputs.add(out));
     if (!view.path.empty())
-        draw_surface(surface_of(*grid, part), view, style).write_png(outputs.add(view.path));
+        draw_surface(surface_of(grid, part), view, style).write_png(outputs.add(view.path));
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << grid->height() << " rows of " << grid->width << " cells: " << least << " to " << largest
+    std::cout << grid.height() << " rows of " << grid.width << " cells: " << least << " to " << largest
               << '\n';
     return 0;
 }

@@ -196,17 +196,15 @@ int run_program(int argc, char** argv) {
                     "height is the lightness of the stroke's colour: black is 0, white is 1.\n");
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto file = load_strokes(options.strokes, {"data-height"});
-    if (!file) return fail(to_string(file.error()));
-    const auto field = diffuse(*file, options);
-    if (!field) return fail(to_string(field.error()));
+    const auto file = load_strokes(options.strokes, {"data-height"}).value();
+    const auto field = diffuse(file, options).value();
     OutputFiles outputs;
-    for (const std::string& path : options.outputs) write_field(outputs.add(path), *field);
-    if (!options.lines.empty()) write_lines(outputs.add(options.lines), *file, *field, options.step);
+    for (const std::string& path : options.outputs) write_field(outputs.add(path), field);
+    if (!options.lines.empty()) write_lines(outputs.add(options.lines), file, field, options.step);
     if (!options.view.path.empty())
-        draw_hills(*file, *field, options).write_png(outputs.add(options.view.path));
+        draw_hills(file, field, options).write_png(outputs.add(options.view.path));
     if (const auto error = outputs.commit()) return fail(*error);
-    const auto [least, largest] = std::minmax_element(field->field(0).begin(), field->field(0).end());
-    std::cout << file->lines.size() << " strokes, heights " << *least << " to " << *largest << '\n';
+    const auto [least, largest] = std::minmax_element(field.field(0).begin(), field.field(0).end());
+    std::cout << file.lines.size() << " strokes, heights " << *least << " to " << *largest << '\n';
     return 0;
 }

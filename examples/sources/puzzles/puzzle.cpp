@@ -168,31 +168,30 @@ int run_program(int argc, char** argv) {
         return commit(outputs);
     }
     if (path.empty()) return fail("a table, or --make, is required");
-    auto puzzle = read_puzzle(path, neighbours);
-    if (!puzzle) return fail(to_string(puzzle.error()));
+    auto puzzle = read_puzzle(path, neighbours).value();
     std::size_t start = 0;
     if (walks > 0) {
-        const std::size_t row = from.empty() ? 0 : count_of(from[0], 1, puzzle->rows);
-        const std::size_t column = from.empty() ? 0 : count_of(from[1], 1, puzzle->columns);
+        const std::size_t row = from.empty() ? 0 : count_of(from[0], 1, puzzle.rows);
+        const std::size_t column = from.empty() ? 0 : count_of(from[1], 1, puzzle.columns);
         if (row == 0 || column == 0) return fail("--walks needs --from LINE COLUMN, a cell of the table");
-        start = (row - 1) * puzzle->columns + column - 1;
+        start = (row - 1) * puzzle.columns + column - 1;
     }
     std::vector<double> solution;
-    std::string why = solve(*puzzle, solution);
-    if (why.empty() && exact) why = ExactSolver(*puzzle).solve();
+    std::string why = solve(puzzle, solution);
+    if (why.empty() && exact) why = ExactSolver(puzzle).solve();
     if (!why.empty()) return fail(why);
 
     std::vector<std::string> words;
     for (std::size_t cell = 0; cell < solution.size(); ++cell) {
-        const bool as_fraction = exact || puzzle->given[cell] != 0;
-        words.push_back(as_fraction ? puzzle->values[cell].get_str() : short_decimal(solution[cell]));
+        const bool as_fraction = exact || puzzle.given[cell] != 0;
+        words.push_back(as_fraction ? puzzle.values[cell].get_str() : short_decimal(solution[cell]));
         std::cout << words.back();
-        if (exact && puzzle->given[cell] == 0 && puzzle->values[cell].get_den() != 1)
-            std::cout << " = " << short_decimal(puzzle->values[cell].get_d());
-        std::cout << ((cell + 1) % puzzle->columns == 0 ? "\n" : "\t");
+        if (exact && puzzle.given[cell] == 0 && puzzle.values[cell].get_den() != 1)
+            std::cout << " = " << short_decimal(puzzle.values[cell].get_d());
+        std::cout << ((cell + 1) % puzzle.columns == 0 ? "\n" : "\t");
     }
     if (walks > 0) {
-        const auto [mean, error] = walk(*puzzle, start, walks, seed);
+        const auto [mean, error] = walk(puzzle, start, walks, seed);
         std::cout << walks << " walks from there, seed " << seed << ": " << short_decimal(mean)
                   << " with a standard error of " << short_decimal(error) << "; its value is "
                   << short_decimal(solution[start]) << '\n';
@@ -200,9 +199,9 @@ int run_program(int argc, char** argv) {
     if (!csv.empty()) {
         std::string text;
         for (std::size_t cell = 0; cell < words.size(); ++cell)
-            text += words[cell] + ((cell + 1) % puzzle->columns == 0 ? "\n" : ",");
+            text += words[cell] + ((cell + 1) % puzzle.columns == 0 ? "\n" : ",");
         outputs.add(csv).write(text);
     }
-    if (!svg.empty()) outputs.add(svg).write(picture(*puzzle, words));
+    if (!svg.empty()) outputs.add(svg).write(picture(puzzle, words));
     return commit(outputs);
 }

@@ -293,33 +293,32 @@ int run_program(int argc, char** argv) {
                      "gives the distance.\n");
     if (const auto code = words.parse(argc, argv)) return *code;
 
-    const auto line = load_line(path);
-    if (!line) return fail(to_string(line.error()));
-    double scale = std::max(std::fabs(line->low()), std::fabs(line->high()));
+    const auto line = load_line(path).value();
+    double scale = std::max(std::fabs(line.low()), std::fabs(line.high()));
     if (scale == 0) scale = 1;
     std::vector<double> good;
     if (guess == "coarse") {
-        good = coarse_guess(*line, tolerance * scale);
+        good = coarse_guess(line, tolerance * scale);
     } else if (guess == "linear") {
-        good = solution_of(*line);
+        good = solution_of(line);
     } else {
-        for (std::size_t c = 0; c < line->values.size(); ++c) {
+        for (std::size_t c = 0; c < line.values.size(); ++c) {
             std::size_t off = 0; // distance to the nearest given cell, on ties the one before
-            while (!(c >= off && line->given[c - off]) &&
-                   !(c + off < line->given.size() && line->given[c + off]))
+            while (!(c >= off && line.given[c - off]) &&
+                   !(c + off < line.given.size() && line.given[c + off]))
                 ++off;
-            good.push_back(line->values[c >= off && line->given[c - off] ? c - off : c + off]);
+            good.push_back(line.values[c >= off && line.given[c - off] ? c - off : c + off]);
         }
     }
     const std::string words_of = guess == "coarse"   ? "from the solution on cells twice as long"
                                  : guess == "linear" ? "from linear pieces"
                                                      : "from the nearest value";
-    const std::vector<Run> runs{relax("from zero", *line, line->values, tolerance * scale),
-                                relax(words_of, *line, good, tolerance * scale)};
+    const std::vector<Run> runs{relax("from zero", line, line.values, tolerance * scale),
+                                relax(words_of, line, good, tolerance * scale)};
     for (const Run& run : runs)
         std::cout << run.name << ": " << run.caption(run.frames.size() - 1) << " at most\n";
     OutputFiles outputs;
-    add_svg(outputs, sheet, sheet_of(*line, runs), png ? 1400 : 0);
-    if (!film.empty()) write_film(outputs.add(film), *line, runs);
+    add_svg(outputs, sheet, sheet_of(line, runs), png ? 1400 : 0);
+    if (!film.empty()) write_film(outputs.add(film), line, runs);
     return commit(outputs);
 }

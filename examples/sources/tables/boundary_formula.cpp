@@ -99,34 +99,33 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto cage = load_cage(cage_path);
-    if (!cage) return fail(to_string(cage.error()));
+    const auto cage = load_cage(cage_path).value();
     CoordinatesChoice choice;
     choice.name = "harmonic";
-    const auto checked = make_coordinates<double>(choice, *cage).cage_report();
-    if (checked.status != cageform::Status::ok) return fail(describe_faults(cage->name, checked));
-    if (vertex >= cage->vertices.size()) {
+    const auto checked = make_coordinates<double>(choice, cage).cage_report();
+    if (checked.status != cageform::Status::ok) return fail(describe_faults(cage.name, checked));
+    if (vertex >= cage.vertices.size()) {
         return fail("there is no vertex " + std::to_string(vertex) + ": " + cage_path + " has " +
-                    std::to_string(cage->vertices.size()));
+                    std::to_string(cage.vertices.size()));
     }
     std::array<double, 2> at{};
     if (!place.empty()) {
         if (const std::string why = detail::parse_point(place, at); !why.empty()) return fail("--at: " + why);
     }
-    std::string text = "h_" + std::to_string(vertex) + " is 1 at (" + number(cage->vertices[vertex].x) +
-                       ", " + number(cage->vertices[vertex].y) + ")\n";
-    cage->for_each_edge([&](std::size_t i, std::size_t j) {
+    std::string text = "h_" + std::to_string(vertex) + " is 1 at (" + number(cage.vertices[vertex].x) + ", " +
+                       number(cage.vertices[vertex].y) + ")\n";
+    cage.for_each_edge([&](std::size_t i, std::size_t j) {
         if (i == j || (i != vertex && j != vertex)) return; // a point, or an edge elsewhere
         const Edge edge{i, j};
         text += "on the edge from vertex " + std::to_string(i) + " to vertex " + std::to_string(j) + ":\n" +
-                formula(*cage, edge, vertex);
+                formula(cage, edge, vertex);
     });
     text += "on all other edges it is 0\n";
     if (!place.empty()) {
         const Point2 p{at[0], at[1]};
-        const auto [edge, t, distance] = nearest_place(*cage, p);
+        const auto [edge, t, distance] = nearest_place(cage, p);
         PlaneBox box;
-        for (const Point2& v : cage->vertices) box.add(v);
+        for (const Point2& v : cage.vertices) box.add(v);
         if (!(distance <= 1e-9 * box.extent())) {
             return fail("--at: (" + number(p.x) + ", " + number(p.y) + ") is not on the boundary, which is " +
                         number(distance) + " away");

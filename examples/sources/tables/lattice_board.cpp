@@ -141,8 +141,7 @@ int run_program(int argc, char** argv) {
                                              {-1.1, -1.15, -0.1}};
     Axes axes{{{.points = 11}, {.points = 11}, {.points = 2}}};
     const Lattice coarse(axes, box);
-    const auto soft = fitted(board, coarse);
-    if (!soft) return fail(to_string(soft.error()));
+    const auto soft = fitted(board, coarse).value();
     for (int round = 0; round < 2; ++round) {
         for (const std::size_t axis : {0u, 1u}) {
             auto finer = cageform::halve_spans(axes[axis]);
@@ -151,14 +150,13 @@ int run_program(int argc, char** argv) {
         }
     }
     const Lattice fine(axes, box);
-    const auto sharp = fitted(board, fine);
-    if (!sharp) return fail(to_string(sharp.error()));
+    const auto sharp = fitted(board, fine).value();
 
     const auto lines = lines_of(coarse);
     const std::vector<Point3> rest(coarse.handles().begin(), coarse.handles().end());
     const std::array<MeshScene, 3> scenes{{{{board.vertices, board.triangles}, {rest, lines}},
-                                           {{soft->moved, board.triangles}, {soft->pose, lines}},
-                                           {{sharp->moved, board.triangles}, {}}}};
+                                           {{soft.moved, board.triangles}, {soft.pose, lines}},
+                                           {{sharp.moved, board.triangles}, {}}}};
     OutputFiles outputs;
     draw_meshes(scenes, 1500, 480, {.turn = 22, .rise = 8}).write_png(outputs.add(out));
     return commit(outputs);

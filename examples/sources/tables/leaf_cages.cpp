@@ -148,14 +148,12 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_svg(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
+    const auto figure = load_svg(given.figure).value();
     const auto cage = load_cage(given.cage, CageEdges::curves);
     if (!cage) return fail(to_string(cage.error()));
     if (!cage->curves) return fail(given.cage + ": is no outline");
-    const auto pose = load_pose(given.pose, *cage);
-    if (!pose) return fail(to_string(pose.error()));
-    const auto view = view_box(*figure);
+    const auto pose = load_pose(given.pose, *cage).value();
+    const auto view = view_box(figure);
 
     constexpr std::size_t along = 400; // points across the picture
     std::vector<Point2> points;
@@ -163,11 +161,11 @@ int run_program(int argc, char** argv) {
         points.push_back({view.x + view.width * (0.5 + double(n % along)) / along,
                           view.y + view.height * (0.5 + double(n / along)) / along});
     std::array<Trial, 2> trials;
-    trials[0] = {*cage, *pose, "curved-green", "curves", {}, {}};
+    trials[0] = {*cage, pose, "curved-green", "curves", {}, {}};
     trials[1] = {
-        polygon_on(*cage, given.vertices), polygon_on(*pose, given.vertices), "green", "polygon", {}, {}};
+        polygon_on(*cage, given.vertices), polygon_on(pose, given.vertices), "green", "polygon", {}, {}};
     for (const std::size_t n : {1u, 0u, 1u}) { // the polygon's points lie in both
-        if (const std::string why = run_trial(given, *figure, points, trials[n]); !why.empty())
+        if (const std::string why = run_trial(given, figure, points, trials[n]); !why.empty())
             return fail(why);
     }
     double largest = 0;
@@ -184,8 +182,8 @@ int run_program(int argc, char** argv) {
                                     (trial.cage.curves ? " of them control points" : " of them vertices");
         std::printf("%-8s %3zu handles, %zu points: bound in %.4f s, posed in %.4f s\n", trial.title.c_str(),
                     trial.handles, points.size(), trial.bind_seconds, trial.clone_seconds);
-        text += panel(*figure, trial.cage, view, 0, double(n) * (view.height + gap),
-                      trial.title + ": " + handles);
+        text +=
+            panel(figure, trial.cage, view, 0, double(n) * (view.height + gap), trial.title + ": " + handles);
         text += panel(trial.posed, trial.pose, view, view.width, double(n) * (view.height + gap),
                       given.seconds ? text_of("%.0f", double(points.size())) + " points: bound in " +
                                           text_of("%.0f", 1000 * trial.bind_seconds) + " ms, posed in " +

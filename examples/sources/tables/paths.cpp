@@ -151,19 +151,17 @@ int run_program(int argc, char** argv) {
         return fail("--point: " + why);
     const Point2 p{place[0], place[1]};
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return fail("--point: a coordinate is not finite");
-    const auto cage = load_cage(given.cage);
-    if (!cage) return fail(to_string(cage.error()));
-    if (cage->has_cells()) return fail(given.cage + ": paths need a cage without chains and points inside");
-    const auto mean_value = weights_of("mean-value", *cage, p), harmonic = weights_of("harmonic", *cage, p);
-    if (!mean_value) return fail(to_string(mean_value.error()));
-    if (!harmonic) return fail(to_string(harmonic.error()));
+    const auto cage = load_cage(given.cage).value();
+    if (cage.has_cells()) return fail(given.cage + ": paths need a cage without chains and points inside");
+    const auto mean_value = weights_of("mean-value", cage, p).value(),
+               harmonic = weights_of("harmonic", cage, p).value();
 
     std::vector<std::vector<Point2>> loops;
-    for (const CageBlock& block : cage->blocks) loops.push_back(block.points);
+    for (const CageBlock& block : cage.blocks) loops.push_back(block.points);
     const PathBoundary boundary(loops);
-    const double diagonal = cageform::bounds_of(cage->polygon<double>().vertices()).diagonal();
+    const double diagonal = cageform::bounds_of(cage.polygon<double>().vertices()).diagonal();
     OutputFiles outputs;
-    add_svg(outputs, given.out, draw(*cage, boundary, p, given, diagonal), given.png ? 1400 : 0);
+    add_svg(outputs, given.out, draw(cage, boundary, p, given, diagonal), given.png ? 1400 : 0);
     if (const auto error = outputs.commit()) return fail(*error);
 
     std::mt19937_64 random(given.seed);
@@ -175,8 +173,8 @@ int run_program(int argc, char** argv) {
         "library\n",
         given.rays, given.paths);
     for (std::size_t i = 0; i < boundary.vertices(); ++i) {
-        std::printf("%6zu  %12.8f %12.8f   %9.5f ± %.5f %9.5f\n", i, by_rays[i], (*mean_value)[i],
-                    by_paths.mean[i], by_paths.error[i], (*harmonic)[i]);
+        std::printf("%6zu  %12.8f %12.8f   %9.5f ± %.5f %9.5f\n", i, by_rays[i], mean_value[i],
+                    by_paths.mean[i], by_paths.error[i], harmonic[i]);
     }
     return 0;
 }

@@ -158,31 +158,28 @@ private:
 
 /// Draws the poses of a mesh side by side, one picture per method.
 int draw_in_space(const Arguments& given) {
-    const auto figure = load_mesh_figure(given.figure, given.is_strict);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
-    const auto coordinates = make_coordinates<double>(given.choice, *cage);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict).value();
+    const auto cage = load_or_make_cage(given.cage, figure).value();
+    const auto coordinates = make_coordinates<double>(given.choice, cage);
     const auto faults = [&](const cageform::BindReport& report) {
-        return describe_mesh_faults(cage->name, report);
+        return describe_mesh_faults(cage.name, report);
     };
-    const auto bound = coordinates.bind(figure->vertices);
+    const auto bound = coordinates.bind(figure.vertices);
     if (!bound) return fail(faults(bound.report));
     std::array<std::vector<std::vector<Point3>>, 2> moved;
     Inside<3> inside;
     for (std::size_t n = 0; n < given.poses.size(); ++n) {
-        auto pins = pins_in<3>(given.poses[n], figure->vertices);
-        if (!pins) return fail(to_string(pins.error()));
-        const auto moves = least_moves(coordinates, *pins);
-        auto pinned = PinnedCage<double, 3>::make(coordinates, {cage->name, given.choice.name, faults},
-                                                  std::move(*pins), {}, given.pins, {});
-        if (!pinned) return fail(to_string(pinned.error()));
-        std::array poses{pinned->rest(), pinned->rest()};
-        if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), poses[0]); !done)
+        auto pins = pins_in<3>(given.poses[n], figure.vertices).value();
+        const auto moves = least_moves(coordinates, pins);
+        auto pinned = PinnedCage<double, 3>::make(coordinates, {cage.name, given.choice.name, faults},
+                                                  std::move(pins), {}, given.pins, {})
+                          .value();
+        std::array poses{pinned.rest(), pinned.rest()};
+        if (const auto done = pinned.settle(pinned.targets(), pinned.turns(), poses[0]); !done)
             return fail(to_string(done.error()));
         for (std::size_t i = 0; i < moves.size(); ++i) poses[1][i] = poses[1][i] + moves[i];
         for (const std::size_t k : {0u, 1u}) {
-            auto& out = moved[k].emplace_back(figure->vertices.size());
+            auto& out = moved[k].emplace_back(figure.vertices.size());
             const auto status = cageform::clone(bound.value, poses[k], out);
             if (status != cageform::Status::ok) return fail(cageform::to_string(status));
             const std::string why = inside.print(
@@ -193,7 +190,7 @@ int draw_in_space(const Arguments& given) {
     OutputFiles outputs;
     for (const std::size_t k : {0u, 1u}) {
         std::vector<MeshScene> scenes;
-        for (const auto& vertices : moved[k]) scenes.push_back({{vertices, figure->triangles}, {}});
+        for (const auto& vertices : moved[k]) scenes.push_back({{vertices, figure.triangles}, {}});
         draw_meshes(scenes, 260 * scenes.size(), 330, given.view.sight)
             .write_png(outputs.add(given.out + (k == 0 ? "all.png" : "all_least.png")));
     }
@@ -231,11 +228,9 @@ int run_program(int argc, char** argv) {
     given.pins.solving.settled_step = 1e-6;
     if (ending_of(given.figure) == ".obj") return draw_in_space(given);
 
-    const auto figure = load_svg(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto cage = load_or_make_cage(given.cage, *figure, given.choice.edges());
-    if (!cage) return fail(to_string(cage.error()));
-    PoseSheet sheet(given, *figure, *cage);
+    const auto figure = load_svg(given.figure).value();
+    const auto cage = load_or_make_cage(given.cage, figure, given.choice.edges()).value();
+    PoseSheet sheet(given, figure, cage);
     OutputFiles outputs;
     for (std::size_t n = 0; n < given.poses.size(); ++n) {
         if (const std::string why = sheet.add(n, outputs); !why.empty()) return fail(why);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -39,6 +40,11 @@ public:
     T* operator->() { return &std::get<0>(content_); }
     const T* operator->() const { return &std::get<0>(content_); }
     const FileError& error() const { return std::get<1>(content_); }
+    /// The value. Throws std::runtime_error with the message of the error, if any; main() prints it.
+    T value() && {
+        if (!*this) throw std::runtime_error(to_string(error()));
+        return std::move(**this);
+    }
     T value_or(T otherwise) const { return *this ? **this : std::move(otherwise); }
     std::optional<T> if_any() const { return *this ? std::optional<T>(**this) : std::nullopt; }
 
