@@ -239,21 +239,20 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    const auto motion = motion_of(given, cage_of_file);
-    if (!motion) return fail(to_string(motion.error()));
+    const auto motion = motion_of(given, cage_of_file).value();
     const auto bound = bound_figure(given, figure, cage, coordinates, places, labels);
     if (!bound) return fail(bound.error().message);
-    if (const std::string pose = first_mirror(figure, bound->points, motion->clip); !pose.empty())
+    if (const std::string pose = first_mirror(figure, bound->points, motion.clip); !pose.empty())
         warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces reverses its faces");
     cageform::FigurePackOptions options;
     options.weights.format = given.weights.format;
     options.weights.largest = given.weights.largest;
-    const auto posed = poses_of_handles(bound->points, motion->clip, motion->poses).value();
+    const auto posed = poses_of_handles(bound->points, motion.clip, motion.poses).value();
     options.weights.poses = posed;
     options.weights.tolerance = given.weights.distance * size_of(figure);
-    const std::string clip_name = std::filesystem::path(motion->clip.name).stem().string();
-    const cageform::FigureClipData clips[] = {{clip_name, motion->packed.bytes()}};
-    if (!motion->packed.bytes().empty()) options.clips = clips;
+    const std::string clip_name = std::filesystem::path(motion.clip.name).stem().string();
+    const cageform::FigureClipData clips[] = {{clip_name, motion.packed.bytes()}};
+    if (!motion.packed.bytes().empty()) options.clips = clips;
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
         samples = packed_samples(coordinates, cage.name, given.report).value();
@@ -282,7 +281,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         made = cageform::pack(*bound, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
-    if (const std::string why = judge_packing(given, figure, report, motion->poses); !why.empty())
+    if (const std::string why = judge_packing(given, figure, report, motion.poses); !why.empty())
         return fail(why);
     const std::string others = describe_others(figure, {"v", "vn", "f"});
     if (given.report && !others.empty()) std::cout << "not stored: " << others << '\n';

@@ -441,8 +441,7 @@ int run_program(int argc, char** argv) {
     Job job;
     job.size = cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal();
     if (const std::string why = rounding_fault(cage.name, cage.vertices); !why.empty()) return fail(why);
-    const auto motion = given.moves.motion(cage);
-    if (!motion) return fail(to_string(motion.error()));
+    const auto motion = given.moves.motion(cage).value();
     job.cage = cage.name;
     job.coordinates = make_coordinates<float>(given.choice, cage);
     if (job.coordinates.cage_report().status != Status::ok) {
@@ -469,10 +468,10 @@ int run_program(int argc, char** argv) {
     if (!job.coordinates.note.empty()) note(job.coordinates.note);
     std::optional<InputFile> solution; // must outlive the coordinates
     if (const int code = solve(given, threads, job, solution); code != 0) return code;
-    if (!motion->keys.empty()) {
+    if (!motion.keys.empty()) {
         const auto bound = job.coordinates.bind(std::span(cage.vertices).first(1), job.bind);
         if (!bound) return fail(describe_mesh_faults(cage.name, bound.report));
-        job.poses = poses_of_handles(bound.value, *motion, sample_poses(*motion)).value();
+        job.poses = poses_of_handles(bound.value, motion, sample_poses(motion)).value();
         job.pack.poses = job.poses;
     }
     job.parameters = hash_of_parameters(given, cage, job);

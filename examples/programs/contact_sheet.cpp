@@ -82,9 +82,8 @@ int run_program(int argc, char** argv) {
     double height = gap, row_height = 0;
     for (std::size_t n = 0; n < words.size() / 2; ++n) {
         const std::string& path = words[2 * n + 1];
-        const auto document = path.ends_with(".png") ? wrap_png(path) : load_svg(path);
-        if (!document) return fail(to_string(document.error()));
-        const auto view = view_box(*document);
+        const auto document = (path.ends_with(".png") ? wrap_png(path) : load_svg(path)).value();
+        const auto view = view_box(document);
         if (n % columns == 0) {
             height += row_height;
             row_height = 0;
@@ -100,7 +99,7 @@ int run_program(int argc, char** argv) {
         text.append_attribute("font-size") = 17;
         text.append_attribute("text-anchor") = "middle";
         text.text() = detail::escaped(words[2 * n]).c_str();
-        auto nested = root.append_copy(document->xml.document_element());
+        auto nested = root.append_copy(document.xml.document_element());
         prefix_ids(nested, "t" + std::to_string(n) + "-");
         for (const char* name : {"x", "y", "width", "height", "viewBox"}) nested.remove_attribute(name);
         nested.append_attribute("x") = x;

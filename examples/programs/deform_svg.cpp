@@ -287,8 +287,7 @@ int run_program(int argc, char** argv) {
     if (!paths.has_pose() && !pins.is_given()) options.fit = true;
     auto document = load_figure(figure_path, text_as_paths).value();
     outside.cage_is_made = CageWord::of(cage_path).is_auto;
-    const auto posed = read_control(choice, paths, of_sites, outside, document, figure_path);
-    if (!posed) return fail(to_string(posed.error()));
+    const auto posed = read_control(choice, paths, of_sites, outside, document, figure_path).value();
     const std::string png_path = png ? png_of(out_path).string() : "";
     if (const auto fault = fault_of_outputs({out_path, png_path, save_path})) return fail(*fault);
 
@@ -296,19 +295,19 @@ int run_program(int argc, char** argv) {
     const auto rest_view = view_box(document);
     std::string pose_file;
     if (!save_path.empty()) {
-        pose_file = saved_pose(*posed, choice.takes_sites(), save_path, rest_view).value();
+        pose_file = saved_pose(posed, choice.takes_sites(), save_path, rest_view).value();
     }
-    auto moved = move_figure(document, figure_path, posed->control, outside, options,
+    auto moved = move_figure(document, figure_path, posed.control, outside, options,
                              cageform::ThreadedFor{unsigned(threads)})
                      .value();
-    if (!posed->fault.empty()) warn(posed->fault);
+    if (!posed.fault.empty()) warn(posed.fault);
     document = std::move(moved.drawing.document);
     if (show_rest) draw_rest(document, rest, rest_view);
     const auto view = view_box(document);
     const double diagonal = std::hypot(view.width, view.height);
-    if (show_cage || show_lines) draw_cage(document, posed->drawn, diagonal, "#c2377a");
-    if (show_cage) draw_numbers(document, posed->drawn, diagonal / 60);
-    if (show_pins) draw_pins(document, posed->pins, diagonal);
+    if (show_cage || show_lines) draw_cage(document, posed.drawn, diagonal, "#c2377a");
+    if (show_cage) draw_numbers(document, posed.drawn, diagonal / 60);
+    if (show_pins) draw_pins(document, posed.pins, diagonal);
     OutputFiles outputs;
     add_svg(outputs, out_path, to_text(document), png ? png_width : 0);
     if (!save_path.empty()) outputs.add(save_path).write(pose_file);
@@ -318,7 +317,7 @@ int run_program(int argc, char** argv) {
         std::cout << "shapes: " << deformed.shapes << ", segments written: " << deformed.segments
                   << ", points bound: " << deformed.points << " in " << deformed.batches
                   << " batches\nfirst batch:\n"
-                  << describe(moved.bound) << posed->on_pins;
+                  << describe(moved.bound) << posed.on_pins;
     }
     return 0;
 }

@@ -40,9 +40,8 @@ int run_program(int argc, char** argv) {
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto scene = load_splats(path, strict);
-    if (!scene) return fail(to_string(scene.error()));
-    if (!scene->warning.empty()) warn(scene->warning);
+    const auto scene = load_splats(path, strict).value();
+    if (!scene.warning.empty()) warn(scene.warning);
     std::optional<ObjFile> mesh;
     if (!beside.empty()) {
         mesh = load_mesh_figure(beside, strict).value();
@@ -50,7 +49,7 @@ int run_program(int argc, char** argv) {
     if (const auto why = fault_of_outputs({out})) return fail(*why);
     const MeshView left = mesh ? MeshView{mesh->vertices, mesh->triangles} : MeshView{};
     const Picture picture =
-        draw_splats(*scene, mesh ? &left : nullptr, std::size_t(width), std::size_t(height), view.sight,
+        draw_splats(scene, mesh ? &left : nullptr, std::size_t(width), std::size_t(height), view.sight,
                     {.parallel = cageform::ThreadedFor{}, .progress = {}});
     OutputFiles outputs;
     picture.write_png(outputs.add(out));

@@ -62,8 +62,8 @@ Expected<ViewBox> view_of(const CageFile& cage) {
 int pose_in_plane(const Arguments& given) {
     const auto cage = load_cage(given.cage, given.coordinates.empty()             ? CageEdges::as_drawn
                                             : given.coordinates == "curved-green" ? CageEdges::curves
-                                                                                  : CageEdges::lines);
-    if (!cage) return fail(to_string(cage.error()));
+                                                                                  : CageEdges::lines)
+                          .value();
     if (ending_of(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
     if (ending_of(given.picture) == ".png")
@@ -73,9 +73,8 @@ int pose_in_plane(const Arguments& given) {
     if (!given.figure.empty()) {
         below = load_svg(given.figure).value();
     }
-    const auto moved = posed<2>(given, cage->places(), cage->lattice, cage->curves ? &*cage : nullptr);
-    if (!moved) return fail(to_string(moved.error()));
-    const CageFile pose = moved_cage(*cage, *moved);
+    const auto moved = posed<2>(given, cage.places(), cage.lattice, cage.curves ? &cage : nullptr).value();
+    const CageFile pose = moved_cage(cage, moved);
     OutputFiles outputs;
     if (!given.out.empty()) {
         const auto view = view_of(pose).value();
@@ -84,9 +83,9 @@ int pose_in_plane(const Arguments& given) {
         outputs.add(given.out).write(*text);
     }
     if (!given.picture.empty()) {
-        const auto picture = draw_pose(*cage, pose, given.figure.empty() ? nullptr : &below, given.picture);
-        if (!picture) return fail(to_string(picture.error()));
-        add_svg(outputs, given.picture, to_text(*picture), given.png ? 1200 : 0);
+        const auto picture =
+            draw_pose(cage, pose, given.figure.empty() ? nullptr : &below, given.picture).value();
+        add_svg(outputs, given.picture, to_text(picture), given.png ? 1200 : 0);
     }
     return commit(outputs);
 }

@@ -353,8 +353,8 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     for (std::size_t b = 1; b < bones.size(); ++b) turned = angle(b) > angle(turned) ? b : turned;
     const auto blue = bone_named(given, bones, given.blue, turned).value();
     const auto red =
-        bone_named(given, bones, given.red, bones[blue].parent == no_parent ? blue : bones[blue].parent);
-    if (!red) return fail(to_string(red.error()));
+        bone_named(given, bones, given.red, bones[blue].parent == no_parent ? blue : bones[blue].parent)
+            .value();
 
     const ObjParts parts = read_parts(figure);
     const auto meshes = gltf_meshes(figure, parts).value();
@@ -438,7 +438,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         constexpr Colour clay{0.93f, 0.93f, 0.9f}, of_red{0.85f, 0.15f, 0.12f}, of_blue{0.12f, 0.25f, 0.85f};
         for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
             const auto share = [&](std::size_t b) { return float(written[i * bones.size() + b]); };
-            const float r = *red == blue ? 0 : share(*red), b = share(blue);
+            const float r = red == blue ? 0 : share(red), b = share(blue);
             const float rest = std::max(1 - r - b, 0.0f);
             paint.push_back({rest * clay.r + r * of_red.r + b * of_blue.r,
                              rest * clay.g + r * of_red.g + b * of_blue.g,

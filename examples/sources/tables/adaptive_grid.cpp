@@ -274,17 +274,16 @@ int run_program(int argc, char** argv) {
 
     const bool is_mesh = given.cage.ends_with(".obj");
     if (!is_mesh && !given.slice.empty()) return fail("--slice: " + given.cage + " lies in the plane");
-    const auto section = is_mesh ? in_space(given) : in_plane(given);
-    if (!section) return fail(to_string(section.error()));
+    const auto section = (is_mesh ? in_space(given) : in_plane(given)).value();
     PlaneBox around;
-    for (const auto& segment : section->cage) {
+    for (const auto& segment : section.cage) {
         for (const Point2& p : segment) around.add(p);
     }
     const double margin = 0.02 * around.extent();
     around.add({around.low.x - margin, around.low.y - margin});
     around.add({around.high.x + margin, around.high.y + margin});
     OutputFiles outputs;
-    const auto picture = draw(*section, parse_box(given.zoom).value_or(around));
+    const auto picture = draw(section, parse_box(given.zoom).value_or(around));
     if (picture.empty()) return fail("no part of the grid is at --zoom " + given.zoom);
     add_svg(outputs, given.out, picture, given.png ? given.png_width : 0);
     return commit(outputs);

@@ -149,10 +149,9 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto figure = load_svg(given.figure).value();
-    const auto cage = load_cage(given.cage, CageEdges::curves);
-    if (!cage) return fail(to_string(cage.error()));
-    if (!cage->curves) return fail(given.cage + ": is no outline");
-    const auto pose = load_pose(given.pose, *cage).value();
+    const auto cage = load_cage(given.cage, CageEdges::curves).value();
+    if (!cage.curves) return fail(given.cage + ": is no outline");
+    const auto pose = load_pose(given.pose, cage).value();
     const auto view = view_box(figure);
 
     constexpr std::size_t along = 400; // points across the picture
@@ -161,9 +160,9 @@ int run_program(int argc, char** argv) {
         points.push_back({view.x + view.width * (0.5 + double(n % along)) / along,
                           view.y + view.height * (0.5 + double(n / along)) / along});
     std::array<Trial, 2> trials;
-    trials[0] = {*cage, pose, "curved-green", "curves", {}, {}};
+    trials[0] = {cage, pose, "curved-green", "curves", {}, {}};
     trials[1] = {
-        polygon_on(*cage, given.vertices), polygon_on(pose, given.vertices), "green", "polygon", {}, {}};
+        polygon_on(cage, given.vertices), polygon_on(pose, given.vertices), "green", "polygon", {}, {}};
     for (const std::size_t n : {1u, 0u, 1u}) { // the polygon's points lie in both
         if (const std::string why = run_trial(given, figure, points, trials[n]); !why.empty())
             return fail(why);

@@ -13,6 +13,7 @@
 #include "cli/progress_bar.hpp"
 #include "io/atomic_file.hpp"
 #include "io/messages.hpp"
+#include "pictures/plot.hpp"
 #include "pictures/render.hpp"
 
 #include <chrono>
@@ -35,12 +36,6 @@ struct Settings {
 
     unsigned thread_count() const { return unsigned(threads); }
 };
-
-std::string text_of(const char* format, double value) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, value);
-    return text.data();
-}
 
 /// Parses columns and rows "384x288"; returns the fault, or empty.
 std::string parse_size(const std::string& text, WaveLattice& lattice) {
