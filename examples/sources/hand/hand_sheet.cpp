@@ -13,11 +13,7 @@
 
 #include <cstdio>
 
-namespace {
-
 using namespace cageform_sources;
-
-} // namespace
 
 int run_program(int argc, char** argv) {
     CommandLine line(
