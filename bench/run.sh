@@ -2,7 +2,7 @@
 # Usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]
 # Installs what the benchmarks need (Debian), builds them with -O3 -march=native into build/bench and runs them.
 # Prints four tables: one thread; one, two and four threads; clones compiled with -O2 against -O3; compile time.
-# Takes about five minutes on four processors. bench/README.md explains the tables.
+# Takes about ten minutes. bench/README.md explains the tables.
 #   WORDS       prints only rows with these words in the description or the benchmark name, for example clone or
 #               "solve in space"
 #   --csv FILE  writes all medians and quartiles, in seconds
