@@ -11,6 +11,7 @@
 #include "cli/coordinates.hpp"
 #include "files/clip_file.hpp"
 #include "io/atomic_file.hpp"
+#include "io/csv.hpp"
 #include "io/messages.hpp"
 #include "pictures/plot.hpp"
 #include "pictures/surface_nets.hpp"
@@ -20,7 +21,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -277,18 +277,14 @@ std::string bones_text() {
 /// The mesh as OBJ text; a vertex and its normal have the same index.
 std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Point>& normals) {
     std::string text = std::string("# ") + heading + "\n";
-    std::array<char, 128> line;
-    const auto append = [&](const char* format, auto... values) {
-        const int size = std::snprintf(line.data(), line.size(), format, values...);
-        text.append(line.data(), std::size_t(size));
-    };
-    for (const Point& p : mesh.vertices) append("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
-    for (const Point& n : normals) append("vn %.5f %.5f %.5f\n", n[0], n[1], n[2]);
+    using cageform_support::formatted;
+    for (const Point& p : mesh.vertices) text += formatted("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
+    for (const Point& n : normals) text += formatted("vn %.5f %.5f %.5f\n", n[0], n[1], n[2]);
     for (const auto& [a, b, c] : mesh.faces) {
         if (normals.empty())
-            append("f %u %u %u\n", a + 1, b + 1, c + 1);
+            text += formatted("f %u %u %u\n", a + 1, b + 1, c + 1);
         else
-            append("f %u//%u %u//%u %u//%u\n", a + 1, a + 1, b + 1, b + 1, c + 1, c + 1);
+            text += formatted("f %u//%u %u//%u %u//%u\n", a + 1, a + 1, b + 1, b + 1, c + 1, c + 1);
     }
     return text;
 }

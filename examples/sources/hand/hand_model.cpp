@@ -1,8 +1,9 @@
 #include "hand_model.hpp"
 
+#include "io/csv.hpp"
+
 #include <cageform/cage/control_points.hpp>
 
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -573,12 +574,10 @@ Hand make_hand(double cell) {
 
 std::string obj_text(const ImplicitMesh& mesh, const std::string& comment) {
     std::string text = "# " + comment + '\n';
-    std::array<char, 100> line;
-    const auto append = [&](const char* format, const auto&... values) {
-        text.append(line.data(), std::size_t(std::snprintf(line.data(), line.size(), format, values...)));
-    };
-    for (const Point3& p : mesh.vertices) append("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
-    for (const auto& [a, b, c] : mesh.faces) append("f %u %u %u\n", a + 1, b + 1, c + 1);
+    for (const Point3& p : mesh.vertices)
+        text += cageform_support::formatted("v %.6f %.6f %.6f\n", p[0], p[1], p[2]);
+    for (const auto& [a, b, c] : mesh.faces)
+        text += cageform_support::formatted("f %u %u %u\n", a + 1, b + 1, c + 1);
     return text;
 }
 

@@ -1,6 +1,7 @@
 #include "hand_pictures.hpp"
 
 #include "cli/coordinates.hpp"
+#include "io/csv.hpp"
 #include "model_sheet.hpp"
 
 #include <stdexcept>
@@ -243,10 +244,10 @@ Picture layers(const BoundHand& bound, const std::vector<std::vector<OnSkin>>& l
         add_points(points, hand, hand.pose(angles));
         add_lines(points, lines, skin);
         tiles.push_back(
-            {bones, words("%zu bones, %zu angles: %s", hand.joints.size(), hand_angle_count, pose.name)});
+            {bones, formatted("%zu bones, %zu angles: %s", hand.joints.size(), hand_angle_count, pose.name)});
         tiles.push_back(
-            {points, words("%zu control points, and lines\nthrough some of them", hand.points.size())});
-        tiles.push_back({skin_model(bound, skin), words("skin: %zu vertices", skin.size())});
+            {points, formatted("%zu control points, and lines\nthrough some of them", hand.points.size())});
+        tiles.push_back({skin_model(bound, skin), formatted("skin: %zu vertices", skin.size())});
     }
     for (Tile& tile : tiles) tile.model = tile.model.mapped(from_palm);
     return with_title("Three layers: angles turn bones, bones move control points, points move the skin",
@@ -274,16 +275,17 @@ Picture points_by_kind(const BoundHand& bound, const std::vector<std::vector<OnS
         const bool shown = HandPointKind(kind) != HandPointKind::surround;
         legend.line({left, y}, {left, y}, 16, kind_colours[kind]);
         write_caption(legend, {left + 20, y},
-                      words("%zu %s%s", count, to_string(HandPointKind(kind)),
-                            !shown        ? ", not shown"
-                            : on == count ? ", on the skin"
-                            : on == 0     ? ", off the skin"
-                                          : words(", %zu on the skin", on).c_str()));
+                      formatted("%zu %s%s", count, to_string(HandPointKind(kind)),
+                                !shown        ? ", not shown"
+                                : on == count ? ", on the skin"
+                                : on == 0     ? ", off the skin"
+                                              : formatted(", %zu on the skin", on).c_str()));
         y += 34;
     }
     legend.line({left - 8, y}, {left + 8, y}, 4, ink);
     write_caption(legend, {left + 20, y}, "a line of the skin");
-    return with_title(words("The %zu control points by kind", hand.points.size()), {beside({drawn, legend})});
+    return with_title(formatted("The %zu control points by kind", hand.points.size()),
+                      {beside({drawn, legend})});
 }
 
 Picture poses(const BoundHand& bound) {
@@ -359,8 +361,9 @@ Picture bends(const BoundHand& bound) {
     const double rest = finger_volume(hand, hand.skin.vertices);
     std::vector<Tile> tiles;
     const auto add = [&](const Skin& skin, const char* name) {
-        tiles.push_back({part_of(skin_model(bound, skin), in_finger).mapped(from_thumb),
-                         words("%s\nvolume %+.1f %%", name, 100 * (finger_volume(hand, skin) / rest - 1))});
+        tiles.push_back(
+            {part_of(skin_model(bound, skin), in_finger).mapped(from_thumb),
+             formatted("%s\nvolume %+.1f %%", name, 100 * (finger_volume(hand, skin) / rest - 1))});
     };
     add(blend, "linear blend of bones");
     add(bound.clone(hand.pose(angles, false), ones), "degree 1, rings turn with their bones");
@@ -387,11 +390,11 @@ Picture inflation(const BoundHand& bound) {
     for (const double kappa : {0.0, hand_kappa, 4 * hand_kappa}) {
         const Skin skin = bound.clone(bent, kappa);
         fingers.push_back({part_of(skin_model(bound, skin), in_finger).mapped(from_thumb),
-                           words("kappa = %g%s\nvolume %+.1f %% relative to rest", kappa,
-                                 kappa == 0            ? ": no inflation"
-                                 : kappa == hand_kappa ? ", as everywhere else"
-                                                       : "",
-                                 100 * (finger_volume(hand, skin) / rest - 1))});
+                           formatted("kappa = %g%s\nvolume %+.1f %% relative to rest", kappa,
+                                     kappa == 0            ? ": no inflation"
+                                     : kappa == hand_kappa ? ", as everywhere else"
+                                                           : "",
+                                     100 * (finger_volume(hand, skin) / rest - 1))});
     }
     // The swelling of a fist, drawn on the hand at rest, where it is visible.
     const HandPose fist = hand_poses()[1].angles;
@@ -402,12 +405,12 @@ Picture inflation(const BoundHand& bound) {
     difference.add(hand.skin.vertices, hand.skin.faces, heat_of(moved, most));
     const Picture fists =
         draw_tiles({{skin_model(bound, off).mapped(from_palm), "a fist without inflation"},
-                    {skin_model(bound, on).mapped(from_palm), words("with it, kappa = %g", hand_kappa)}},
+                    {skin_model(bound, on).mapped(from_palm), formatted("with it, kappa = %g", hand_kappa)}},
                    2, 560, 640);
-    const Picture shown =
-        draw_tiles({{difference.mapped(from_palm),
-                     words("displacement of the skin of the fist,\nshown at rest: at most %.2f %%", most)}},
-                   1, 560, 640);
+    const Picture shown = draw_tiles(
+        {{difference.mapped(from_palm),
+          formatted("displacement of the skin of the fist,\nshown at rest: at most %.2f %%", most)}},
+        1, 560, 640);
     return with_title("Inflation: weights of the points over the pads rise as joints bend",
                       {draw_tiles(fingers, 3, 560, 480),
                        beside({fists, with_bar(shown, most, "% of the\nhand's length")})});
@@ -452,8 +455,8 @@ Picture influence(const BoundHand& bound) {
         const auto reached =
             std::size_t(std::count_if(values.begin(), values.end(), [](double w) { return w > 0; }));
         parts.push_back(with_bar(
-            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices follow it, by %.2g at most", name,
-                                                   reached, values.size(), most)}},
+            draw_tiles({{model.mapped(view), formatted("%s\n%zu of %zu vertices follow it, by %.2g at most",
+                                                       name, reached, values.size(), most)}},
                        1, 700, 860),
             most, "u"));
     };
@@ -532,7 +535,7 @@ Picture locality(const BoundHand& bound) {
     std::vector<Tile> tiles;
     for (const auto& view : {from_back, from_palm}) {
         tiles.push_back({skin_model(bound, hand.skin.vertices).mapped(view),
-                         words("a cage of %zu vertices", cage.vertices.size())});
+                         formatted("a cage of %zu vertices", cage.vertices.size())});
         for (std::size_t n = 0; n < 2; ++n) {
             auto colours = heat_of(moved[n], scale);
             for (std::size_t i = 0; i < colours.size(); ++i) {
@@ -540,18 +543,18 @@ Picture locality(const BoundHand& bound) {
             }
             Model model;
             model.add(skins[n], hand.skin.faces, colours);
-            tiles.push_back(
-                {model.mapped(view), words("%s\nothers move by %.2f %%, beyond the web %.2f",
-                                           n == 0 ? "natural neighbours" : "harmonic coordinates in the cage",
-                                           most[n], past_web[n])});
+            tiles.push_back({model.mapped(view),
+                             formatted("%s\nothers move by %.2f %%, beyond the web %.2f",
+                                       n == 0 ? "natural neighbours" : "harmonic coordinates in the cage",
+                                       most[n], past_web[n])});
         }
     }
     std::array<Skin, 2> cages{cage.vertices, cage.vertices};
     for (Point3& p : cages[1]) p = from_palm(p);
     for (std::size_t n = 0; n < 2; ++n) tiles[3 * n].cage = {cages[n], cage.faces};
     return with_title(
-        words("The %s finger (grey), bent by 90 degrees at its first joint, moves the others most",
-              names[ray]),
+        formatted("The %s finger (grey), bent by 90 degrees at its first joint, moves the others most",
+                  names[ray]),
         {with_bar(draw_tiles(tiles, 3, 560, 640), scale, "% of the\nhand's length")});
 }
 

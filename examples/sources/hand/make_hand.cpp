@@ -11,30 +11,24 @@
 #include "cli/command_line.hpp"
 #include "files/gltf_file.hpp"
 #include "io/atomic_file.hpp"
+#include "io/csv.hpp"
 #include "io/messages.hpp"
 
 #include <cageform/cage/triangle_mesh.hpp>
 
-#include <cstdio>
 #include <iostream>
 
 namespace {
 
 using namespace cageform_sources;
 
-template <class... Values>
-void append(std::string& text, const char* format, Values... values) {
-    std::array<char, 200> line;
-    text.append(line.data(), std::size_t(std::snprintf(line.data(), line.size(), format, values...)));
-}
-
 std::string points_text(const Hand& hand) {
     std::string text = "x,y,z,kind,joint,other,part,vertex\n"; // joints and vertices from 0; empty: none
     const auto index = [](std::size_t i) { return i == HandJoint::none ? std::string() : std::to_string(i); };
     for (const HandPoint& p : hand.points) {
-        append(text, "%.6f,%.6f,%.6f,%s,%s,%s,%g,%s\n", p.place[0], p.place[1], p.place[2], to_string(p.kind),
-               index(p.joint).c_str(), index(p.other).c_str(), p.joint == HandJoint::none ? 0.0 : p.part,
-               index(p.vertex).c_str());
+        text += formatted("%.6f,%.6f,%.6f,%s,%s,%s,%g,%s\n", p.place[0], p.place[1], p.place[2],
+                          to_string(p.kind), index(p.joint).c_str(), index(p.other).c_str(),
+                          p.joint == HandJoint::none ? 0.0 : p.part, index(p.vertex).c_str());
     }
     return text;
 }
@@ -47,7 +41,8 @@ std::string poses_text(const BoundHand& bound) {
     for (const NamedHandPose& pose : hand_poses()) {
         text += "# " + std::string(pose.name) + '\n';
         const HandPose angles = bound.closed(pose);
-        for (std::size_t i = 0; i < hand_angle_count; ++i) append(text, i == 0 ? "%.6g" : ",%.6g", angles[i]);
+        for (std::size_t i = 0; i < hand_angle_count; ++i)
+            text += formatted(i == 0 ? "%.6g" : ",%.6g", angles[i]);
         text += '\n';
     }
     return text;

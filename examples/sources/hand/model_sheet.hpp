@@ -2,12 +2,12 @@
 
 // Sheets of meshes in space, drawn side by side with captions.
 
+#include "io/csv.hpp"
 #include "pictures/mesh_picture.hpp"
 #include "pictures/surface_nets.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -16,14 +16,6 @@ namespace cageform_sources {
 using namespace cageform_support;
 
 using Face = std::array<std::uint32_t, 3>;
-
-/// Formats like printf, with at most 199 characters, for captions.
-template <class... Values>
-std::string words(const char* format, Values... values) {
-    std::array<char, 200> line;
-    const int length = std::snprintf(line.data(), line.size(), format, values...);
-    return {line.data(), std::min(std::size_t(std::max(length, 0)), line.size() - 1)};
-}
 
 /// A mesh with a colour per vertex.
 struct Model {

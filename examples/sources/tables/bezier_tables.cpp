@@ -171,14 +171,12 @@ public:
 private:
     /// "8.2.1   70 numbers   largest difference 5.0e-07 (half a last digit: 5e-07)".
     std::string summary() const {
-        std::array<char, 200> text{};
         const double half = 0.5 * std::pow(10.0, -decimals_);
-        std::snprintf(text.data(), text.size(), "%-22s %4zu numbers, largest difference %8.2e %s",
-                      name_.c_str(), count_, largest_,
+        std::string result =
+            formatted("%-22s %4zu numbers, largest difference %8.2e %s", name_.c_str(), count_, largest_,
                       sampled_                   ? "(another sample)"
                       : largest_ <= 1.001 * half ? "(all digits)"
                                                  : "");
-        std::string result = text.data();
         if (!sampled_ && largest_ > 1.001 * half) result += "(" + where_ + ")";
         return result;
     }

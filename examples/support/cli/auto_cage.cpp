@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 namespace cageform_support {
@@ -135,11 +134,9 @@ std::string doublings_of(const cageform::MakeCageReport& report, bool in_plane) 
     std::string table = in_plane ? "vertices  area over the tightest  deepest hollow spanned\n"
                                  : "vertices  volume over the tightest  deepest hollow spanned\n";
     for (const auto& attempt : kept) {
-        std::array<char, 96> line{};
-        std::snprintf(line.data(), line.size(), "%8zu  %*s  %22.3g%s\n", attempt.vertices, in_plane ? 22 : 24,
-                      percent(attempt.excess).c_str(), attempt.hollow,
-                      attempt.vertices == report.vertices ? "  <- made" : "");
-        table += line.data();
+        table += formatted("%8zu  %*s  %22.3g%s\n", attempt.vertices, in_plane ? 22 : 24,
+                           percent(attempt.excess).c_str(), attempt.hollow,
+                           attempt.vertices == report.vertices ? "  <- made" : "");
     }
     return table;
 }
@@ -209,12 +206,10 @@ std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec
     const auto size = box.upper - box.lower;
     const auto axis = std::size_t(std::max_element(size.v, size.v + D) - size.v);
     const std::array<char, 3> names{'x', 'y', 'z'};
-    std::array<char, 128> word{};
-    std::snprintf(word.data(), word.size(), "all:%c%c,%.17g,%.17g,30", names[axis], names[(axis + 1) % D],
-                  0.5 * (box.lower[axis] + box.upper[axis]), box.lower[axis]);
+    const std::string word = formatted("all:%c%c,%.17g,%.17g,30", names[axis], names[(axis + 1) % D],
+                                       0.5 * (box.lower[axis] + box.upper[axis]), box.lower[axis]);
     auto pose = rest;
-    const std::string why =
-        apply_operation<D>(PoseOperation::bend, word.data(), std::span(rest), std::span(pose));
+    const std::string why = apply_operation<D>(PoseOperation::bend, word, std::span(rest), std::span(pose));
     return why.empty() ? pose : rest;
 }
 

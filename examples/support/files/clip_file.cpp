@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <sstream>
 
@@ -270,19 +269,13 @@ Expected<PoseClip> parse_pose_clip(std::string_view file, const std::string& pat
 }
 
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading) {
-    std::array<char, 128> line;
-    std::string text = "# " + heading + '\n';
-    const auto append = [&](const char* format, auto... values) {
-        const int size = std::snprintf(line.data(), line.size(), format, values...);
-        text.append(line.data(), std::size_t(size));
-    };
-    append("length,%.9g\n", clip.length);
+    std::string text = "# " + heading + formatted("\nlength,%.9g\n", clip.length);
     for (const PoseKey& key : clip.keys) {
-        append("pose,%.9g,%s\n", key.time,
-               key.way == PoseWay::smooth   ? "smooth"
-               : key.way == PoseWay::linear ? "linear"
-                                            : "ease");
-        for (const auto& p : key.places) append("%.6f,%.6f,%.6f\n", p[0], p[1], p[2]);
+        text += formatted("pose,%.9g,%s\n", key.time,
+                          key.way == PoseWay::smooth   ? "smooth"
+                          : key.way == PoseWay::linear ? "linear"
+                                                       : "ease");
+        for (const auto& p : key.places) text += formatted("%.6f,%.6f,%.6f\n", p[0], p[1], p[2]);
     }
     return text;
 }

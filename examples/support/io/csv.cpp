@@ -2,7 +2,6 @@
 
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <utility>
@@ -120,9 +119,7 @@ std::string parse_finite(std::string_view text, double& number) {
 }
 
 std::string short_number(double number) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.6g", number);
-    return text.data();
+    return formatted("%.6g", number);
 }
 
 std::string single_precision_fault(double number) {

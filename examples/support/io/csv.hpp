@@ -10,6 +10,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,14 @@
 #include <vector>
 
 namespace cageform_support {
+
+/// Formats like printf(), with at most 255 characters.
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
 
 namespace detail {
 

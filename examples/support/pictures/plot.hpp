@@ -2,10 +2,10 @@
 
 // Axes of plots: positions and numbers of marks.
 
+#include "io/csv.hpp"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -13,9 +13,7 @@ namespace cageform_support {
 
 /// Formats a number with a printf() format.
 inline std::string text_of(const char* format, double x) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, x);
-    return text.data();
+    return formatted(format, x);
 }
 
 /// Formats a multiple of a step (1, 2 or 5 times a power of ten) with the necessary digits.

@@ -1,5 +1,6 @@
 #include "pictures/text.hpp"
 
+#include "io/csv.hpp"
 #include "io/messages.hpp"
 #include "pictures/render.hpp"
 #include "svg/css_geometry.hpp"
@@ -67,9 +68,7 @@ std::vector<pugi::xml_node> number_texts(SvgDocument& document) {
 }
 
 std::string colour_of(std::size_t number) {
-    std::array<char, 16> text{};
-    std::snprintf(text.data(), text.size(), "#%06x", static_cast<unsigned>(number & 0xffffff));
-    return text.data();
+    return formatted("#%06x", static_cast<unsigned>(number & 0xffffff));
 }
 
 /// Inverse of colour_of(), in cairo's notation rgb(…%,…%,…%); nothing for other colours.
