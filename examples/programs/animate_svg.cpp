@@ -108,7 +108,7 @@ ClipFile read_clip(const Settings& settings, const CageFile& cage) {
     if (!settings.markers.empty()) return value_or_fail(load_markers(settings.markers));
     if (settings.pins.is_given()) return motion_to(value_or_fail(settings.pins.pins<2>()), settings.seconds);
     if (!settings.clip.empty()) {
-        const auto held = value_or_fail(settings.operations.still(cage.lattice));
+        const auto held = settings.operations.still(cage.lattice);
         ClipFile clip = value_or_fail(load_clip(settings.clip, cage.vertices.size()));
         for (ClipControl& control : clip.controls) {
             std::erase_if(control.shares, [&](const auto& share) {
@@ -118,8 +118,7 @@ ClipFile read_clip(const Settings& settings, const CageFile& cage) {
         return clip;
     }
     const bool is_made = CageWord::of(settings.cage).is_auto;
-    return clip_to(value_or_fail(read_pose(settings.pose, settings.operations, cage, is_made)), cage,
-                   settings.seconds);
+    return clip_to(read_pose(settings.pose, settings.operations, cage, is_made), cage, settings.seconds);
 }
 
 /// The keys of all handles, and their rest positions.
@@ -128,17 +127,17 @@ struct HandleKeys {
     std::vector<Point2> rest;
 };
 
-/// Solves for the cage if the motion is one of pins. Other motions are used unchanged.
+/// Converts a motion of pins to keys of the cage. Other motions are used unchanged.
 HandleKeys keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
                    FigureControl& control) {
     if (!motion.has_pins()) {
         if (!settings.pins.held.empty()) throw Failure("--hold is for pins, and the motion has none");
         return {motion, cage.vertices};
     }
-    const auto still = value_or_fail(settings.operations.still(cage.lattice));
+    const auto still = settings.operations.still(cage.lattice);
     const auto places = cage.places();
     const std::size_t count = cage.lattice ? cage.lattice->points() : places.size();
-    auto held = value_or_fail(settings.pins.held_handles(std::span(places).first(count), still));
+    auto held = settings.pins.held_handles(std::span(places).first(count), still);
     auto figure = value_or_fail(PinnedFigure::make(
         control, {settings.choice, settings.pins, settings.outside, cage.vertices, std::move(held)},
         pins_of(motion)));
@@ -150,15 +149,15 @@ HandleKeys keys_of(const Settings& settings, const CageFile& cage, const ClipFil
     warn(figure.cage().warning());
     if (!settings.save_clip.empty() && control.poses_all_handles)
         throw Failure("--save-clip " + settings.save_clip +
-                      ": with these coordinates pins pose the edges beside the vertices, and a clip has "
-                      "vertices alone; take mean-value or harmonic");
+                      ": with these coordinates pins also pose edges, which a clip cannot store; use "
+                      "mean-value or harmonic");
     return {std::move(keys), figure.rest()};
 }
 
 /// Writes the positions of figure points in every frame; the last row repeats the first.
 std::string tracks_of(const Settings& settings, const FigureControl& control, const ClipFile& file) {
     Tracks tracks{settings.tracked, {}, {}};
-    tracks.places = value_or_fail(move_points(tracks.rest, settings.figure, control, settings.outside));
+    tracks.places = move_points(tracks.rest, settings.figure, control, settings.outside);
     tracks.places.push_back(tracks.places.front());
     for (std::size_t f = 0; f <= control.frames; ++f)
         tracks.times.push_back(file.length * double(f) / double(control.frames));
@@ -219,9 +218,9 @@ Plan plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view
                       std::to_string(int(most)) + "; a smaller --rate needs fewer");
     const double passed = file.ground ? file.ground->speed * file.length : 0;
     if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view.width && std::fabs(passed) <= 1e3 * view.width))
-        throw Failure(settings.clip + ": during the clip the ground passes by " +
+        throw Failure(settings.clip + ": during the clip the ground moves by " +
                       detail::short_number(passed) +
-                      " units; it can be a thousandth to a thousand times the picture's width");
+                      " units; allowed are 0.001 to 1000 times the picture's width");
     return {std::size_t(frames), passed};
 }
 
@@ -335,8 +334,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     DeformOptions options = settings.options;
     for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
     if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view.width, view.height);
-    auto moved = value_or_fail(move_figure(document, settings.figure, control, settings.outside, options,
-                                           cageform::ThreadedFor{unsigned(settings.threads)}));
+    auto moved = move_figure(document, settings.figure, control, settings.outside, options,
+                             cageform::ThreadedFor{unsigned(settings.threads)});
     warn(pose_faults(control, cage));
 
     Play play(settings, file, plan, moved.drawing, view);
@@ -476,7 +475,7 @@ int run_program(int argc, char** argv) {
                                !settings.pins.is_given() && settings.pose.empty() &&
                                settings.operations.operations.empty();
     settings.options.fit = settings.options.fit || is_first_look;
-    const auto cage = value_or_fail(load_or_make_cage(settings.cage, document, settings.choice.edges()));
+    const auto cage = load_or_make_cage(settings.cage, document, settings.choice.edges());
     const ClipFile file = read_clip(settings, cage);
     settings.clip = file.name;
     return animate(settings, document, cage, file);

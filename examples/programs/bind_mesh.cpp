@@ -153,7 +153,7 @@ struct Motion {
 };
 
 Motion motion_of(const Arguments& given, const ObjFile& cage) {
-    Motion motion{value_or_fail(given.moves.motion(cage)), {}, {}};
+    Motion motion{given.moves.motion(cage), {}, {}};
     if (motion.clip.keys.empty()) return motion;
     for (PoseKey& key : motion.clip.keys) key.places = counted_from(given.outside.origin, key.places);
     motion.packed = packed_clip(motion.clip);
@@ -240,7 +240,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::FigurePackOptions options;
     options.weights.format = given.weights.format;
     options.weights.largest = given.weights.largest;
-    const auto posed = value_or_fail(poses_of_handles(bound.points, motion.clip, motion.poses));
+    const auto posed = poses_of_handles(bound.points, motion.clip, motion.poses);
     options.weights.poses = posed;
     options.weights.tolerance = given.weights.distance * size_of(figure);
     const std::string clip_name = std::filesystem::path(motion.clip.name).stem().string();
@@ -319,9 +319,9 @@ int run_program(int argc, char** argv) {
         return fail("--coordinates barycentric: normals need mean-value, harmonic or green");
     fail_if(given.weights.fault(given.choice, given.moves.is_given()));
 
-    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (figure.faces.empty()) return fail(figure.name + ": has no faces, so no normals");
-    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure));
+    const auto cage = load_or_make_cage(given.cage, figure);
     for (const auto* file : {&figure, &cage}) {
         fail_if(single_precision_fault(*file));
     }

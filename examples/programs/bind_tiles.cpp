@@ -328,7 +328,7 @@ std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tile
     const std::size_t least = of_program + each + (solves ? each : 0);
     if (all < least)
         throw Failure("--memory " + std::to_string(given.memory) + ": a tile takes " +
-                      std::to_string(least / mega + 1) + " MB with this cage, regardless of its size");
+                      std::to_string(least / mega + 1) + " MB with this cage, for any number of points");
     const std::size_t room = (all - of_program - (solves ? (all - of_program) / 2 : 0)) / each;
     const std::size_t threads = std::clamp<std::size_t>(std::min({given.threads, room, tiles}), 1, 1024);
     of_solver = solves ? all - of_program - threads * each : 0;
@@ -403,10 +403,9 @@ void add_options(CommandLine& line, Arguments& given) {
         .range(64, 1 << 30)
         .show_default();
     line.add_flag("--strict", given.is_strict, "refuse a file with a point that is not finite in float");
-    line.add_flag(
-        "--json", given.json,
-        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights a "
-        "point, and the largest distance");
+    line.add_flag("--json", given.json,
+                  "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, "
+                  "weights per point, and the largest distance");
 }
 
 /// The selected tiles. Fails if options conflict, or a file cannot be written.
@@ -417,7 +416,7 @@ std::vector<Tile> checked_tiles(const Arguments& given) {
     if (has_solution &&
         (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
         throw Failure("--solution and --save-solution need --coordinates harmonic with --accuracy");
-    auto tiles = value_or_fail(given.tiles.tiles());
+    auto tiles = given.tiles.tiles();
     std::vector<std::string> inputs = given.moves.poses;
     for (const std::string& path : {given.cage, given.moves.clip, given.solution}) {
         if (!path.empty()) inputs.push_back(path);
@@ -454,7 +453,7 @@ std::vector<double> poses_of(const Job& job, const ObjFile& cage, const PoseClip
     if (motion.keys.empty()) return {};
     const auto bound = job.coordinates.bind(std::span(cage.vertices).first(1), job.bind);
     if (!bound) throw Failure(describe_mesh_faults(cage.name, bound.report));
-    return value_or_fail(poses_of_handles(bound.value, motion, sample_poses(motion)));
+    return poses_of_handles(bound.value, motion, sample_poses(motion));
 }
 
 } // namespace
@@ -476,7 +475,7 @@ int run_program(int argc, char** argv) {
     const auto cage = value_or_fail(load_mesh_cage(given.cage));
     fail_if(single_precision_fault(cage));
     fail_if(rounding_fault(cage.name, cage.vertices));
-    const auto motion = value_or_fail(given.moves.motion(cage));
+    const auto motion = given.moves.motion(cage);
     std::optional<InputFile> solution; // must outlive the coordinates
     Job job = job_of(given, cage);
     std::size_t of_solver = 0;

@@ -286,7 +286,7 @@ int run(const Settings& settings) {
         return fail(
             "--cage " + settings.cage_path +
             ": there is no figure that determines its box; make_cage --lattice writes a .lattice.json file");
-    const auto dimension = value_or_fail(cage_dimension(settings.cage_path));
+    const auto dimension = cage_dimension(settings.cage_path);
     if (dimension == 3) {
         if (settings.choice.is_planar() && !is_lattice_path(settings.cage_path))
             return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");

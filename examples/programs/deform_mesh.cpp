@@ -329,10 +329,10 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit));
+    auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
     if (given.flips_faces && ending == ".mesh")
         return fail("--flip-faces: " + figure.name + ": only OBJ files are supported");
-    auto control = value_or_fail(read_mesh_control(given.control, figure, figure.vertices));
+    auto control = read_mesh_control(given.control, figure, figure.vertices);
     fail_if(given.control.save_fault(control));
     given.paints = weight.is_given();
     if (given.paints && given.picture.empty()) return fail("--weight needs --picture");

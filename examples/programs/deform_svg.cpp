@@ -86,7 +86,7 @@ void pin_pose(Control& to, const Arguments& given, std::span<const cageform::Vec
               const std::vector<std::size_t>& still) {
     if (!given.pins.is_given()) return;
     auto pins = value_or_fail(given.pins.pins<2>());
-    auto held = value_or_fail(given.pins.held_handles(rest, still));
+    auto held = given.pins.held_handles(rest, still);
     auto figure = value_or_fail(PinnedFigure::make(
         to.control, {given.choice, given.pins, given.outside, to.control.poses.front(), std::move(held)},
         std::move(pins)));
@@ -104,10 +104,10 @@ void pin_pose(Control& to, const Arguments& given, std::span<const cageform::Vec
 Control read_sites(const Arguments& given, const SvgDocument& figure) {
     if (!given.has_pose() && !given.pins.is_given()) throw Failure("--pose is required for points");
     if (given.pins.is_given() && !given.of_sites.weights.empty())
-        throw Failure("--weights: pins cannot be solved for where points have weights");
+        throw Failure("--weights: pins do not support points with weights");
     const std::string& pose_name = given.pose.empty() ? given.cage : given.pose;
-    auto [sites, pose, weights] = value_or_fail(
-        load_posed_sites<2>(given.cage, pose_name, given.of_sites, [&] { return control_points(figure); }));
+    auto [sites, pose, weights] =
+        load_posed_sites<2>(given.cage, pose_name, given.of_sites, [&] { return control_points(figure); });
     Control result;
     result.drawn.name = given.cage;
     result.drawn.vertices = pose.points;
@@ -137,16 +137,16 @@ Control read_sites(const Arguments& given, const SvgDocument& figure) {
 
 Control read_control(const Arguments& given, const SvgDocument& figure) {
     if (given.choice.takes_sites()) return read_sites(given, figure);
-    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure, given.choice.edges()));
+    const auto cage = load_or_make_cage(given.cage, figure, given.choice.edges());
     const bool is_made = CageWord::of(given.cage).is_auto;
     const auto rest = cage.places();
     auto pose = given.pins.is_given() && !given.has_pose()
                     ? moved_cage(cage, rest)
-                    : value_or_fail(read_pose(given.pose, given.operations, cage, is_made));
+                    : read_pose(given.pose, given.operations, cage, is_made);
     Control result{control_of(given.choice, cage), std::move(pose), {}, {}, {}, cage.vertices.size()};
     result.control.pose_name = !given.pose.empty() ? given.pose : is_made ? given.figure : given.cage;
     result.control.poses = {result.drawn.vertices};
-    const auto still = value_or_fail(given.operations.still(cage.lattice));
+    const auto still = given.operations.still(cage.lattice);
     const std::size_t count = cage.lattice ? cage.lattice->points() : rest.size();
     pin_pose(result, given, std::span(rest).first(count), still);
     result.fault = pose_faults(result.control, cage);
@@ -157,9 +157,8 @@ Control read_control(const Arguments& given, const SvgDocument& figure) {
 std::string saved_pose(const Control& posed, const Arguments& given, const ViewBox& view) {
     const std::string option = "--save-pose " + given.save_pose;
     if (posed.control.coordinates.handles().vector_count() > 0 && posed.control.poses_all_handles)
-        throw Failure(option +
-                      ": with these coordinates pins pose the edges beside the vertices, and a pose has "
-                      "vertices alone; take mean-value or harmonic");
+        throw Failure(option + ": with these coordinates pins also pose edges, which a file of vertices "
+                               "cannot store; use mean-value or harmonic");
     if (!given.choice.takes_sites()) {
         const auto text = pose_text(posed.drawn, given.save_pose, view);
         return text ? *text : throw Failure("--save-pose " + to_string(text.error()));
@@ -212,11 +211,10 @@ void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& vi
 void add_inputs(CommandLine& line, Arguments& given) {
     line.add("figure", given.figure, "the SVG file to deform").required();
     add_cage(line, given.cage, CageFiles::drawing_or_sites);
-    line.add(
-        "--pose", given.pose,
-        "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
-        "pins; with --cage auto and none of these, half the figure bends, and the picture is enlarged to "
-        "fit");
+    line.add("--pose", given.pose,
+             "the pose: the same blocks or points with vertices moved. Or give operations such as --turn, or "
+             "pins. With --cage auto and none of these, half the figure bends, and the picture is enlarged "
+             "to fit");
     given.operations.in_plane = true;
     given.operations.add_options(line);
     given.pins.add_options(line);
@@ -234,8 +232,8 @@ void add_drawing(CommandLine& line, Arguments& given) {
     line.add_flag("--fit", given.options.fit,
                   "enlarge the viewBox and the size of the picture so that the deformed figure fits");
     line.add("--flatness", given.options.tolerance,
-             "the largest distance between drawn and exact deformed curves, in user units; 0 means too "
-             "little to be seen")
+             "the largest distance between drawn and exact deformed curves, in user units; 0 means invisibly "
+             "small")
         .range(0.0, 1e100)
         .show_default();
     line.add_flag("--show-cage", given.show_cage,
@@ -254,8 +252,8 @@ int deform_figure(const Arguments& given, SvgDocument document) {
     const std::string rest = given.show_rest ? to_text(document) : "";
     const auto rest_view = view_box(document);
     const std::string pose_file = given.save_pose.empty() ? "" : saved_pose(posed, given, rest_view);
-    auto moved = value_or_fail(move_figure(document, given.figure, posed.control, given.outside,
-                                           given.options, cageform::ThreadedFor{unsigned(given.threads)}));
+    auto moved = move_figure(document, given.figure, posed.control, given.outside, given.options,
+                             cageform::ThreadedFor{unsigned(given.threads)});
     warn(posed.fault);
     document = std::move(moved.drawing.document);
     if (given.show_rest) draw_rest(document, rest, rest_view);

@@ -44,7 +44,7 @@ int run_program(int argc, char** argv) {
     warn(scene.warning);
     std::optional<ObjFile> mesh;
     if (!beside.empty()) {
-        mesh = value_or_fail(load_mesh_figure(beside, strict));
+        mesh = load_mesh_figure(beside, strict);
     }
     fail_if(fault_of_outputs({out}));
     const MeshView left = mesh ? MeshView{mesh->vertices, mesh->triangles} : MeshView{};

@@ -626,7 +626,7 @@ void warn_of_mirrors(const Arguments& given, const Scene& scene, const Binding<d
 /// Fits the skeleton of --bones to the motion and adds it. Returns the motion.
 FittedMotion add_bones(GltfDocument& document, const Arguments& given, const Scene& scene,
                        const FigureFrames& frames) {
-    auto motion = value_or_fail(fit_motion(given.skeleton, frames, given.weights));
+    auto motion = fit_motion(given.skeleton, frames, given.weights);
     if (motion.loss.share() > StoredLoss::worth_a_warning || motion.report.turn > worth_a_warning_of_turns)
         warn(scene.figure.name + ": " + describe_loss(motion) + "; use more --bones for a smaller error");
     const auto& [skeleton, keys] = std::tie(motion.skeleton, motion.keys);
@@ -675,14 +675,14 @@ int export_figure(const Arguments& given, const Scene& scene) {
 /// Reads all input files.
 Scene read_scene(const Arguments& given) {
     Scene scene;
-    scene.figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
-    scene.cage = value_or_fail(load_or_make_cage(given.cage, scene.figure));
+    scene.figure = load_mesh_figure(given.figure, given.is_strict);
+    scene.cage = load_or_make_cage(given.cage, scene.figure);
     if (given.flips_faces) scene.figure = with_faces_turned_over(std::move(scene.figure));
     scene.parts = read_parts(scene.figure);
     scene.meshes = value_or_fail(gltf_meshes(scene.figure, scene.parts));
     if (!given.labels.empty())
         scene.labels = value_or_fail(read_labels(given.labels, scene.cage.vertices.size()));
-    scene.clip = value_or_fail(given.moves.motion(scene.cage));
+    scene.clip = given.moves.motion(scene.cage);
     scene.origin = far_origin(scene.figure);
     scene.stored = scene.figure;
     scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);

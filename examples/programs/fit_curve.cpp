@@ -398,7 +398,7 @@ std::string draw_values(const Panel& above, const BezierFit& fit, const Lines& d
 ///   reach   the largest value of the axis
 std::string draw_errors(const Panel& below, const Case& one, const Lines& drawn, double reach) {
     const auto& [fit, report] = one.fitted;
-    std::string svg = below.axes("error: curve less pieces");
+    std::string svg = below.axes("error: curve minus pieces");
     for (std::size_t i = 1; i < fit.pieces(); ++i)
         svg += Panel::line(below.at_x(fit.knots[i]), below.at_y(-reach), below.at_x(fit.knots[i]),
                            below.at_y(reach), "stroke=\"#8a8a8a\" stroke-dasharray=\"1 3\"");

@@ -85,8 +85,8 @@ MddFile read_frames(Arguments& given, ObjFile& figure) {
                  detail::short_number(first));
         }
         if (given.rate == 0 && !ascend(file.times)) {
-            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later: they are " +
-                 detail::short_number(default_rate) + " a second, as with --rate");
+            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later; " +
+                 detail::short_number(default_rate) + " frames per second are used, as with --rate");
             given.rate = default_rate;
         }
         if (given.rate > 0) file.times.clear();
@@ -188,7 +188,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
     if (!ascend(frames.times)) return fail("--rate: the times of the frames are equal in single precision");
 
     warn_of_mirrors(given, frames);
-    const auto motion = value_or_fail(fit_motion(given.choice, frames));
+    const auto motion = fit_motion(given.choice, frames);
     if (motion.loss.share() > StoredLoss::worth_a_warning) {
         warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
@@ -258,7 +258,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    auto figure = value_or_fail(load_mesh_figure(given.rest, given.is_strict));
+    auto figure = load_mesh_figure(given.rest, given.is_strict);
     fail_if(single_precision_fault(figure));
     if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
     return fit_figure(given, std::move(figure));

@@ -60,8 +60,8 @@ Fitted<D> fitted(const Arguments& given, const Figures<D>& figures,
                       " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4"));
     if (rest.size() != posed.size())
         throw Failure(posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
-                      " has " + std::to_string(rest.size()) + ": the figures must be the same");
-    const auto held = value_or_fail(given.choice.still(lattice));
+                      " has " + std::to_string(rest.size()) + ": both need the same vertices");
+    const auto held = given.choice.still(lattice);
     const std::vector<std::uint32_t> frozen(held.begin(), held.end());
 
     const auto start = std::chrono::steady_clock::now();
@@ -104,7 +104,7 @@ int fit_in_plane(const Arguments& given) {
         const auto found = value_or_fail(figure_vertices(*document));
         for (const Point2& p : found) points->push_back({p.x, p.y});
     }
-    const auto cage = value_or_fail(load_or_make_cage(given.cage, rest));
+    const auto cage = load_or_make_cage(given.cage, rest);
     const auto fit = fitted(given, figures, cage.lattice);
     const CageFile pose = moved_cage(cage, fit.pose);
     const auto view = view_box(rest);
@@ -119,12 +119,12 @@ int fit_in_space(const Arguments& given) {
     if (ending_of(given.out) != ".obj")
         return fail("-o " + given.out + ": the figure lies in space: write .obj");
     fail_if(fault_of_outputs({given.out, given.picture}));
-    auto rest = value_or_fail(load_mesh_figure(given.rest, given.is_strict));
+    auto rest = load_mesh_figure(given.rest, given.is_strict);
     const auto posed = value_or_fail(load_obj(given.posed, strays_of(given.is_strict)));
     if (posed.vertices.size() == rest.vertices.size()) {
         fail_if(leave_out_also(rest, posed.left_out, given.posed + ": ", given.is_strict));
     }
-    const auto cage = value_or_fail(load_or_make_cage(given.cage, rest));
+    const auto cage = load_or_make_cage(given.cage, rest);
     Figures<3> figures{given.rest, given.posed, rest.vertices, posed.vertices};
     for (const std::size_t vertex : rest.left_out) // fit_lattice skips non-finite points
         figures.rest[vertex] = Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0};

@@ -129,10 +129,10 @@ int cage_in_plane(const Arguments& given) {
     const auto figure = value_or_fail(load_figure(given.figure));
     const auto view = view_box(figure);
     if (given.lattice) {
-        const auto made = value_or_fail(make_lattice_for(figure, *given.lattice, given.lattice_margin()));
+        const auto made = make_lattice_for(figure, *given.lattice, given.lattice_margin());
         return write_in_plane(given, figure, made, view, describe(*made.lattice) + '\n');
     }
-    const auto made = value_or_fail(make_cage_for(figure, given.options));
+    const auto made = make_cage_for(figure, given.options);
     print_warnings(warnings_of(made.report, given.options));
     return write_in_plane(given, figure, made.cage, view, describe(made.report, 2));
 }
@@ -154,21 +154,21 @@ int cage_in_space(const Arguments& given) {
     if (given.options.holes)
         return fail("--holes is for figures in the plane; in space tunnels are always kept");
     if (given.png) return fail("--png: in space the picture is a .png file already");
-    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     fail_if(fault_of_outputs({given.out, given.picture}));
     if (given.lattice) {
-        const auto made = value_or_fail(make_lattice_for(figure, *given.lattice, given.lattice_margin()));
+        const auto made = make_lattice_for(figure, *given.lattice, given.lattice_margin());
         return write_in_space(given, figure, made, describe(*made.lattice) + '\n');
     }
     ProgressBar bar("making the cage");
-    const auto made = value_or_fail(make_cage_for(figure, given.options, bar.callback()));
+    const auto made = make_cage_for(figure, given.options, bar.callback());
     print_warnings(warnings_of(made.report, given.options));
     if (!given.quads) {
         return write_in_space(given, figure, made.cage,
                               describe(made.report, 3) + describe_rings(made.report) +
                                   describe_parts(cage_parts(made.cage)));
     }
-    const auto paired = value_or_fail(with_quads(made, figure, given.options));
+    const auto paired = with_quads(made, figure, given.options);
     return write_in_space(given, figure, paired.cage,
                           describe(paired.report, 3) + describe_quads(paired.report) +
                               describe_rings(paired.report) + describe_parts(cage_parts(paired.cage)));
@@ -278,7 +278,7 @@ void check_options(const Arguments& given) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
-                     "parts, or a mesh, which may have holes or several pieces.");
+                     "parts, or a mesh. A mesh may have holes or several pieces.");
     line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
                        "character.obj --vertices 112 -o cage.obj --picture cage.png",
                        "character.obj --vertices auto --volume 15% -o cage.obj",

@@ -39,9 +39,9 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     options.seed = seed;
 
-    const auto mesh = value_or_fail(load_mesh_figure(path, is_strict));
+    const auto mesh = load_mesh_figure(path, is_strict);
     if (const double area = area_of(mesh); !(area > 0) || !std::isfinite(area))
-        return fail(path + ": its faces have no area to lie on");
+        return fail(path + ": its faces have no area");
     fail_if(single_precision_fault(mesh));
     fail_if(rounding_fault(path, mesh.vertices));
     fail_if(fault_of_outputs({out}));

@@ -114,7 +114,7 @@ int run_program(int argc, char** argv) {
     const RowPath path(given.output);
     if (!path.has_place() && given.tiles > 1)
         return fail("--output " + given.output + ": write %d in place of the number of a tile");
-    const auto mesh = value_or_fail(load_mesh_figure(given.mesh, given.is_strict));
+    const auto mesh = load_mesh_figure(given.mesh, given.is_strict);
     fail_if(rounding_fault(given.mesh, mesh.vertices));
     const FacePoints points(mesh, given.points, given.seed);
     if (!(points.area() > 0 && std::isfinite(points.area())))

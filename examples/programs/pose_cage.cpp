@@ -33,7 +33,7 @@ std::vector<cageform::Vec<double, D>>
 posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
       const std::optional<LatticeBox<D>>& lattice, const CageFile* curves = nullptr,
       const cageform::CageParts* parts = nullptr) {
-    auto pose = value_or_fail(given.choice.posed(rest, lattice, curves, parts));
+    auto pose = given.choice.posed(rest, lattice, curves, parts);
     std::size_t moved = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) moved += pose[i] == rest[i] ? 0 : 1;
     std::cout << printable(given.cage) << ": " << moved << " of " << rest.size()
@@ -138,6 +138,6 @@ int run_program(int argc, char** argv) {
         return fail("nothing to write: give -o, --picture or both");
     if (given.picture.empty() && (given.png || !given.figure.empty()))
         return fail("--png and --figure are for --picture");
-    const auto dimension = value_or_fail(cage_dimension(given.cage));
+    const auto dimension = cage_dimension(given.cage);
     return dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
 }

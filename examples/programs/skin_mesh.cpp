@@ -528,7 +528,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (figure.faces.empty()) return fail(figure.name + ": holds no faces");
     fail_if(single_precision_fault(figure));
     return skin_figure(given, figure, load_bones(given.bones));

@@ -56,7 +56,7 @@ TurningCurve parse_curve(const std::string& word) {
         if (const std::string why = detail::parse_number(numbers.substr(0, comma), number); !why.empty())
             throw Failure(start + why);
         if (!(std::fabs(number) <= 20) || curve.sines.size() > 16)
-            throw Failure(start + "16 numbers from -20 to 20 are the most");
+            throw Failure(start + "at most 16 numbers from -20 to 20 are allowed");
         numbers.remove_prefix(std::min(comma + 1, numbers.size()));
     }
     if (!is_random) return curve;

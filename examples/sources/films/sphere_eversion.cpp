@@ -72,11 +72,11 @@ std::optional<Control> read_control(const Arguments& given, const ObjFile& all_s
             throw Failure("operations such as --twist pose a cage: give --cage, such as lattice:6x6x6");
         return std::optional<Control>();
     }
-    auto cage = value_or_fail(load_or_make_cage(given.cage, all_stages));
+    auto cage = load_or_make_cage(given.cage, all_stages);
     std::vector<Point3> pose = first_pose(cage.vertices);
     if (is_posed) {
         const auto parts = cage_parts(cage);
-        pose = value_or_fail(given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts));
+        pose = given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
     }
     auto coordinates = make_coordinates<double>(given.choice, cage);
     note(coordinates.note);
@@ -104,7 +104,7 @@ public:
         }
     }
 
-    /// The stage at a time, as the cage moves it, if there is one.
+    /// The stage at a time, deformed by the cage if there is one.
     Tile tile(double time) const {
         EversionMesh mesh = eversion_mesh(eversion_.stage(time), given_.net_rows(), given_.net_columns());
         if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) throw Failure(why);
@@ -114,13 +114,14 @@ public:
         return tile;
     }
 
-    /// A tile, at the scale of a whole eversion.
+    /// Draws a tile. All tiles have the same scale.
     Picture draw(const Tile& tile) {
         if (stage_.empty()) {
             for (int n = 0; n <= 24; ++n) {
                 auto mesh = eversion_mesh(eversion_.stage(n / 24.0), 16, 32);
                 if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) throw Failure(why);
-                for (const Point3& p : mesh.vertices) stage_.push_back(1.04 * p); // what lies between these
+                for (const Point3& p : mesh.vertices)
+                    stage_.push_back(1.04 * p); // a margin for stages between these
             }
             if (control_) add_cage();
         }
@@ -129,7 +130,8 @@ public:
         return draw_meshes(std::span(&scene, 1), side, side, given_.view.sight);
     }
 
-    /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
+    /// The smallest ratio of volumes, deformed to rest, around points of a stage. Fails if Jacobians are not
+    /// available.
     double least_determinant(double time) const {
         const auto rest = eversion_mesh(eversion_.stage(time), 48, 96).vertices;
         const auto columns =
@@ -266,7 +268,7 @@ int play(const Arguments& given, Theatre theatre) {
         if (given.film.stills.empty()) continue;
         AtomicFile& file = outputs.add(given.film.still(n, ".png"));
         picture.write_png(file);
-        (void)file.finish(); // commit() has the fault
+        (void)file.finish(); // commit() reports the error
     }
     if (film) film->finish();
     fail_if(outputs.commit());

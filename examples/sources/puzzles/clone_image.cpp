@@ -96,7 +96,7 @@ PixelRegion load_region(const std::string& path, const Pixels& source) {
             }
         }
         region = make_region(mask_of(loops, source.width, source.height), source.width);
-        if (region.is_empty()) throw refuse("the outline holds no pixel's centre");
+        if (region.is_empty()) throw refuse("the outline contains no centre of a pixel");
     } else {
         const auto mask = value_or_fail(read_png(path));
         if (mask.width != source.width || mask.height != source.height)
@@ -232,7 +232,7 @@ int clone_region(const Given& given) {
 
     OutputFiles outputs;
     const auto [picture, moves, shortest] = move_region(given, scene, *membrane, way, outputs);
-    // The last place once more, by other means.
+    // The last place again, by the other methods.
     if (!given.pasted.empty()) {
         Pixels pasted = target;
         paste(source, region, way.back(), std::vector<Membrane::Values>(region.kinds.size()), pasted);

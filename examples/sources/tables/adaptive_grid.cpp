@@ -156,7 +156,7 @@ Section in_space(const Arguments& given) {
     section.y_up = true;
     section.cage = cut(cage.vertices, cage.triangles, *slice);
     if (!given.figure.empty()) {
-        const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
+        const auto figure = load_mesh_figure(given.figure, given.is_strict);
         section.figure = cut(figure.vertices, figure.triangles, *slice);
     }
     const auto coordinates = make_coordinates<double>(given.choice, cage);

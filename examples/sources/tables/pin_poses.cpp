@@ -135,8 +135,7 @@ private:
                      const std::string& path, OutputFiles& outputs) {
         control_.poses = {pose};
         auto moved = move_figure(figure_, given_.figure, control_, outside_, {});
-        if (!moved) return to_string(moved.error());
-        SvgDocument& document = moved->drawing.document;
+        SvgDocument& document = moved.drawing.document;
         const auto view = view_box(document);
         draw_pins(document, pins, std::hypot(view.width, view.height));
         outputs.add(path).write(to_text(document));
@@ -153,8 +152,8 @@ private:
 
 /// Draws the poses of a mesh side by side, one picture per method.
 int draw_in_space(const Arguments& given) {
-    const auto figure = value_or_fail(load_mesh_figure(given.figure, given.is_strict));
-    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure));
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
+    const auto cage = load_or_make_cage(given.cage, figure);
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     const auto faults = [&](const cageform::BindReport& report) {
         return describe_mesh_faults(cage.name, report);
@@ -222,7 +221,7 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.figure) == ".obj") return draw_in_space(given);
 
     const auto figure = value_or_fail(load_svg(given.figure));
-    const auto cage = value_or_fail(load_or_make_cage(given.cage, figure, given.choice.edges()));
+    const auto cage = load_or_make_cage(given.cage, figure, given.choice.edges());
     PoseSheet sheet(given, figure, cage);
     OutputFiles outputs;
     for (std::size_t n = 0; n < given.poses.size(); ++n) {

@@ -53,15 +53,13 @@ CageWord CageWord::of(const std::string& word) {
     return found;
 }
 
-Expected<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
-                                           const cageform::MakeCageOptions& options) {
-    const auto drawn = drawn_figure(figure);
-    if (!drawn) return drawn.error();
-    const auto made = cageform::make_cage(cageform::Drawing(drawn->segments, drawn->areas), options);
+AutoCage<CageFile> make_cage_for(const SvgDocument& figure, const cageform::MakeCageOptions& options) {
+    const auto drawn = value_or_fail(drawn_figure(figure));
+    const auto made = cageform::make_cage(cageform::Drawing(drawn.segments, drawn.areas), options);
     if (!made) {
         double farthest = 0;
-        for (const auto& segment : drawn->segments) farthest = farthest_coordinate(segment.a.v, farthest);
-        return FileError{figure.name + ": " + no_cage(made.report, options, farthest)};
+        for (const auto& segment : drawn.segments) farthest = farthest_coordinate(segment.a.v, farthest);
+        throw Failure(figure.name + ": " + no_cage(made.report, options, farthest));
     }
     std::vector<CageBlock> blocks;
     for (const auto& loop : made.value.loops()) {
@@ -71,35 +69,32 @@ Expected<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
                                     rounded(made.value[i][1], made.report.clearance)});
         blocks.push_back(std::move(block));
     }
-    return AutoCage<CageFile>{make_cage("the cage of " + figure.name, std::move(blocks)), made.report};
+    return {make_cage("the cage of " + figure.name, std::move(blocks)), made.report};
 }
 
-Expected<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin) {
-    const auto drawn = drawn_figure(figure);
-    if (!drawn) return drawn.error();
+CageFile make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin) {
+    const auto drawn = value_or_fail(drawn_figure(figure));
     std::vector<cageform::Vec<double, 2>> corners; // of boxes around the strokes
-    for (const auto& segment : drawn->segments) {
+    for (const auto& segment : drawn.segments) {
         for (const auto& p : {segment.a, segment.b}) {
             for (const double r : {-segment.radius, segment.radius})
                 corners.insert(corners.end(), {{p[0] + r, p[1] + r}, {p[0] + r, p[1] - r}});
         }
     }
-    auto lattice = lattice_about<2>(word, corners, margin, figure.name);
-    if (!lattice) return lattice.error();
-    return make_cage("the lattice about " + figure.name, std::move(*lattice));
+    auto lattice = value_or_fail(lattice_about<2>(word, corners, margin, figure.name));
+    return make_cage("the lattice about " + figure.name, std::move(lattice));
 }
 
-Expected<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
+CageFile load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
     const CageWord wanted = CageWord::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
         auto cage = load_cage(word, edges);
-        if (!cage) return with_words(cage.error(), word);
-        return cage;
+        return value_or_fail(cage ? std::move(cage) : with_words(cage.error(), word));
     }
     auto made = made_by_word(wanted, figure);
-    if (!made) return made.error();
-    return edges == CageEdges::curves ? with_curves(std::move(made->cage)) : std::move(made->cage);
+    return edges == CageEdges::curves ? value_or_fail(with_curves(std::move(made.cage)))
+                                      : std::move(made.cage);
 }
 
 std::string parse_looseness(const std::string& word, double& looseness) {

@@ -51,29 +51,28 @@ struct AutoCage {
 ///
 ///   options   margins relative to the figure; the mirror's position in root user space
 ///   fails     with the document's name
-Expected<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
-                                           const cageform::MakeCageOptions& options);
+AutoCage<CageFile> make_cage_for(const SvgDocument& figure, const cageform::MakeCageOptions& options);
 
 /// Makes a cage around all faces of a mesh, with all hardware threads. Its faces are in the groups part_1,
 /// part_2, part_-2 and so on, see find_parts().
-Expected<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                          const cageform::Progress& progress = {});
+AutoCage<ObjFile> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                const cageform::Progress& progress = {});
 
 /// Merges as many pairs of triangles of a cage as possible to quads. The vertices do not change.
-Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                                       const cageform::MakeCageOptions& options);
+AutoCage<ObjFile> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                             const cageform::MakeCageOptions& options);
 
 /// Makes a lattice around all visible parts of a document, or around the vertices of a mesh.
 ///
 ///   margin   of the box, relative to the diagonal of these parts or vertices
 inline constexpr double lattice_margin = 0.02;
-Expected<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
-Expected<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
+CageFile make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
+ObjFile make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
 
 /// The cage of --cage: made for the figure, or read from a file.
-Expected<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure,
-                                     CageEdges edges = CageEdges::lines);
-Expected<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
+CageFile load_or_make_cage(const std::string& word, const SvgDocument& figure,
+                           CageEdges edges = CageEdges::lines);
+ObjFile load_or_make_cage(const std::string& word, const ObjFile& figure);
 
 /// Parses "15%" or "0.15", the fraction by which a cage may exceed the tightest. Returns the error; empty on
 /// success.
@@ -108,8 +107,7 @@ enum class MeshFormats : std::uint8_t { obj, obj_or_medit };
 
 /// Reads a figure. Unused vertices that are not finite are left out with a warning; a strict reader rejects
 /// them.
-Expected<ObjFile> load_mesh_figure(const std::string& path, bool is_strict,
-                                   MeshFormats formats = MeshFormats::obj);
+ObjFile load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats = MeshFormats::obj);
 
 /// Leaves out vertices that are not finite in a frame, with a warning.
 ///

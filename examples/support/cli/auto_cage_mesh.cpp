@@ -24,8 +24,8 @@ std::vector<Point3> without_strays(const ObjFile& figure) {
 
 } // namespace
 
-Expected<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                          const cageform::Progress& progress) {
+AutoCage<ObjFile> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                const cageform::Progress& progress) {
     const auto made = cageform::make_cage(without_strays(figure), figure.triangles, options,
                                           {.parallel = cageform::ThreadedFor{}, .progress = progress});
     const auto& report = made.report;
@@ -36,7 +36,7 @@ Expected<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform:
         if (report.status == cageform::Status::figure_empty) why += " (it holds no faces)";
         if (report.status == cageform::Status::figure_not_finite)
             why += " (v " + std::to_string(report.culprit + 1) + ")";
-        return FileError{why};
+        throw Failure(why);
     }
     std::string text;
     for (const auto& p : made.value.vertices()) {
@@ -54,20 +54,18 @@ Expected<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform:
             text += '\n';
         }
     }
-    auto cage = parse_obj(std::move(text), "the cage of " + figure.name);
-    if (!cage) return cage.error();
-    AutoCage<ObjFile> result{std::move(*cage), report};
+    AutoCage<ObjFile> result{value_or_fail(parse_obj(std::move(text), "the cage of " + figure.name)), report};
     if (options.rings) result.report.parts = cage_parts(result.cage); // in the order of the file's faces
     return result;
 }
 
-Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                                       const cageform::MakeCageOptions& options) {
+AutoCage<ObjFile> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                             const cageform::MakeCageOptions& options) {
     const ObjFile& cage = made.cage;
     const cageform::Result<cageform::TriangleMesh<double>, cageform::MakeCageReport> triangles{
         {cage.vertices, cage.triangles}, made.report};
     const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
-    if (!paired) return FileError{figure.name + ": " + cageform::to_string(paired.report.status)};
+    if (!paired) throw Failure(figure.name + ": " + cageform::to_string(paired.report.status));
     // A quad replaces the line of its first triangle; the line of the second is removed.
     std::string text;
     std::size_t begin = 0, line = 1, triangle = 0, face = 0;
@@ -91,28 +89,22 @@ Expected<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjF
         }
         begin = end;
     }
-    auto file = parse_obj(std::move(text), cage.name);
-    if (!file) return file.error();
-    return AutoCage<ObjFile>{std::move(*file), paired.report};
+    return {value_or_fail(parse_obj(std::move(text), cage.name)), paired.report};
 }
 
-Expected<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
-    auto lattice = lattice_about<3>(word, without_strays(figure), margin, figure.name);
-    if (!lattice) return lattice.error();
-    return lattice_mesh("the lattice about " + figure.name, std::move(*lattice));
+ObjFile make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
+    auto lattice = value_or_fail(lattice_about<3>(word, without_strays(figure), margin, figure.name));
+    return lattice_mesh("the lattice about " + figure.name, std::move(lattice));
 }
 
-Expected<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
+ObjFile load_or_make_cage(const std::string& word, const ObjFile& figure) {
     const CageWord wanted = CageWord::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
         auto cage = load_mesh_cage(word);
-        if (!cage) return with_words(cage.error(), word);
-        return cage;
+        return value_or_fail(cage ? std::move(cage) : with_words(cage.error(), word));
     }
-    auto made = made_by_word(wanted, figure);
-    if (!made) return made.error();
-    return std::move(made->cage);
+    return made_by_word(wanted, figure).cage;
 }
 
 void add_flip_faces(CommandLine& line, bool& flips_faces) {
@@ -125,14 +117,14 @@ void add_strict(CommandLine& line, bool& is_strict) {
                   "refuse a figure with a vertex that is not finite, even if no face uses the vertex");
 }
 
-Expected<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
+ObjFile load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
     const StrayVertices strays = strays_of(is_strict);
-    auto file =
-        formats == MeshFormats::obj_or_medit ? load_mesh_or_obj(path, strays) : load_obj(path, strays);
-    if (file && !file->left_out.empty()) {
-        warn(path + ": " + std::to_string(file->left_out.size()) + " of " +
-             std::to_string(file->vertices.size()) + " vertices are left out, first v " +
-             std::to_string(file->left_out[0] + 1) +
+    ObjFile file = value_or_fail(formats == MeshFormats::obj_or_medit ? load_mesh_or_obj(path, strays)
+                                                                      : load_obj(path, strays));
+    if (!file.left_out.empty()) {
+        warn(path + ": " + std::to_string(file.left_out.size()) + " of " +
+             std::to_string(file.vertices.size()) + " vertices are left out, first v " +
+             std::to_string(file.left_out[0] + 1) +
              ": no face uses them, and they are not finite or very far away; with --strict they are kept or "
              "refused");
     }

@@ -57,10 +57,7 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
     options.looseness = word.looseness;
     options.shape = word.shape;
     auto made = make_cage_for(figure, options);
-    if (made) {
-        for (const std::string& warning : warnings_of(made->report, options))
-            warn(figure.name + ": " + warning);
-    }
+    for (const std::string& warning : warnings_of(made.report, options)) warn(figure.name + ": " + warning);
     return made;
 }
 
@@ -82,9 +79,8 @@ inline FileError with_words(FileError error, const std::string& word) {
 /// The lattice that the value of --cage describes.
 template <class Figure>
 auto lattice_by_word(const std::string& word, const Figure& figure) {
-    const auto read = parse_lattice_word(std::string_view(word).substr(lattice_prefix.size()));
-    if (read) return make_lattice_for(figure, *read, lattice_margin);
-    return decltype(make_lattice_for(figure, *read, lattice_margin))(read.error());
+    const auto read = value_or_fail(parse_lattice_word(std::string_view(word).substr(lattice_prefix.size())));
+    return make_lattice_for(figure, read, lattice_margin);
 }
 
 } // namespace cageform_support

@@ -102,24 +102,20 @@ struct PosedSites {
 ///
 ///   figure   returns the points that a requested box must contain
 template <std::size_t D>
-Expected<PosedSites<D>>
+PosedSites<D>
 load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,
                  const std::function<Expected<std::vector<typename SiteFile<D>::Point>>()>& figure) {
-    auto sites = load_sites<D>(path);
-    if (!sites) return sites.error();
-    auto pose = load_site_pose(pose_path, *sites);
-    if (!pose) return pose.error();
-    PosedSites<D> posed{std::move(*sites), std::move(*pose), {}};
+    auto sites = value_or_fail(load_sites<D>(path));
+    auto pose = value_or_fail(load_site_pose(pose_path, sites));
+    PosedSites<D> posed{std::move(sites), std::move(pose), {}};
     if (!choice.weights.empty()) {
-        auto read = load_site_weights(choice.weights, posed.sites.points.size());
-        if (!read) return read.error();
-        posed.weights = std::move(*read);
+        auto read = value_or_fail(load_site_weights(choice.weights, posed.sites.points.size()));
+        posed.weights = std::move(read);
     }
     if (choice.surround > 0) {
-        const auto inside = figure();
-        if (!inside) return inside.error();
-        const std::string why = surround_sites(choice.surround, *inside, posed.sites, posed.pose);
-        if (!why.empty()) return FileError{why};
+        const auto inside = value_or_fail(figure());
+        const std::string why = surround_sites(choice.surround, inside, posed.sites, posed.pose);
+        if (!why.empty()) throw Failure(why);
         if (!posed.weights.empty()) posed.weights.resize(posed.sites.points.size(), 1);
     }
     return posed;

@@ -195,9 +195,9 @@ private:
 
 } // namespace
 
-Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
-                                  const FigureControl& control, const OutsideChoice& outside,
-                                  const DeformOptions& options, const cageform::ParallelFor& parallel) {
+MovedFigure move_figure(const SvgDocument& document, const std::string& figure, const FigureControl& control,
+                        const OutsideChoice& outside, const DeformOptions& options,
+                        const cageform::ParallelFor& parallel) {
     MovedFigure result;
     if (!control.coordinates.closed_form()) {
         // Points arrive in several batches; solve once.
@@ -206,20 +206,18 @@ Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string
         result.bound.status = evaluation.status;
         result.bound.cage = control.coordinates.cage_report();
         result.bound.solver = evaluation.solver;
-        if (evaluation.status != cageform::Status::ok)
-            return FileError{control.describe_faults(result.bound)};
+        if (evaluation.status != cageform::Status::ok) throw Failure(control.describe_faults(result.bound));
         warn_of_coarse_grid(control.name, evaluation.solver);
     }
     BatchMover mover(figure, control, outside, parallel);
     const FrameDeformer deformer = [&](std::span<const Point2> in, std::span<const PointRole> roles,
                                        std::span<Point2> out) { return mover.move(in, roles, out); };
     auto drawing = animate(document, deformer, control.frames, options);
-    if (!drawing) return mover.failure.empty() ? drawing.error() : FileError{mover.failure};
+    fail_if(mover.failure);
+    result.drawing = value_or_fail(std::move(drawing));
     if (mover.first.points != 0) result.bound = mover.first;
-    for (const std::string& each : {mover.warning, mover.unreached, mover.pose_warning}) {
-        warn(each);
-    }
-    const DeformReport& report = drawing->report;
+    for (const std::string& each : {mover.warning, mover.unreached, mover.pose_warning}) warn(each);
+    const DeformReport& report = result.drawing.report;
     print_warnings(report.warnings);
     if (report.cut_off > 0) {
         warn(detail::counted(report.cut_off, "shape") + (report.cut_off == 1 ? " is" : " are") +
@@ -229,20 +227,17 @@ Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string
         warn(std::to_string(report.coarse) + " of " + std::to_string(report.segments) +
              " segments do not meet --flatness");
     }
-    result.drawing = std::move(*drawing);
     return result;
 }
 
-Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
-                                                       const std::string& figure,
-                                                       const FigureControl& control,
-                                                       const OutsideChoice& outside) {
+std::vector<std::vector<Point2>> move_points(const std::vector<Point2>& points, const std::string& figure,
+                                             const FigureControl& control, const OutsideChoice& outside) {
     OutsideChoice of_part = outside;
     of_part.of_part = true;
     BatchMover mover(figure, control, std::move(of_part), cageform::SerialFor{});
     std::vector<Point2> moved(control.frames * points.size());
-    if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) return FileError{mover.failure};
-    if (!mover.unreached.empty()) return FileError{mover.unreached};
+    if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) throw Failure(mover.failure);
+    fail_if(mover.unreached);
     warn(mover.warning);
     std::vector<std::vector<Point2>> frames;
     for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))

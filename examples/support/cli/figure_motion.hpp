@@ -46,18 +46,15 @@ struct MovedFigure {
 ///   figure     name of its file
 ///   parallel   for binding; does not affect the result
 ///   fails      as animate(), if the bind fails, or points are outside and --outside forbids it
-Expected<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
-                                  const FigureControl& control, const OutsideChoice& outside,
-                                  const DeformOptions& options,
-                                  const cageform::ParallelFor& parallel = cageform::SerialFor{});
+MovedFigure move_figure(const SvgDocument& document, const std::string& figure, const FigureControl& control,
+                        const OutsideChoice& outside, const DeformOptions& options,
+                        const cageform::ParallelFor& parallel = cageform::SerialFor{});
 
 /// Moves points of layer 0 to all frames of a control. Points outside cause a warning only, even if most are.
 ///
 ///   returns   #frames · #points
-Expected<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
-                                                       const std::string& figure,
-                                                       const FigureControl& control,
-                                                       const OutsideChoice& outside);
+std::vector<std::vector<Point2>> move_points(const std::vector<Point2>& points, const std::string& figure,
+                                             const FigureControl& control, const OutsideChoice& outside);
 
 /// Adds --text-as-paths and --threads of programs that deform drawings.
 void add_text_as_paths(CommandLine& line, bool& text_as_paths);

@@ -10,9 +10,8 @@
 
 namespace cageform_support {
 
-Expected<std::size_t> cage_dimension(const std::string& path) {
-    if (is_lattice_path(path)) return lattice_dimension(path);
-    return std::size_t{path.ends_with(".obj") ? 3u : 2u};
+std::size_t cage_dimension(const std::string& path) {
+    return is_lattice_path(path) ? value_or_fail(lattice_dimension(path)) : path.ends_with(".obj") ? 3 : 2;
 }
 
 Expected<ObjFile> load_mesh_cage(const std::string& path) {
@@ -127,15 +126,13 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
     return text.str();
 }
 
-Expected<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
-                                      double seconds) {
+PoseClip clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses, double seconds) {
     PoseClip clip{"poses", seconds * double(poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
     for (const std::string& path : poses) {
-        const auto pose = load_obj(path);
-        if (!pose) return pose.error();
-        if (const std::string why = pose_difference(cage, *pose); !why.empty()) return FileError{why};
-        if (const auto fault = single_precision_fault(*pose)) return *fault;
-        clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose->vertices});
+        const auto pose = value_or_fail(load_obj(path));
+        fail_if(pose_difference(cage, pose));
+        fail_if(single_precision_fault(pose));
+        clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose.vertices});
     }
     return clip;
 }

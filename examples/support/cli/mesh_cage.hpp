@@ -18,7 +18,7 @@
 namespace cageform_support {
 
 /// The dimension of a cage file, 2 or 3. Fails if a lattice cannot be read.
-Expected<std::size_t> cage_dimension(const std::string& path);
+std::size_t cage_dimension(const std::string& path);
 
 /// Reads a cage from an OBJ or lattice file; fails also if a face cannot be triangulated.
 Expected<ObjFile> load_mesh_cage(const std::string& path);
@@ -73,8 +73,7 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
 
 /// A smooth motion from rest through poses (OBJ files) and back, `seconds` per step. Fails if a file cannot
 /// be read, is not a pose of the cage, or exceeds single precision.
-Expected<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
-                                      double seconds);
+PoseClip clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses, double seconds);
 
 /// The difference that makes `pose` invalid for `cage`; empty if it is valid.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);

@@ -15,44 +15,38 @@ namespace {
 /// Poses the vertices by pins, if there are any. Vertices of --hold do not move.
 ///
 ///   still   vertices that no pose moves
-Expected<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
-                        const std::vector<std::size_t>& still) {
-    if (!given.pins.is_given()) return true;
-    auto pins = given.pins.pins<3>(places);
-    if (!pins) return pins.error();
+void pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
+              const std::vector<std::size_t>& still) {
+    if (!given.pins.is_given()) return;
+    auto pins = value_or_fail(given.pins.pins<3>(places));
     const std::span<const Point3> rest(to.cage.vertices);
     const auto parts = cage_parts(to.cage);
     auto held = given.pins.held_handles(rest.first(to.saved), still, &parts);
-    if (!held) return held.error();
     const std::string kind = to.cage.lattice ? "lattice" : given.choice.name;
-    auto pinned =
+    auto pinned = value_or_fail(
         PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
-                                    {std::move(*pins), std::move(*held)}, given.pins, given.outside);
-    if (!pinned) return pinned.error();
-    auto pose = pinned->rest();
+                                    {std::move(pins), std::move(held)}, given.pins, given.outside));
+    auto pose = pinned.rest();
     std::copy(to.pose.vertices.begin(), to.pose.vertices.end(), pose.begin());
-    if (const auto started = pinned->start(pose); !started)
-        return FileError{to.pose.name + ": " + to_string(started.error())};
-    if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), pose); !done)
-        return done.error();
-    to.on_pins = pinned->report();
-    warn(pinned->warning());
+    if (const auto started = pinned.start(pose); !started)
+        throw Failure(to.pose.name + ": " + to_string(started.error()));
+    value_or_fail(pinned.settle(pinned.targets(), pinned.turns(), pose));
+    to.on_pins = pinned.report();
+    warn(pinned.warning());
     std::copy(pose.begin(), pose.begin() + std::ptrdiff_t(to.pose.vertices.size()), to.pose.vertices.begin());
     if (to.coordinates.handles().vector_count() > 0) to.handles = std::move(pose);
-    return true;
 }
 
-Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const Point3> places) {
-    if (given.pose.empty() && !given.pins.is_given()) return FileError{"--pose is required for points"};
+MeshControl read_sites(const MeshControlChoice& given, std::span<const Point3> places) {
+    if (given.pose.empty() && !given.pins.is_given()) throw Failure("--pose is required for points");
     if (given.pins.is_given() && !given.of_sites.weights.empty())
-        return FileError{"--weights: pins do not support points with weights"};
+        throw Failure("--weights: pins do not support points with weights");
     const std::string& path = given.pose.empty() ? given.cage : given.pose;
     auto posed =
         load_posed_sites<3>(given.cage, path, given.of_sites, [&]() -> Expected<std::vector<Point3>> {
             return std::vector<Point3>(places.begin(), places.end());
         });
-    if (!posed) return posed.error();
-    auto& [sites, pose, weights] = *posed;
+    auto& [sites, pose, weights] = posed;
     MeshControl control{make_coordinates<double>(given.choice, sites), {}, {}, std::move(weights), {}};
     control.cage.name = given.cage;
     control.cage.vertices = sites.points;
@@ -65,7 +59,7 @@ Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const
     control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
         return describe_site_faults(known, report);
     };
-    if (const auto done = pin_pose(control, given, places, still); !done) return done.error();
+    pin_pose(control, given, places, still);
     return control;
 }
 
@@ -73,30 +67,26 @@ Expected<MeshControl> read_sites(const MeshControlChoice& given, std::span<const
 /// first_pose() for generated cages.
 ///
 ///   held   vertices that no pose moves
-Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,
-                            const std::vector<std::size_t>& held) {
+ObjFile read_pose(const MeshControlChoice& given, const ObjFile& cage, const std::vector<std::size_t>& held) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
-        return FileError{"give --pose or operations such as --turn, but not both"};
+        throw Failure("give --pose or operations such as --turn, but not both");
     const auto put_back = [&](ObjFile pose) {
         for (const std::size_t i : held) pose.vertices[i] = cage.vertices[i];
         return pose;
     };
     if (!given.pose.empty()) {
-        auto pose = load_obj(given.pose);
-        if (!pose) return pose;
-        if (const std::string why = pose_difference(cage, *pose); !why.empty()) return FileError{why};
-        return put_back(std::move(*pose));
+        auto pose = value_or_fail(load_obj(given.pose));
+        fail_if(pose_difference(cage, pose));
+        return put_back(std::move(pose));
     }
     if (!operated && given.pins.is_given()) return cage;
     if (!operated && !CageWord::of(given.cage).is_auto)
-        return FileError{"--pose is required, or operations such as --turn, or --pin"};
+        throw Failure("--pose is required, or operations such as --turn, or --pin");
     ObjFile pose = cage;
     if (operated) {
         const auto parts = cage_parts(cage);
-        auto moved = given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
-        if (!moved) return moved.error();
-        pose.vertices = std::move(*moved);
+        pose.vertices = given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
     } else {
         pose.vertices = first_pose(cage.vertices);
     }
@@ -105,25 +95,22 @@ Expected<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,
 
 } // namespace
 
-Expected<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
-                                        std::span<const Point3> places) {
+MeshControl read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+                              std::span<const Point3> places) {
     if (given.choice.takes_sites()) return read_sites(given, places);
     auto cage = load_or_make_cage(given.cage, figure);
-    if (!cage) return cage.error();
-    const auto still = given.operations.still(cage->lattice);
-    if (!still) return still.error();
-    auto pose = read_pose(given, *cage, *still);
-    if (!pose) return pose.error();
-    auto coordinates = make_coordinates<double>(given.choice, *cage);
-    const std::string name = cage->name;
+    const auto still = given.operations.still(cage.lattice);
+    auto pose = read_pose(given, cage, still);
+    auto coordinates = make_coordinates<double>(given.choice, cage);
+    const std::string name = cage.name;
     MeshControl control{
         std::move(coordinates),
-        std::move(*cage),
-        std::move(*pose),
+        std::move(cage),
+        std::move(pose),
         {},
         [name](const cageform::BindReport& report) { return describe_mesh_faults(name, report); }};
     control.saved = control.cage.lattice ? control.cage.lattice->points() : control.cage.vertices.size();
-    if (const auto done = pin_pose(control, given, places, *still); !done) return done.error();
+    pin_pose(control, given, places, still);
     return control;
 }
 

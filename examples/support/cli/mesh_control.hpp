@@ -50,7 +50,7 @@ struct MeshControlChoice {
 ///   figure   mesh that a generated cage encloses
 ///   places   points of the figure, for pins by vertex number and for --surround
 ///   fails    if a file cannot be read or does not match, no cage can be made, or pins cannot be solved
-Expected<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
-                                        std::span<const Point3> places);
+MeshControl read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+                              std::span<const Point3> places);
 
 } // namespace cageform_support

@@ -60,31 +60,30 @@ Expected<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<doub
 }
 
 template <std::size_t D>
-Expected<std::vector<std::uint32_t>> PinChoice::held_handles(std::span<const cageform::Vec<double, D>> rest,
-                                                             const std::vector<std::size_t>& still,
-                                                             const cageform::CageParts* parts) const {
+std::vector<std::uint32_t> PinChoice::held_handles(std::span<const cageform::Vec<double, D>> rest,
+                                                   const std::vector<std::size_t>& still,
+                                                   const cageform::CageParts* parts) const {
     std::vector<std::size_t> all = still;
     if (!held.empty()) {
         auto selected = parse_selection(held, rest, parts);
-        if (!selected)
-            return FileError{"--hold " + detail::quoted(held) + ": " + to_string(selected.error())};
+        if (!selected) throw Failure("--hold " + detail::quoted(held) + ": " + to_string(selected.error()));
         all.insert(all.end(), selected->begin(), selected->end());
     }
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     const auto is_vertex = [&](std::size_t i) { return i < rest.size(); };
     if (std::size_t(std::count_if(all.begin(), all.end(), is_vertex)) == rest.size())
-        return FileError{"--hold " + detail::quoted(held) + " leaves no vertex of the cage to move"};
+        throw Failure("--hold " + detail::quoted(held) + " leaves no vertex of the cage to move");
     return std::vector<std::uint32_t>(all.begin(), all.end());
 }
 
 template Expected<std::vector<Pin<2>>> PinChoice::pins(std::span<const cageform::Vec<double, 2>>) const;
 template Expected<std::vector<Pin<3>>> PinChoice::pins(std::span<const cageform::Vec<double, 3>>) const;
-template Expected<std::vector<std::uint32_t>>
-PinChoice::held_handles(std::span<const cageform::Vec<double, 2>>, const std::vector<std::size_t>&,
-                        const cageform::CageParts*) const;
-template Expected<std::vector<std::uint32_t>>
-PinChoice::held_handles(std::span<const cageform::Vec<double, 3>>, const std::vector<std::size_t>&,
-                        const cageform::CageParts*) const;
+template std::vector<std::uint32_t> PinChoice::held_handles(std::span<const cageform::Vec<double, 2>>,
+                                                            const std::vector<std::size_t>&,
+                                                            const cageform::CageParts*) const;
+template std::vector<std::uint32_t> PinChoice::held_handles(std::span<const cageform::Vec<double, 3>>,
+                                                            const std::vector<std::size_t>&,
+                                                            const cageform::CageParts*) const;
 
 } // namespace cageform_support

@@ -45,9 +45,9 @@ struct PinChoice {
     ///   parts   of a cage in space, or null
     ///   fails   if --hold is not a valid selection, or no vertex can move
     template <std::size_t D>
-    Expected<std::vector<std::uint32_t>> held_handles(std::span<const cageform::Vec<double, D>> rest,
-                                                      const std::vector<std::size_t>& still,
-                                                      const cageform::CageParts* parts = nullptr) const;
+    std::vector<std::uint32_t> held_handles(std::span<const cageform::Vec<double, D>> rest,
+                                            const std::vector<std::size_t>& still,
+                                            const cageform::CageParts* parts = nullptr) const;
 };
 
 /// Names for the messages of a PinnedCage.

@@ -33,13 +33,12 @@ void PoseChoice::add_options(CommandLine& line) {
 }
 
 template <std::size_t D>
-Expected<std::vector<cageform::Vec<double, D>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
-                  const std::optional<LatticeBox<D>>& lattice, const CageFile* curves,
-                  const cageform::CageParts* parts) const {
+std::vector<cageform::Vec<double, D>> PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
+                                                        const std::optional<LatticeBox<D>>& lattice,
+                                                        const CageFile* curves,
+                                                        const cageform::CageParts* parts) const {
     static constexpr std::array names{"move", "turn", "scale", "bend", "twist", "curve"};
     const auto held = still(lattice);
-    if (!held) return held.error();
     auto pose = rest;
     const std::size_t count = lattice ? lattice->points() : rest.size();
     const auto followers = curves != nullptr ? curves->followers() : std::vector<std::vector<std::size_t>>();
@@ -51,35 +50,37 @@ PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
         else if constexpr (D == 2)
             why = curves != nullptr ? move_control_point(word, curves->handles, pose) : why;
         if (!why.empty()) {
-            return FileError{"--" + std::string(names[std::size_t(operation)]) + " " + detail::quoted(word) +
-                             ": " + why};
+            throw Failure("--" + std::string(names[std::size_t(operation)]) + " " + detail::quoted(word) +
+                          ": " + why);
         }
     }
-    for (const std::size_t i : *held) pose[i] = rest[i];
+    for (const std::size_t i : held) pose[i] = rest[i];
     return pose;
 }
 
 template <std::size_t D>
-Expected<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<D>>& lattice) const {
-    if (!lattice && freeze > 0) return FileError{"--freeze is for lattices, such as --cage lattice:4x4"};
+std::vector<std::size_t> PoseChoice::still(const std::optional<LatticeBox<D>>& lattice) const {
+    if (!lattice && freeze > 0) throw Failure("--freeze is for lattices, such as --cage lattice:4x4");
     if (!lattice) return std::vector<std::size_t>{};
     const auto coordinates = lattice->template coordinates<double>();
     const auto frozen = coordinates.frozen_handles(freeze);
     if (frozen.size() == lattice->points())
-        return FileError{"--freeze " + std::to_string(freeze) + " leaves no point of the lattice to move"};
+        throw Failure("--freeze " + std::to_string(freeze) + " leaves no point of the lattice to move");
     std::vector<std::size_t> list(frozen.begin(), frozen.end());
     for (std::size_t i = lattice->points(); i < coordinates.handles().size(); ++i) list.push_back(i);
     return list;
 }
 
-template Expected<std::vector<cageform::Vec<double, 2>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&, const std::optional<LatticeBox<2>>&,
-                  const CageFile*, const cageform::CageParts*) const;
-template Expected<std::vector<cageform::Vec<double, 3>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&, const std::optional<LatticeBox<3>>&,
-                  const CageFile*, const cageform::CageParts*) const;
-template Expected<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
-template Expected<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
+template std::vector<cageform::Vec<double, 2>> PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&,
+                                                                 const std::optional<LatticeBox<2>>&,
+                                                                 const CageFile*,
+                                                                 const cageform::CageParts*) const;
+template std::vector<cageform::Vec<double, 3>> PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&,
+                                                                 const std::optional<LatticeBox<3>>&,
+                                                                 const CageFile*,
+                                                                 const cageform::CageParts*) const;
+template std::vector<std::size_t> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
+template std::vector<std::size_t> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
 
 void MotionChoice::add_options(CommandLine& line) {
     const CommandOption of_clip = line.add("--clip", clip, "a CSV file of poses, the motion of the cage");
@@ -116,59 +117,51 @@ void MotionChoice::order_poses() {
     for (const std::string& text : order_by_numbers(poses)) note("--pose: " + text);
 }
 
-Expected<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
+PoseClip MotionChoice::motion(const ObjFile& cage) const {
     const auto held = operations.still(cage.lattice);
-    if (!held) return held.error();
     if (operations.operations.empty()) {
         if (clip.empty() && poses.empty()) return PoseClip{};
-        auto motion = clip.empty() ? clip_through_poses(cage, poses, seconds)
-                                   : load_pose_clip(clip, cage.vertices.size());
-        if (!motion) return motion;
-        if (!clip.empty() && is_of_another_cage(*motion, cage)) {
+        PoseClip motion = clip.empty() ? clip_through_poses(cage, poses, seconds)
+                                       : value_or_fail(load_pose_clip(clip, cage.vertices.size()));
+        if (!clip.empty() && is_of_another_cage(motion, cage)) {
             warn(clip + ": all keys are far from the rest pose of " + cage.name +
                  ": the clip is probably for another cage");
         }
-        for (PoseKey& key : motion->keys) {
-            for (const std::size_t i : *held) key.places[i] = cage.vertices[i];
+        for (PoseKey& key : motion.keys) {
+            for (const std::size_t i : held) key.places[i] = cage.vertices[i];
         }
         return motion;
     }
     if (!clip.empty() || !poses.empty())
-        return FileError{"give only one of --clip, --pose, and operations such as --turn"};
+        throw Failure("give only one of --clip, --pose, and operations such as --turn");
     const auto parts = cage_parts(cage);
     auto posed = operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
-    if (!posed) return posed.error();
-    for (std::size_t i = 0; i < posed->size(); ++i) {
-        for (const double x : (*posed)[i].v) {
+    for (std::size_t i = 0; i < posed.size(); ++i) {
+        for (const double x : posed[i].v) {
             if (const std::string why = detail::single_precision_fault(x); !why.empty())
-                return FileError{"the pose of v " + std::to_string(i + 1) + " of " + cage.name + ": " + why};
+                throw Failure("the pose of v " + std::to_string(i + 1) + " of " + cage.name + ": " + why);
         }
     }
     return PoseClip{"pose",
                     2 * seconds,
-                    {{0, PoseWay::smooth, cage.vertices}, {seconds, PoseWay::smooth, std::move(*posed)}}};
+                    {{0, PoseWay::smooth, cage.vertices}, {seconds, PoseWay::smooth, std::move(posed)}}};
 }
 
-Expected<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
-                             bool is_made) {
+CageFile read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage, bool is_made) {
     const auto& operations = choice.operations;
     if (!path.empty() && !operations.empty())
-        return FileError{"give --pose or operations such as --turn, but not both"};
+        throw Failure("give --pose or operations such as --turn, but not both");
     if (path.empty() && operations.empty() && !is_made)
-        return FileError{"--pose is required, or operations such as --turn"};
+        throw Failure("--pose is required, or operations such as --turn");
     const auto rest = cage.places();
-    if (!operations.empty()) {
-        const auto moved = choice.posed(rest, cage.lattice, cage.curves ? &cage : nullptr);
-        if (!moved) return moved.error();
-        return moved_cage(cage, *moved);
-    }
+    if (!operations.empty())
+        return moved_cage(cage, choice.posed(rest, cage.lattice, cage.curves ? &cage : nullptr));
     const auto held = choice.still(cage.lattice);
-    if (!held) return held.error();
-    auto pose = path.empty() ? moved_cage(cage, first_pose(rest)) : load_pose(path, cage);
-    if (!pose || held->empty()) return pose;
-    auto places = pose->places();
-    for (const std::size_t i : *held) places[i] = rest[i];
-    return moved_cage(std::move(*pose), places);
+    CageFile pose = value_or_fail(path.empty() ? moved_cage(cage, first_pose(rest)) : load_pose(path, cage));
+    if (held.empty()) return pose;
+    auto places = pose.places();
+    for (const std::size_t i : held) places[i] = rest[i];
+    return moved_cage(std::move(pose), places);
 }
 
 } // namespace cageform_support

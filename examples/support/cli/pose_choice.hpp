@@ -29,14 +29,14 @@ struct PoseChoice {
     ///   curves   the cage if its edges are curves; else null
     ///   parts    of a cage in space, or null
     template <std::size_t D>
-    Expected<std::vector<cageform::Vec<double, D>>>
+    std::vector<cageform::Vec<double, D>>
     posed(const std::vector<cageform::Vec<double, D>>& rest, const std::optional<LatticeBox<D>>& lattice,
           const CageFile* curves = nullptr, const cageform::CageParts* parts = nullptr) const;
 
     /// The vertices that no pose moves: frozen and frame handles of a lattice. Fails if --freeze is given for
     /// a cage that is not a lattice, or leaves nothing to move.
     template <std::size_t D>
-    Expected<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;
+    std::vector<std::size_t> still(const std::optional<LatticeBox<D>>& lattice) const;
 };
 
 /// The motion of a cage in space: a clip, or from rest through poses or operations and back (--clip, --pose,
@@ -55,7 +55,7 @@ struct MotionChoice {
     /// The motion; without keys if none is given. Vertices that no pose moves are reset to rest. Fails if a
     /// file cannot be read or does not match, an operation is invalid, or numbers exceed single precision.
     /// Fails also if more than one kind of motion is given.
-    Expected<PoseClip> motion(const ObjFile& cage) const;
+    PoseClip motion(const ObjFile& cage) const;
 };
 
 /// The pose from a file or operations; if neither is given, first_pose() for generated cages.
@@ -63,7 +63,6 @@ struct MotionChoice {
 ///   path    of the file; empty: none
 ///   fails   as load_pose(), on an invalid operation, if both are given, or if neither is given for a cage
 ///           that is not generated
-Expected<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
-                             bool is_made);
+CageFile read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage, bool is_made);
 
 } // namespace cageform_support

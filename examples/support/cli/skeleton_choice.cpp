@@ -104,14 +104,14 @@ void note_loss_of_four(const FigureFrames& frames, const FittedMotion& motion) {
 }
 
 /// The error if the figure is farther off than `asked`.
-FileError too_far(const FigureFrames& frames, const FittedMotion& motion, double asked, bool searches) {
-    return {frames.name + ": " +
-            (searches ? "no number of bones that its vertices allow keeps it within " + percent(asked) +
-                            ": with " + count_bones(motion)
-                      : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
-                            " not keep it within " + percent(asked) + ":") +
-            " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
-            (searches ? "" : "--bones auto, ") + "more --influences or --kind similar"};
+Failure too_far(const FigureFrames& frames, const FittedMotion& motion, double asked, bool searches) {
+    return Failure(frames.name + ": " +
+                   (searches ? "no number of bones that its vertices allow keeps it within " +
+                                   percent(asked) + ": with " + count_bones(motion)
+                             : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
+                                   " not keep it within " + percent(asked) + ":") +
+                   " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
+                   (searches ? "" : "--bones auto, ") + "more --influences or --kind similar");
 }
 
 } // namespace
@@ -168,8 +168,8 @@ cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::
     return result;
 }
 
-Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
-                                  const std::string& weights) {
+FittedMotion fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
+                        const std::string& weights) {
     FittedMotion motion;
     const bool searches = choice.bones == "auto";
     const double asked =
@@ -188,7 +188,7 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
             cageform::fit_skeleton(frames.rest, frames.places, frames.triangles, options,
                                    {.parallel = cageform::ThreadedFor{}, .progress = bar.callback()});
         motion.report = fitted.report;
-        if (!fitted) return FileError{why_not(frames, fitted.report)};
+        if (!fitted) throw Failure(why_not(frames, fitted.report));
         motion.skeleton = std::move(fitted.value);
     }
     if (options.bones > motion.report.bones) {
@@ -209,16 +209,16 @@ Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFram
                                                 {distance, choice.tangents}, {.progress = bar.callback()});
         motion.keys_report = made.report;
         if (!made && made.report.status == Status::value_not_finite && !choice.flat) {
-            return FileError{frames.name + ": a bone with children has no size in some frame (" +
-                             cageform::to_string(made.report.status) + "): use --flat"};
+            throw Failure(frames.name + ": a bone with children has no size in some frame (" +
+                          cageform::to_string(made.report.status) + "): use --flat");
         }
-        if (!made) return FileError{frames.name + ": " + cageform::to_string(made.report.status)};
+        if (!made) throw Failure(frames.name + ": " + cageform::to_string(made.report.status));
         motion.keys = std::move(made.value);
     }
     round_to_single(motion);
     measure(frames, motion);
     note_loss_of_four(frames, motion);
-    if (asked > 0 && motion.loss.share() > asked) return too_far(frames, motion, asked, searches);
+    if (asked > 0 && motion.loss.share() > asked) throw too_far(frames, motion, asked, searches);
     return motion;
 }
 

@@ -70,8 +70,8 @@ cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::
 ///
 ///   weights   as stored: float, unorm8 or unorm16
 ///   fails     if the motion cannot be fitted, or a requested distance is exceeded
-Expected<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
-                                  const std::string& weights = "float");
+FittedMotion fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
+                        const std::string& weights = "float");
 
 /// Formats bones, keys, distances and times, one line each.
 std::string describe(const FittedMotion& motion);

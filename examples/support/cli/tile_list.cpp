@@ -2,6 +2,7 @@
 
 #include "cli/row_range.hpp"
 #include "io/atomic_file.hpp"
+#include "io/messages.hpp"
 
 #include <filesystem>
 #include <map>
@@ -26,7 +27,7 @@ void TileChoice::add_options(CommandLine& line) {
         .ends_with({".figure"});
 }
 
-Expected<std::vector<Tile>> TileChoice::tiles() const {
+std::vector<Tile> TileChoice::tiles() const {
     std::set<std::string> files;
     for (const std::string& pattern : patterns) {
         std::error_code none;
@@ -38,13 +39,13 @@ Expected<std::vector<Tile>> TileChoice::tiles() const {
         const int code = glob(pattern.c_str(), 0, nullptr, &found);
         for (std::size_t n = 0; code == 0 && n < found.gl_pathc; ++n) files.insert(found.gl_pathv[n]);
         globfree(&found);
-        if (code != 0) return FileError{"--points " + pattern + ": no such file"};
+        if (code != 0) throw Failure("--points " + pattern + ": no such file");
     }
     const RowRange chosen = RowRange::of(rows.empty() ? ":" : rows).value_or(RowRange{});
     const std::size_t star = output.find('*');
     if (star == std::string::npos && files.size() > 1)
-        return FileError{"--output " + output + ": there are " + std::to_string(files.size()) +
-                         " tiles: write a * in place of the name of the tile, such as out/*.figure"};
+        throw Failure("--output " + output + ": there are " + std::to_string(files.size()) +
+                      " tiles: write a * in place of the name of the tile, such as out/*.figure");
     std::vector<Tile> all;
     std::size_t row = 0;
     for (const std::string& file : files) {

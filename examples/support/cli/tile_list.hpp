@@ -26,7 +26,7 @@ struct TileChoice {
     void add_options(CommandLine& line);
     /// The selected tiles, sorted by name. Fails if a pattern matches no file, the rows are invalid, or the
     /// output has no placeholder and there are several tiles.
-    Expected<std::vector<Tile>> tiles() const;
+    std::vector<Tile> tiles() const;
 };
 
 /// Checks whether outputs can be written, before computing; returns the error, if any. An output must not be

@@ -1,6 +1,7 @@
 #include "cli/weight_choice.hpp"
 
 #include "files/bind_report.hpp"
+#include "io/messages.hpp"
 
 #include <array>
 
@@ -50,8 +51,8 @@ std::string WeightChoice::fault(const CoordinatesChoice& choice, bool has_motion
     return {};
 }
 
-Expected<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
-                                               const PoseClip& clip, const SampledPoses& poses) {
+std::vector<double> poses_of_handles(const cageform::Binding<float, 3>& binding, const PoseClip& clip,
+                                     const SampledPoses& poses) {
     std::vector<double> numbers;
     std::vector<std::string> warnings;
     for (std::size_t p = 0; p < poses.times.size(); ++p) {
@@ -59,10 +60,10 @@ Expected<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>
         for (std::size_t n = 0; n < 3 * pose.size(); ++n)
             pose[n / 3][n % 3] = poses.numbers[3 * pose.size() * p + n];
         std::string warning;
-        const auto handles = pose_of_handles(binding, pose, name_of_pose(clip, poses.times[p]), warning);
-        if (!handles) return handles.error();
+        const auto handles =
+            value_or_fail(pose_of_handles(binding, pose, name_of_pose(clip, poses.times[p]), warning));
         if (!warning.empty()) warnings.push_back(std::move(warning));
-        cageform::append_pose(numbers, *handles);
+        cageform::append_pose(numbers, handles);
     }
     print_warnings(warnings);
     return numbers;

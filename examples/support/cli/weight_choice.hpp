@@ -35,7 +35,7 @@ struct WeightChoice {
 };
 
 /// The poses of all handles, concatenated, from poses of the cage's vertices. Warns of faces without area.
-Expected<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
-                                               const PoseClip& clip, const SampledPoses& poses);
+std::vector<double> poses_of_handles(const cageform::Binding<float, 3>& binding, const PoseClip& clip,
+                                     const SampledPoses& poses);
 
 } // namespace cageform_support
