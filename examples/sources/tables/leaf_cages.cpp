@@ -82,9 +82,7 @@ std::string run_trial(const Arguments& given, const SvgDocument& figure, std::ve
     FigureControl control = control_of(choice, trial.cage);
     control.pose_name = trial.pose.name;
     control.poses = {trial.pose.vertices};
-    auto moved = move_figure(figure, given.figure, control, {.word = "extend"}, {});
-    if (!moved) return to_string(moved.error());
-    trial.posed = std::move(moved->drawing.document);
+    trial.posed = move_figure(figure, given.figure, control, {.word = "extend"}, {}).drawing.document;
 
     std::vector<bool> is_outside(points.size());
     for (const std::size_t i : control.coordinates.bind(points).report.outside) is_outside[i] = true;
