@@ -883,70 +883,91 @@ TEST_CASE("The nearest boundary place of a curved cage has the weights of the li
     }
 }
 
+namespace {
+
+CageReport report_of(std::vector<CurvedPolygon<double>::Loop> loops,
+                     const CurvedGreenOptions<double>& options = {}) {
+    return CurvedGreenCoordinates<double>(CurvedPolygon<double>(std::move(loops)), options).cage_report();
+}
+
+void check_first_fault(const CageReport& found, Status status, CageFaultKind kind, std::size_t a,
+                       std::size_t b) {
+    CHECK(found.status == status);
+    REQUIRE(!found.faults.empty());
+    CHECK(found.faults[0].kind == kind);
+    CHECK(found.faults[0].a == a);
+    CHECK(found.faults[0].b == b);
+}
+
+const CurvedPolygon<double>::Loop two_parabolas{{{0, 0}, {1, -1}, {2, 0}}, {{2, 0}, {1, 1}, {0, 0}}};
+
+} // namespace
+
 TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check]") {
     using Cage = CurvedPolygon<double>;
     using Kind = CageFaultKind;
-    const auto report = [](std::vector<Cage::Loop> loops, const CurvedGreenOptions<double>& options = {}) {
-        return CurvedGreenCoordinates<double>(Cage(std::move(loops)), options).cage_report();
-    };
-    const auto expect = [](const CageReport& found, Status status, Kind kind, std::size_t a, std::size_t b) {
-        CHECK(found.status == status);
-        REQUIRE(!found.faults.empty());
-        CHECK(found.faults[0].kind == kind);
-        CHECK(found.faults[0].a == a);
-        CHECK(found.faults[0].b == b);
-    };
-    const Cage::Loop leaf{{{0, 0}, {1, -1}, {2, 0}}, {{2, 0}, {1, 1}, {0, 0}}};
+    const Cage::Loop& leaf = two_parabolas;
     const double infinite = std::numeric_limits<double>::infinity(),
                  nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(report({leaf}).status == Status::ok);
-    CHECK(report({leaf}).faults.empty());
-    expect(report({}), Status::too_few_vertices, Kind::too_few_vertices, 0, 0);
-    expect(report({leaf, {}}), Status::too_few_vertices, Kind::too_few_vertices, 1, 0);
-    expect(report({{leaf[0], {}}}), Status::curve_degree_not_supported, Kind::curve_degree, 1, 0);
-    expect(report({{leaf[0], {{2, 0}}}}), Status::curve_degree_not_supported, Kind::curve_degree, 1, 0);
-    expect(report({{leaf[0], {{2, 0}, {2, 1}, {1, 1}, {0, 1}, {0, 0}}}}), Status::curve_degree_not_supported,
-           Kind::curve_degree, 1, 4);
-    expect(report({{leaf[0], {{2, 0}, {1, nan}, {0, 0}}}}), Status::vertex_not_finite,
-           Kind::vertex_not_finite, 1, 1);
-    expect(report({{{{0, 0}, {1, -1}, {infinite, 0}}, leaf[1]}}), Status::vertex_not_finite,
-           Kind::vertex_not_finite, 0, 2);
-    expect(report({{{{0, 0}, {1e308, -1e308}, {2, 0}}, {{2, 0}, {-1e308, 1e308}, {0, 0}}}}),
-           Status::vertex_not_finite, Kind::vertex_not_finite, 0, 1);
-    expect(report({{leaf[0], {{2, 0}, {1, 1}, {0, 1e-9}}}}), Status::loop_not_closed, Kind::loop_not_closed,
-           0, 1);
-    expect(report({{leaf[0], {{2, 0}, {2, 0}}, leaf[1]}}), Status::duplicate_vertices,
-           Kind::duplicate_vertices, 1, 1);
-    expect(report({{{{0, 0}, {2, 1}}, {{2, 1}, {4, 2}, {0, 0}}}}), Status::cage_has_no_area, Kind::no_area, 0,
-           0);
+    CHECK(report_of({leaf}).status == Status::ok);
+    CHECK(report_of({leaf}).faults.empty());
+    check_first_fault(report_of({}), Status::too_few_vertices, Kind::too_few_vertices, 0, 0);
+    check_first_fault(report_of({leaf, {}}), Status::too_few_vertices, Kind::too_few_vertices, 1, 0);
+    check_first_fault(report_of({{leaf[0], {}}}), Status::curve_degree_not_supported, Kind::curve_degree, 1,
+                      0);
+    check_first_fault(report_of({{leaf[0], {{2, 0}}}}), Status::curve_degree_not_supported,
+                      Kind::curve_degree, 1, 0);
+    check_first_fault(report_of({{leaf[0], {{2, 0}, {2, 1}, {1, 1}, {0, 1}, {0, 0}}}}),
+                      Status::curve_degree_not_supported, Kind::curve_degree, 1, 4);
+    check_first_fault(report_of({{leaf[0], {{2, 0}, {1, nan}, {0, 0}}}}), Status::vertex_not_finite,
+                      Kind::vertex_not_finite, 1, 1);
+    check_first_fault(report_of({{{{0, 0}, {1, -1}, {infinite, 0}}, leaf[1]}}), Status::vertex_not_finite,
+                      Kind::vertex_not_finite, 0, 2);
+    check_first_fault(report_of({{{{0, 0}, {1e308, -1e308}, {2, 0}}, {{2, 0}, {-1e308, 1e308}, {0, 0}}}}),
+                      Status::vertex_not_finite, Kind::vertex_not_finite, 0, 1);
+    check_first_fault(report_of({{leaf[0], {{2, 0}, {1, 1}, {0, 1e-9}}}}), Status::loop_not_closed,
+                      Kind::loop_not_closed, 0, 1);
+    check_first_fault(report_of({{leaf[0], {{2, 0}, {2, 0}}, leaf[1]}}), Status::duplicate_vertices,
+                      Kind::duplicate_vertices, 1, 1);
+    check_first_fault(report_of({{{{0, 0}, {2, 1}}, {{2, 1}, {4, 2}, {0, 0}}}}), Status::cage_has_no_area,
+                      Kind::no_area, 0, 0);
     // A curve there and back, a loop, a line that reverses, two crossing edges, a vertex visited twice.
-    expect(report({{leaf[0], {{2, 0}, {1, -1}, {0, 0}}}}), Status::cage_self_crossing, Kind::edges_cross, 0,
-           1);
-    expect(report({{{{0, 0}, {4, 3}, {-2, 3}, {2, 0}}, {{2, 0}, {0, 0}}}}), Status::cage_self_crossing,
-           Kind::edges_cross, 0, 0);
-    expect(report({{{{0, 0}, {4, 0}, {-2, 0}, {2, 0}}, {{2, 0}, {1, 3}, {0, 0}}}}),
-           Status::cage_self_crossing, Kind::edges_cross, 0, 0);
-    expect(report({leaf, {{{1, 0}, {3, 0}}, {{3, 0}, {2, 3}}, {{2, 3}, {1, 0}}}}), Status::cage_self_crossing,
-           Kind::edges_cross, 0, 2);
-    expect(report({{{{0, 0}, {2, 0}},
-                    {{2, 0}, {0, 2}},
-                    {{0, 2}, {0, 0}},
-                    {{0, 0}, {-2, 0}},
-                    {{-2, 0}, {0, -2}},
-                    {{0, -2}, {0, 0}}}}),
-           Status::cage_self_crossing, Kind::edges_cross, 0, 3);
+    check_first_fault(report_of({{leaf[0], {{2, 0}, {1, -1}, {0, 0}}}}), Status::cage_self_crossing,
+                      Kind::edges_cross, 0, 1);
+    check_first_fault(report_of({{{{0, 0}, {4, 3}, {-2, 3}, {2, 0}}, {{2, 0}, {0, 0}}}}),
+                      Status::cage_self_crossing, Kind::edges_cross, 0, 0);
+    check_first_fault(report_of({{{{0, 0}, {4, 0}, {-2, 0}, {2, 0}}, {{2, 0}, {1, 3}, {0, 0}}}}),
+                      Status::cage_self_crossing, Kind::edges_cross, 0, 0);
+    check_first_fault(report_of({leaf, {{{1, 0}, {3, 0}}, {{3, 0}, {2, 3}}, {{2, 3}, {1, 0}}}}),
+                      Status::cage_self_crossing, Kind::edges_cross, 0, 2);
+    check_first_fault(report_of({{{{0, 0}, {2, 0}},
+                                  {{2, 0}, {0, 2}},
+                                  {{0, 2}, {0, 0}},
+                                  {{0, 0}, {-2, 0}},
+                                  {{-2, 0}, {0, -2}},
+                                  {{0, -2}, {0, 0}}}}),
+                      Status::cage_self_crossing, Kind::edges_cross, 0, 3);
     // Curves that touch between their ends, and curves at a distance of 1e-9.
     const auto lens = [](double gap) {
         return Cage::Loop{{{-1, 2 + gap}, {0, gap}, {1, 2 + gap}}, {{1, 2 + gap}, {0, 4}, {-1, 2 + gap}}};
     };
     const Cage::Loop below{{{-1, 0}, {0, 2}, {1, 0}}, {{1, 0}, {0, -2}, {-1, 0}}};
-    expect(report({below, lens(0)}), Status::cage_self_crossing, Kind::edges_cross, 0, 2);
-    CHECK(report({below, lens(1e-9)}).status == Status::ok);
-    // Warnings.
-    const auto cusp = report({{{{0, 0}, {2, 2}, {0, 2}, {2, 0}}, {{2, 0}, {0, 0}}}});
-    expect(cusp, Status::ok, Kind::edge_has_cusp, 0, 500);
+    check_first_fault(report_of({below, lens(0)}), Status::cage_self_crossing, Kind::edges_cross, 0, 2);
+    CHECK(report_of({below, lens(1e-9)}).status == Status::ok);
+    // A teardrop of one edge.
+    CHECK(report_of({{{{0, 0}, {3, -1}, {3, 2}, {0, 0}}}}).status == Status::ok);
+    const Cage crossed(Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}, {0, 1}}));
+    CHECK(check(crossed).status == Status::cage_self_crossing);
+    const Cage unmatched(
+        Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}}, std::vector<std::size_t>{4}));
+    CHECK(check(unmatched).status == Status::loops_do_not_match);
+}
+
+TEST_CASE("A cusp of an edge is a warning", "[coordinates][curved_green][check]") {
+    const auto cusp = report_of({{{{0, 0}, {2, 2}, {0, 2}, {2, 0}}, {{2, 0}, {0, 0}}}});
+    check_first_fault(cusp, Status::ok, CageFaultKind::edge_has_cusp, 0, 500);
     CHECK(cusp.faults.size() == 2);
-    CHECK(cusp.faults[1].kind == Kind::loop_orientation_reversed);
+    CHECK(cusp.faults[1].kind == CageFaultKind::loop_orientation_reversed);
     // Outside, in front of the cusp, weights are huge or undefined. If the edge is split at the cusp, weights
     // are small.
     const detail::PlaneCurve whole{3, {{{0, 0}, {2, 2}, {0, 2}, {2, 0}}}};
@@ -969,31 +990,32 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
         CHECK(largest_divided < 10);
         CHECK(distance(combine(row, divided.handles()), p) <= 1e-13);
     }
-    // A teardrop of one edge.
-    CHECK(report({{{{0, 0}, {3, -1}, {3, 2}, {0, 0}}}}).status == Status::ok);
+}
 
+TEST_CASE("Faults of the options of curved cages are named", "[coordinates][curved_green][check]") {
+    using Kind = CageFaultKind;
+    const auto& leaf = two_parabolas;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
     CurvedGreenOptions<double> options;
     options.posed_degree = 6;
-    expect(report({leaf}, options), Status::curve_degree_not_supported, Kind::curve_degree, 0, 6);
+    check_first_fault(report_of({leaf}, options), Status::curve_degree_not_supported, Kind::curve_degree, 0,
+                      6);
     options.posed_degrees = {2, 1};
-    expect(report({leaf}, options), Status::curve_degree_not_supported, Kind::curve_degree, 1, 1);
+    check_first_fault(report_of({leaf}, options), Status::curve_degree_not_supported, Kind::curve_degree, 1,
+                      1);
     options.posed_degrees = {2, 2, 2};
-    expect(report({leaf}, options), Status::curve_degree_not_supported, Kind::curve_degree, 3, 0);
+    check_first_fault(report_of({leaf}, options), Status::curve_degree_not_supported, Kind::curve_degree, 3,
+                      0);
     options.posed_degrees = {2, 3};
-    CHECK(report({leaf}, options).status == Status::ok);
+    CHECK(report_of({leaf}, options).status == Status::ok);
     options.disk = CurvedGreenDisk<double>{{1, 0}, 1};
-    CHECK(report({leaf}, options).status == Status::ok);
+    CHECK(report_of({leaf}, options).status == Status::ok);
     options.disk = CurvedGreenDisk<double>{{1, 0.1}, 1};
-    expect(report({leaf}, options), Status::disk_too_small, Kind::disk_too_small, 0, 0);
+    check_first_fault(report_of({leaf}, options), Status::disk_too_small, Kind::disk_too_small, 0, 0);
     options.disk = CurvedGreenDisk<double>{{1, nan}, 9};
-    expect(report({leaf}, options), Status::disk_too_small, Kind::disk_too_small, 0, 0);
-
-    const Cage crossed(Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}, {0, 1}}));
-    CHECK(check(crossed).status == Status::cage_self_crossing);
-    const Cage unmatched(
-        Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}}, std::vector<std::size_t>{4}));
-    CHECK(check(unmatched).status == Status::loops_do_not_match);
+    check_first_fault(report_of({leaf}, options), Status::disk_too_small, Kind::disk_too_small, 0, 0);
 }
+
 TEST_CASE("Legs without length at rest do not count as collapsed", "[coordinates][curved_green][pose]") {
     const CurvedGreenCoordinates<double> leaf(
         CurvedPolygon<double>({{{{0, 0}, {0, 0}, {2, -1}, {3, 0}}, {{3, 0}, {2, 2}, {0, 0}, {0, 0}}}}));
