@@ -117,7 +117,7 @@ ClipFile read_clip(const Settings& settings, const CageFile& cage) {
         }
         return clip;
     }
-    const bool is_made = CageWord::of(settings.cage).is_auto;
+    const bool is_made = CageChoice::of(settings.cage).is_auto;
     return clip_to(read_pose(settings.pose, settings.operations, cage, is_made), cage, settings.seconds);
 }
 
@@ -197,7 +197,8 @@ std::string fault_of(const Settings& settings) {
     const int motions = int(!settings.clip.empty()) + int(!settings.markers.empty()) +
                         int(settings.pins.is_given()) + int(!settings.pose.empty() || has_operations);
     if (motions > 1) return "give only one of --clip, --markers, pins, and a pose";
-    if (settings.size_limit != 0 && ending_of(settings.out) != ".svg") return "--size-limit is for SVG files";
+    if (settings.size_limit != 0 && lowercase_extension(settings.out) != ".svg")
+        return "--size-limit is for SVG files";
     if (settings.save_tracks.empty() != settings.tracked.empty())
         return "--track and --save-tracks need each other";
     return {};
@@ -464,13 +465,13 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(fault_of(settings));
     fail_if(settings.outside.fault());
-    if (ending_of(settings.out) != ".svg") {
+    if (lowercase_extension(settings.out) != ".svg") {
         settings.films.insert(settings.films.begin(), settings.out);
         settings.out.clear();
     }
     if (settings.rate == 0) settings.rate = settings.out.empty() ? 25 : 60;
     const auto document = value_or_fail(load_figure(settings.figure, settings.text_as_paths));
-    settings.outside.cage_is_made = CageWord::of(settings.cage).is_auto;
+    settings.outside.cage_is_made = CageChoice::of(settings.cage).is_auto;
     const bool is_first_look = settings.clip.empty() && settings.markers.empty() &&
                                !settings.pins.is_given() && settings.pose.empty() &&
                                settings.operations.operations.empty();

@@ -96,7 +96,7 @@ constexpr double of_vectors =
 /// Describes the error of a packing, and warns if it is large.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
                           const SampledPoses& poses, bool is_vector, bool has_faces) {
-    StoredLoss loss;
+    StorageError loss;
     loss.largest = report.distance.value;
     loss.mean = report.mean_distance;
     loss.vertex = report.distance.point;
@@ -107,7 +107,7 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     loss.has_vectors = has_faces;
     if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
     const std::string text = describe(loss);
-    if (loss.share() > StoredLoss::worth_a_warning * (is_vector ? of_vectors : 1))
+    if (loss.share() > StorageError::worth_a_warning * (is_vector ? of_vectors : 1))
         warn(figure.name + ": the packed figure is off by " + text + "; --max-distance bounds this" +
              (report.poses == 0 && has_faces ? " over a motion" : ""));
     return text;
@@ -155,7 +155,7 @@ struct Motion {
 Motion motion_of(const Arguments& given, const ObjFile& cage) {
     Motion motion{given.moves.motion(cage), {}, {}};
     if (motion.clip.keys.empty()) return motion;
-    for (PoseKey& key : motion.clip.keys) key.places = counted_from(given.outside.origin, key.places);
+    for (PoseKey& key : motion.clip.keys) key.places = relative_to(given.outside.origin, key.places);
     motion.packed = packed_clip(motion.clip);
     motion.poses = sample_poses(motion.clip);
     return motion;
@@ -227,9 +227,9 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                 const std::vector<std::string>& labels) {
     fail_if(fault_of_outputs({given.out}));
     const Point3& origin = given.outside.origin;
-    const std::vector<Point3> places = counted_from(origin, joined_places(figure));
+    const std::vector<Point3> places = relative_to(origin, joined_places(figure));
     ObjFile cage = cage_of_file;
-    cage.vertices = counted_from(origin, cage.vertices);
+    cage.vertices = relative_to(origin, cage.vertices);
     if (cage.lattice) cage.lattice->frame.translation = cage.lattice->frame.translation - origin;
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     print_notes(cage.name, coordinates.cage_report(), coordinates.note);

@@ -297,7 +297,7 @@ int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads
     while (others.size() + 1 < std::min(threads, tiles.size())) others.emplace_back(work);
     work();
     for (std::thread& other : others) other.join();
-    return passes ? try_again : failed ? 1 : 0;
+    return passes ? exit_temporary_failure : failed ? 1 : 0;
 }
 
 /// Hash of everything except the points that affects the bytes of a figure.
@@ -352,7 +352,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
         const auto bytes = solution->map();
         if (!solution->error().empty()) {
             const int code = fail(solution->error());
-            return solution->may_retry() ? try_again : code;
+            return solution->may_retry() ? exit_temporary_failure : code;
         }
         solved = job.coordinates.load_solution(bytes, running);
         if (solved.status != Status::ok)
@@ -376,7 +376,7 @@ int solve(const Arguments& given, std::size_t threads, const Job& job, std::opti
     file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (const auto why = file.commit()) {
         const int code = fail(*why);
-        return file.may_retry() ? try_again : code;
+        return file.may_retry() ? exit_temporary_failure : code;
     }
     return 0;
 }

@@ -294,7 +294,7 @@ int run(const Settings& settings) {
         if (const auto fault = single_precision_fault(file); fault && sizeof(T) == 4)
             return fail(to_string(*fault));
         const Point3 origin = sizeof(T) == 4 ? far_origin(file) : Point3{};
-        file.vertices = counted_from(origin, file.vertices);
+        file.vertices = relative_to(origin, file.vertices);
         if (file.lattice) file.lattice->frame.translation = file.lattice->frame.translation - origin;
         return run(
             settings, make_coordinates<T>(settings.choice, file),

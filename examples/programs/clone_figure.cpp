@@ -43,7 +43,7 @@ struct Arguments {
     bool ascii = false, skip_existing = false, json = false, flips_faces = false;
 
     PosedFormat format() const {
-        const std::string ending = ending_of(out);
+        const std::string ending = lowercase_extension(out);
         return ending == ".obj"   ? PosedFormat::obj
                : ending == ".npy" ? PosedFormat::npy
                : ascii            ? PosedFormat::ply_text
@@ -250,7 +250,7 @@ void print_line(const PoseRow& row, const Outcome& outcome) {
 template <class File>
 int fail_to_read(const File& file) {
     fail(file.error());
-    return file.may_retry() ? try_again : 1;
+    return file.may_retry() ? exit_temporary_failure : 1;
 }
 
 template <class T, std::size_t D>
@@ -284,7 +284,7 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
         if (may_retry)
             note("this failure may be temporary: repeat the command, with --skip-existing to keep finished "
                  "files");
-        if (stops) return may_retry ? try_again : 1;
+        if (stops) return may_retry ? exit_temporary_failure : 1;
     }
     if (failed > most_messages) note("and " + std::to_string(failed - most_messages) + " more");
     if (failed > 0)
@@ -332,7 +332,7 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         const bool has_faces = given.format() != PosedFormat::npy;
         if (given.flips_faces && !has_faces)
             return fail("--flip-faces: " + given.mesh + " is written without faces");
-        if (given.flips_faces) *mesh = with_faces_turned_over(std::move(*mesh));
+        if (given.flips_faces) *mesh = with_faces_reversed(std::move(*mesh));
         PosedFile file(given.format(), scalar_bytes, *mesh);
         const std::string others = given.format() == PosedFormat::obj   ? ""
                                    : given.format() == PosedFormat::npy ? describe_others(*mesh, {"v"})

@@ -266,7 +266,7 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
 }
 
 CageFile cage_about(const std::string& figure, const std::string& word, CageEdges edges) {
-    if (!CageWord::of(word).is_auto) return value_or_fail(load_cage(word, edges));
+    if (!CageChoice::of(word).is_auto) return value_or_fail(load_cage(word, edges));
     if (figure.empty()) throw Failure("--cage " + word + " needs a --figure, around which it is made");
     return load_or_make_cage(word, value_or_fail(load_svg(figure)), edges);
 }

@@ -325,8 +325,8 @@ int run_program(int argc, char** argv) {
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     fail_if(given.control.fault());
-    const std::string ending = ending_of(given.figure) == ".mesh" ? ".mesh" : ".obj";
-    if (ending_of(given.out) != ending)
+    const std::string ending = lowercase_extension(given.figure) == ".mesh" ? ".mesh" : ".obj";
+    if (lowercase_extension(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
     auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
@@ -340,6 +340,6 @@ int run_program(int argc, char** argv) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
                     " has " + std::to_string(control.cage.vertices.size()));
     }
-    if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
+    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
     return deform_figure(given, figure, std::move(control));
 }

@@ -268,7 +268,7 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
     for (std::size_t i = 0; i < splats; ++i) places[i] = scene.place(i);
     Expected<MeshControl> control = [&] {
         const Clock clock(seconds.control);
-        const CageWord word = CageWord::of(given.control.cage);
+        const CageChoice word = CageChoice::of(given.control.cage);
         const bool is_made = word.is_auto || word.is_lattice;
         return read_mesh_control(given.control, is_made ? triangles_of(scene) : ObjFile{}, places);
     }();

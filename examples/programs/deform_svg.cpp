@@ -138,7 +138,7 @@ Control read_sites(const Arguments& given, const SvgDocument& figure) {
 Control read_control(const Arguments& given, const SvgDocument& figure) {
     if (given.choice.takes_sites()) return read_sites(given, figure);
     const auto cage = load_or_make_cage(given.cage, figure, given.choice.edges());
-    const bool is_made = CageWord::of(given.cage).is_auto;
+    const bool is_made = CageChoice::of(given.cage).is_auto;
     const auto rest = cage.places();
     auto pose = given.pins.is_given() && !given.has_pose()
                     ? moved_cage(cage, rest)
@@ -163,7 +163,7 @@ std::string saved_pose(const Control& posed, const Arguments& given, const ViewB
         const auto text = pose_text(posed.drawn, given.save_pose, view);
         return text ? *text : throw Failure("--save-pose " + to_string(text.error()));
     }
-    if (ending_of(given.save_pose) != ".csv") throw Failure(option + ": points need a .csv file");
+    if (lowercase_extension(given.save_pose) != ".csv") throw Failure(option + ": points need a .csv file");
     std::string text;
     for (std::size_t i = 0; i < posed.saved; ++i) {
         const Point2& p = posed.drawn.vertices[i];
@@ -301,6 +301,6 @@ int run_program(int argc, char** argv) {
     fail_if(given.pins.fault(given.has_pose()));
     fail_if(given.outside.fault());
     if (!given.has_pose() && !given.pins.is_given()) given.options.fit = true;
-    given.outside.cage_is_made = CageWord::of(given.cage).is_auto;
+    given.outside.cage_is_made = CageChoice::of(given.cage).is_auto;
     return deform_figure(given, value_or_fail(load_figure(given.figure, given.text_as_paths)));
 }

@@ -101,14 +101,14 @@ public:
             raise(i, std::hypot(d[0], d[1], d[2]), time);
         }
     }
-    StoredLoss loss() const {
-        StoredLoss loss = loss_;
+    StorageError loss() const {
+        StorageError loss = loss_;
         for (const double distance : distances_) loss.mean += distance / double(distances_.size());
         return loss;
     }
 
 private:
-    StoredLoss loss_;
+    StorageError loss_;
     std::vector<double> distances_; // the largest per vertex
 };
 
@@ -120,14 +120,14 @@ cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std:
 
 /// Errors of a skin relative to the clone: positions, edges and normals of the surface.
 struct SkinLoss {
-    StoredLoss places;
+    StorageError places;
     double edge = 0;       // the largest error of an edge
     double edge_share = 0; // the largest error relative to the edge
     double turn = 0;       // the 99 % quantile of the errors of vertex normals, in degrees; of a motion
     double largest_turn = 0;
 };
 
-constexpr double worth_a_warning_of_turns = 10; // degrees, of 99 % of the normals
+constexpr double warning_angle = 10; // degrees, of 99 % of the normals
 
 /// "edges by at most 0.0041 (0.1 % of the figure's size, 4 % of the edge), …".
 std::string describe_surface(const SkinLoss& loss) {
@@ -241,7 +241,8 @@ SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Bind
         add_surface(scene.figure, a, b, loss, turns);
     }
     loss.places = meter.loss();
-    loss.places.largest += rounding_of_players(shown_places(scene.stored.vertices, scene.stored.triangles));
+    loss.places.largest +=
+        single_precision_error(used_positions(scene.stored.vertices, scene.stored.triangles));
     if (!turns.empty()) {
         const auto at = turns.begin() + std::ptrdiff_t(0.99 * double(turns.size() - 1));
         std::nth_element(turns.begin(), at, turns.end());
@@ -352,8 +353,8 @@ PoseClip clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) 
             clone(binding, handles, a) == Status::ok && clone(binding, pose_of(linear, p), b) == Status::ok)
             meter.add_pose(a, b, exact.times[p]);
     }
-    const StoredLoss loss = meter.loss();
-    if (loss.share() > StoredLoss::worth_a_warning) {
+    const StorageError loss = meter.loss();
+    if (loss.share() > StorageError::worth_a_warning) {
         warn(scene.figure.name + ": between the keys the targets are off by " + describe(loss) +
              "; more keys reduce this");
     }
@@ -478,7 +479,7 @@ FigureFrames frames_of(const Arguments& given, const Scene& scene, const Binding
         }
         if (status != Status::ok)
             throw Failure(name_of_pose(scene.clip, time) + ": " + cageform::to_string(status));
-        places = counted_from(scene.origin, places);
+        places = relative_to(scene.origin, places);
         frames.times.push_back(time);
     }
     return frames;
@@ -516,8 +517,8 @@ make_near_skin(const Arguments& given, const Scene& scene, const Binding<double,
 }
 
 /// Suggests a skin that keeps the distance, given that `influences` joints do not.
-std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
-                          std::size_t influences) {
+std::string suggest_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
+                         std::size_t influences) {
     if (influences >= most_joints) return "use a larger --max-distance, --bones or --morph";
     SkinLoss loss;
     const std::size_t next = influences / joint_set * joint_set + joint_set;
@@ -541,8 +542,8 @@ void add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene
                                " joints per vertex is off by " + describe(loss.places);
     if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance)
         throw Failure(figure.name + ": " + is_off + ": " +
-                      what_would_do(given, scene, bound, skin.influences));
-    if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
+                      suggest_skin(given, scene, bound, skin.influences));
+    if (loss.places.share() > StorageError::worth_a_warning || loss.turn > warning_angle) {
         warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
              (skin.influences < enough_joints
                   ? "; --bones auto finds rotating bones, with a smaller error for four bones per vertex"
@@ -627,7 +628,7 @@ void warn_of_mirrors(const Arguments& given, const Scene& scene, const Binding<d
 FittedMotion add_bones(GltfDocument& document, const Arguments& given, const Scene& scene,
                        const FigureFrames& frames) {
     auto motion = fit_motion(given.skeleton, frames, given.weights);
-    if (motion.loss.share() > StoredLoss::worth_a_warning || motion.report.turn > worth_a_warning_of_turns)
+    if (motion.loss.share() > StorageError::worth_a_warning || motion.report.turn > warning_angle)
         warn(scene.figure.name + ": " + describe_loss(motion) + "; use more --bones for a smaller error");
     const auto& [skeleton, keys] = std::tie(motion.skeleton, motion.keys);
     add_skinned_meshes(document, scene.meshes, scene.stored, skeleton.skin, given.weights, skeleton.bones, 0);
@@ -677,7 +678,7 @@ Scene read_scene(const Arguments& given) {
     Scene scene;
     scene.figure = load_mesh_figure(given.figure, given.is_strict);
     scene.cage = load_or_make_cage(given.cage, scene.figure);
-    if (given.flips_faces) scene.figure = with_faces_turned_over(std::move(scene.figure));
+    if (given.flips_faces) scene.figure = with_faces_reversed(std::move(scene.figure));
     scene.parts = read_parts(scene.figure);
     scene.meshes = value_or_fail(gltf_meshes(scene.figure, scene.parts));
     if (!given.labels.empty())
@@ -685,7 +686,7 @@ Scene read_scene(const Arguments& given) {
     scene.clip = given.moves.motion(scene.cage);
     scene.origin = far_origin(scene.figure);
     scene.stored = scene.figure;
-    scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
+    scene.stored.vertices = relative_to(scene.origin, scene.figure.vertices);
     for (const ObjFile* file : {&scene.figure, &scene.cage}) // the format of glTF
         fail_if(single_precision_fault(*file));
     return scene;

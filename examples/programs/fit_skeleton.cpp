@@ -68,7 +68,7 @@ bool ascend(std::span<const double> times) {
 
 /// Reads the frames. Vertices that a frame excludes are excluded from the figure too.
 MddFile read_frames(Arguments& given, ObjFile& figure) {
-    if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
+    if (given.frames.size() == 1 && lowercase_extension(given.frames[0]) == ".mdd") {
         MddFile file = value_or_fail(load_mdd(given.frames[0], figure.vertices.size()));
         for (std::size_t t = 0; t < file.frames.size(); ++t) {
             std::vector<std::size_t> strays;
@@ -95,7 +95,7 @@ MddFile read_frames(Arguments& given, ObjFile& figure) {
     for (const std::string& text : order_by_numbers(given.frames)) note(text);
     std::vector<std::vector<Point3>> frames;
     for (const std::string& path : given.frames) {
-        if (ending_of(path) == ".mdd")
+        if (lowercase_extension(path) == ".mdd")
             throw Failure(path + ": one MDD file holds all frames: give it alone, after " + given.rest);
         auto frame = value_or_fail(load_obj(path, strays_of(given.is_strict)));
         if (frame.vertices.size() != figure.vertices.size()) {
@@ -177,8 +177,8 @@ int fit_figure(Arguments& given, ObjFile figure) {
     }
     fail_if(fault_of_outputs({given.out, given.picture}));
     const Point3 origin = far_origin(figure);
-    figure.vertices = counted_from(origin, figure.vertices);
-    for (auto& frame : places) frame = counted_from(origin, frame);
+    figure.vertices = relative_to(origin, figure.vertices);
+    for (auto& frame : places) frame = relative_to(origin, frame);
     const std::vector<Point3> rest = join_copies(figure, places);
     FigureFrames frames{figure.name,           rest,        figure.triangles, std::move(places),
                         std::move(read.times), given.frames};
@@ -189,7 +189,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
 
     warn_of_mirrors(given, frames);
     const auto motion = fit_motion(given.choice, frames);
-    if (motion.loss.share() > StoredLoss::worth_a_warning) {
+    if (motion.loss.share() > StorageError::worth_a_warning) {
         warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
@@ -260,6 +260,6 @@ int run_program(int argc, char** argv) {
 
     auto figure = load_mesh_figure(given.rest, given.is_strict);
     fail_if(single_precision_fault(figure));
-    if (given.flips_faces) figure = with_faces_turned_over(std::move(figure));
+    if (given.flips_faces) figure = with_faces_reversed(std::move(figure));
     return fit_figure(given, std::move(figure));
 }

@@ -93,7 +93,7 @@ Fitted<D> fitted(const Arguments& given, const Figures<D>& figures,
 }
 
 int fit_in_plane(const Arguments& given) {
-    if (ending_of(given.out) == ".obj")
+    if (lowercase_extension(given.out) == ".obj")
         return fail("-o " + given.out + ": the figure lies in the plane: write .svg or .csv");
     if (!given.picture.empty())
         return fail("--picture is for figures in space; pose_cage draws a pose in the plane");
@@ -108,7 +108,8 @@ int fit_in_plane(const Arguments& given) {
     const auto fit = fitted(given, figures, cage.lattice);
     const CageFile pose = moved_cage(cage, fit.pose);
     const auto view = view_box(rest);
-    const Expected<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
+    const Expected<std::string> text =
+        lowercase_extension(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
     outputs.add(given.out).write(*text);
@@ -116,7 +117,7 @@ int fit_in_plane(const Arguments& given) {
 }
 
 int fit_in_space(const Arguments& given) {
-    if (ending_of(given.out) != ".obj")
+    if (lowercase_extension(given.out) != ".obj")
         return fail("-o " + given.out + ": the figure lies in space: write .obj");
     fail_if(fault_of_outputs({given.out, given.picture}));
     auto rest = load_mesh_figure(given.rest, given.is_strict);
@@ -169,5 +170,5 @@ int run_program(int argc, char** argv) {
     add_strict(line, given.is_strict);
     line.set_footer(obj_format + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    return ending_of(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);
+    return lowercase_extension(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);
 }

@@ -213,7 +213,7 @@ void add_shape(CommandLine& line, Arguments& given, const CommandOption& lattice
             "make the cage symmetric by a mirror across an axis: x, y, z, or with its position x=12.5")
         .excludes(lattice);
     line.add_text(
-            "--cage", [&options](const std::string& word) { options.shape = CageWord::of(word).shape; },
+            "--cage", [&options](const std::string& word) { options.shape = CageChoice::of(word).shape; },
             "auto follows the figure (the default), hull its convex hull, box its bounds")
         .one_of({"auto", "hull", "box"})
         .excludes(lattice);

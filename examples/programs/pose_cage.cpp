@@ -61,9 +61,9 @@ int pose_in_plane(const Arguments& given) {
         value_or_fail(load_cage(given.cage, given.coordinates.empty()             ? CageEdges::as_drawn
                                             : given.coordinates == "curved-green" ? CageEdges::curves
                                                                                   : CageEdges::lines));
-    if (ending_of(given.out) == ".obj")
+    if (lowercase_extension(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
-    if (ending_of(given.picture) == ".png")
+    if (lowercase_extension(given.picture) == ".png")
         return fail("--picture " + given.picture +
                     ": in the plane the picture is an .svg file; --png renders it too");
     SvgDocument below;
@@ -89,9 +89,9 @@ int pose_in_plane(const Arguments& given) {
 
 int pose_in_space(const Arguments& given) {
     const auto cage = value_or_fail(load_mesh_cage(given.cage));
-    if (!given.out.empty() && ending_of(given.out) != ".obj")
+    if (!given.out.empty() && lowercase_extension(given.out) != ".obj")
         return fail("-o " + given.out + ": the cage lies in space: write .obj");
-    if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
+    if (lowercase_extension(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
     if (given.coordinates == "curved-green")
         return fail("--coordinates curved-green: " + given.cage + " lies in space, and curves in the plane");

@@ -469,9 +469,10 @@ TEMPLATE_TEST_CASE("from the linear guess on a line the first sweep changes noth
     fix(problem, 100, 1);
     for (const std::size_t coarsest : {8u, 1000u}) { // one level either way
         auto guessed = problem;
-        const auto once = solve(
-            guessed,
-            {.coarsest = coarsest, .tolerance = double(epsilon<T>), .max_sweeps = 1, .first_guess = true});
+        const auto once = solve(guessed, {.coarsest = coarsest,
+                                          .tolerance = double(epsilon<T>),
+                                          .max_sweeps = 1,
+                                          .use_initial_values = true});
         CHECK(once.converged);
         CHECK(once.sweeps == 1);
         for (std::size_t c = 0; c <= 100; ++c)
@@ -484,9 +485,9 @@ TEMPLATE_TEST_CASE("from the linear guess on a line the first sweep changes noth
     // A sweep continues from the sweep before: n sweeps together equal n single sweeps.
     auto together = problem, apart = problem;
     for (std::size_t c = 1; c < 100; ++c) together.values[c] = apart.values[c] = c % 7 == 0 ? T(1) : T(0.25);
-    (void)solve(together, {.tolerance = 0, .max_sweeps = 5, .first_guess = true});
+    (void)solve(together, {.tolerance = 0, .max_sweeps = 5, .use_initial_values = true});
     for (int n = 0; n < 5; ++n)
-        CHECK(solve(apart, {.tolerance = 0, .max_sweeps = 1, .first_guess = true}).sweeps == 1);
+        CHECK(solve(apart, {.tolerance = 0, .max_sweeps = 1, .use_initial_values = true}).sweeps == 1);
     CHECK((together.values == apart.values));
 }
 
@@ -518,7 +519,7 @@ TEST_CASE("what a coarser grid pushes is a good first guess", "[grid][averaging_
     for (std::size_t c = 0; c < problem.tags.size(); ++c) {
         if (problem.tags[c] == CellTag::interior) guessed.values[c] = coarse.values[parent(c)];
     }
-    const auto with_guess = solve(guessed, {.first_guess = true});
+    const auto with_guess = solve(guessed, {.use_initial_values = true});
     const auto without = solve(from_zero, {.coarsest = 1000});
     CAPTURE(with_guess.sweeps, without.sweeps);
     CHECK(with_guess.converged);

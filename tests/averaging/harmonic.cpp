@@ -375,7 +375,7 @@ TEST_CASE("a solver that does not converge says how far it came", "[coordinates]
     CHECK(outcome.solver.relaxation.sweeps == 5);
     CHECK(outcome.solver.relaxation.largest_mean_change > 1e-9);
     CHECK(outcome.solver.cells > 1000);
-    CHECK(outcome.solver.crowded_cells == 0);
+    CHECK(outcome.solver.unresolved_cells == 0);
     // Nothing half solved is kept.
     CHECK(evaluate_all(coordinates, Points2<double>{{0.5, 0.5}}).status() == Status::not_converged);
 }
@@ -387,7 +387,7 @@ TEST_CASE("harmonic coordinates report cells too crowded to tell edges apart",
                                            {.resolution = resolution, .averaging = {.tolerance = 1e-2}});
         const auto weights = evaluate_all(coordinates, Points2<double>{{0, 0}});
         CHECK(weights.status() == Status::ok);
-        return weights.evaluation.solver.crowded_cells;
+        return weights.evaluation.solver.unresolved_cells;
     };
     CHECK(crowded(8) > crowded(64));
     CHECK(crowded(256) == 0);
@@ -629,7 +629,7 @@ TEST_CASE("in space the papers' solver takes 12 bytes a cell and refuses what is
     CHECK(weights.states[0] == PointState::inside);
     CHECK(std::fabs(double(sum_of(weights.rows[0])) - 1) <= 1e-12);
     CHECK(weights.evaluation.solver.cells == 0);
-    CHECK(weights.evaluation.solver.crowded_cells > 100);
+    CHECK(weights.evaluation.solver.unresolved_cells > 100);
 }
 
 } // namespace harmonic_tests

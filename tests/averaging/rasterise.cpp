@@ -182,8 +182,8 @@ void check_domain(const Polygon<T>& polygon, const GridDomain<T, 2>& domain) {
     }
     CHECK(wrong_side == 0);
     CHECK(leaks == 0);
-    CHECK(surely_crowded <= domain.crowded_cells);
-    CHECK(domain.crowded_cells <= maybe_crowded);
+    CHECK(surely_crowded <= domain.unresolved_cells);
+    CHECK(domain.unresolved_cells <= maybe_crowded);
 }
 
 template <class T>
@@ -269,7 +269,7 @@ TEMPLATE_TEST_CASE("rasterise: an edge marks all the cells it touches", "[grid][
         const auto domain = rasterise(Polygon<T>(points), unit_lattice<T>(8, 8));
         CHECK(picture(domain) == std::vector<std::string>{"........", ".######.", ".######.", ".##++##.",
                                                           ".##++##.", ".######.", ".######.", "........"});
-        CHECK(domain.crowded_cells == 0);
+        CHECK(domain.unresolved_cells == 0);
     }
     SECTION("a diagonal through corners marks the cells on either side of each corner") {
         const Polygon<T> cage(Points2<T>{{4, 1}, {7, 4}, {4, 7}, {1, 4}});
@@ -338,7 +338,7 @@ TEMPLATE_TEST_CASE("rasterise: walls thinner than a cell keep both sides apart",
     const auto domain = rasterise(chambers, unit_lattice<T>(20, 14));
     check_domain(chambers, domain);
     // The cells of the wall hold its two sides, which have no vertex in common: rows 5 … 12 of column 9.
-    CHECK(domain.crowded_cells == 8);
+    CHECK(domain.unresolved_cells == 8);
 
     // A sliver of a cage: no cell is all inside.
     const Polygon<T> sliver(Points2<T>{{T(1.3), T(1.4)}, {T(17.1), T(9.3)}, {T(17), T(9.6)}});
@@ -358,7 +358,7 @@ TEMPLATE_TEST_CASE("rasterise: the count of crowded cells does not depend on whe
         const Polygon<T> cage(points);
         const auto domain = rasterise(cage, unit_lattice<T>(10, 10));
         check_domain(cage, domain);
-        CHECK(domain.crowded_cells == 5); // rows 4 … 8 of column 5
+        CHECK(domain.unresolved_cells == 5); // rows 4 … 8 of column 5
         std::rotate(points.begin(), points.begin() + 1, points.end());
     }
 }
@@ -370,7 +370,7 @@ TEMPLATE_TEST_CASE("rasterise: a cage smaller than a cell", "[grid][rasterise]",
     check_domain(dot, domain);
     CHECK(count_of(domain.tags, CellTag::boundary) == 1);
     CHECK(domain.tags[12] == CellTag::boundary);
-    CHECK(domain.crowded_cells == 0); // in a triangle each edge meets both others
+    CHECK(domain.unresolved_cells == 0); // in a triangle each edge meets both others
 }
 
 TEMPLATE_TEST_CASE("rasterise: a corner of the lattice that the cage cuts off", "[grid][rasterise]",
@@ -510,8 +510,8 @@ std::size_t check_domain(const C& cage, std::size_t resolution) {
     CHECK(without_data == 0);
     CHECK(worst_mean <= 2 * slack);
     CHECK(farthest <= std::sqrt(0.75) + 2 * slack); // half a diagonal
-    CHECK(surely_crowded <= domain.crowded_cells);
-    CHECK(domain.crowded_cells <= maybe_crowded);
+    CHECK(surely_crowded <= domain.unresolved_cells);
+    CHECK(domain.unresolved_cells <= maybe_crowded);
     return compared;
 }
 
@@ -559,7 +559,7 @@ TEST_CASE("rasterise: cavities, faces along grid planes, boxes", "[grid][rasteri
     const auto thin = cageform::box_mesh<double>({0, 0, 0}, {10, 10, 0.1}).triangles();
     const auto flat = rasterise(thin, lattice_about(bounds_of(thin.vertices()), 14));
     CHECK(count_of(flat.tags, CellTag::interior) == 0);
-    CHECK(flat.crowded_cells == count_of(flat.tags, CellTag::boundary));
+    CHECK(flat.unresolved_cells == count_of(flat.tags, CellTag::boundary));
 }
 
 } // namespace rasterise_tests

@@ -409,13 +409,13 @@ TEST_CASE("fields do not depend on threads, crowded strokes are counted", "[grid
     running.parallel = cageform::ThreadedFor{4};
     const auto report = one.solve();
     REQUIRE(report.status == Status::ok);
-    CHECK(report.solver.crowded_cells > 10);
+    CHECK(report.solver.unresolved_cells > 10);
     const auto crowded = [](double second) { // two lines along 31 links
         Diffusion<double> field(unit_square, 40, 1);
         for (const double y : {0.506, second}) {
             REQUIRE(field.add(Stroke<double>{{{0.11, y}, {0.89, y}}, {0, 1}, {}, 0}) == Status::ok);
         }
-        return field.solve().solver.crowded_cells;
+        return field.solve().solver.unresolved_cells;
     };
     CHECK(std::abs(double(crowded(0.508)) - 31) <= 1);
     CHECK(crowded(0.606) == 0);

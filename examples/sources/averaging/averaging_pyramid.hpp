@@ -30,7 +30,7 @@ struct AveragingOptions {
     std::size_t max_sweeps = 100000; ///< on each level
     /// Sweeps start with the given values of interior cells instead of 0. There is then one level,
     /// whatever `coarsest` is.
-    bool first_guess = false;
+    bool use_initial_values = false;
 };
 
 struct AveragingOutcome {
@@ -64,22 +64,22 @@ public:
         for (;;) {
             const auto& cells = levels_.back().box.cells;
             const std::size_t longest = *std::max_element(cells.begin(), cells.end());
-            if (options.first_guess || longest <= options.coarsest || longest < 2) break;
+            if (options.use_initial_values || longest <= options.coarsest || longest < 2) break;
             levels_.push_back(coarsen(levels_.back(), options.stencil));
         }
     }
 
     std::size_t unknowns() const noexcept { return levels_[0].unknowns; }
 
-    /// Fills the interior cells of `values` (#cells). Reads the boundary cells (with first_guess also the
-    /// interior ones, which must be finite) and ignores the others. Calls `keep_going()` regularly; false
-    /// cancels. The object holds scratch memory, so use one pyramid per thread.
+    /// Fills the interior cells of `values` (#cells). Reads the boundary cells, and with use_initial_values
+    /// the interior cells, which must then be finite. Ignores all other cells. Calls `keep_going()` regularly;
+    /// false cancels. The object holds scratch memory, so use one pyramid per thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
         levels_[0].values.assign(values.begin(), values.end());
         for (std::size_t l = 1; l < levels_.size(); ++l) restrict_data(levels_[l - 1], levels_[l]);
-        if (!options_.first_guess)
+        if (!options_.use_initial_values)
             levels_.back().for_each_unknown([&](std::size_t c) { levels_.back().values[c] = T(0); });
         AveragingOutcome outcome;
         for (std::size_t l = levels_.size(); l-- > 0;) {

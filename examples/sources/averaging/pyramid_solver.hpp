@@ -67,7 +67,7 @@ public:
         }
         made.emplace(std::move(cage), T(input.tolerance), lattice, options);
         const auto& domain = made->domain_;
-        report.crowded_cells = domain.crowded_cells;
+        report.unresolved_cells = domain.unresolved_cells;
         report.cells = std::size_t(std::count(domain.tags.begin(), domain.tags.end(), CellTag::interior));
         return Status::ok;
     }

@@ -31,9 +31,9 @@ struct CellData {
 template <Scalar T, std::size_t D>
 struct GridDomain {
     Lattice<T, D> lattice;
-    std::vector<CellTag> tags;     ///< #cells
-    std::vector<CellData<T>> data; ///< by handle, then by cell; in every boundary cell they sum to 1
-    std::size_t crowded_cells = 0; ///< cells that touch facets without a common vertex
+    std::vector<CellTag> tags;        ///< #cells
+    std::vector<CellData<T>> data;    ///< by handle, then by cell; in every boundary cell they sum to 1
+    std::size_t unresolved_cells = 0; ///< cells that touch facets without a common vertex
 
     std::span<const CellData<T>> data_of(std::size_t handle) const noexcept {
         const auto before = [](const CellData<T>& a, std::size_t b) { return a.handle < b; };
@@ -132,7 +132,7 @@ void mark_boundary(const Polygon<T>& polygon, GridDomain<T, 2>& domain) {
         if (s < T(1)) domain.data.push_back({std::uint32_t(i), cells[n], T(1) - s});
         if (s > T(0)) domain.data.push_back({std::uint32_t(j), cells[n], s});
     }
-    domain.crowded_cells = std::size_t(
+    domain.unresolved_cells = std::size_t(
         std::count_if(edges.begin(), edges.end(), [](const EdgesOfCell& cell) { return cell.crowded; }));
 }
 
@@ -230,7 +230,7 @@ void mark_boundary(const C& cage, GridDomain<typename C::scalar, 3>& domain) {
             }
         }
         domain.tags[cell] = CellTag::boundary;
-        domain.crowded_cells += are_crowded({touches.data() + begin, end - begin}) ? 1 : 0;
+        domain.unresolved_cells += are_crowded({touches.data() + begin, end - begin}) ? 1 : 0;
     }
 }
 

@@ -92,9 +92,9 @@ struct Tile {
     std::vector<SpaceLine> lines;
 };
 
-class Theatre {
+class StageRenderer {
 public:
-    Theatre(const Arguments& given, std::optional<Control> control)
+    StageRenderer(const Arguments& given, std::optional<Control> control)
         : given_(given)
         , control_(std::move(control))
         , front_((given.net_rows() + 1) * given.net_columns(), {0.86f, 0.24f, 0.17f})
@@ -187,7 +187,7 @@ private:
 };
 
 /// The curve of the signed volume, as an SVG.
-std::string volume_curve(const Theatre& theatre) {
+std::string volume_curve(const StageRenderer& theatre) {
     const Axis x{0, 1, 60, 620}, y{-2.6, 2.6, 330, 20};
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 370\" font-size=\"13\" "
                       "font-family=\"DejaVu Sans, sans-serif\">\n<g stroke=\"#ddd\">\n",
@@ -214,7 +214,7 @@ std::string volume_curve(const Theatre& theatre) {
 }
 
 /// Prints properties of a stage, and of the cage's deformation there.
-void print_stage(const Theatre& theatre, double time) {
+void print_stage(const StageRenderer& theatre, double time) {
     constexpr std::size_t rows = 100, columns = 180;
     const EversionStage stage = theatre.stage(time);
     const EversionMesh mesh = eversion_mesh(stage, rows, columns);
@@ -239,7 +239,7 @@ double largest_step(const std::vector<Point3>& before, const std::vector<Point3>
     return step / size;
 }
 
-int play(const Arguments& given, Theatre theatre) {
+int play(const Arguments& given, StageRenderer theatre) {
     const auto side = std::size_t(given.tile), count = std::size_t(given.stages),
                columns = std::min(std::size_t(given.columns), count);
     Picture sheet(columns * side, (count + columns - 1) / columns * side);
@@ -315,5 +315,5 @@ int run_program(int argc, char** argv) {
 
     auto control = read_control(given, all_stages());
     fail_if(given.film.fault({given.out, given.volume}, ".png"));
-    return play(given, Theatre(given, std::move(control)));
+    return play(given, StageRenderer(given, std::move(control)));
 }

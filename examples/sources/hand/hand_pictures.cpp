@@ -476,7 +476,8 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
 
 /// The maximum of `values` over the skin of all fingers except `ray`, from `radii` radii beyond the first
 /// joint on.
-double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
+double largest_on_other_fingers(const Hand& hand, const std::vector<double>& values, std::size_t ray,
+                                double radii) {
     double most = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
         for (std::size_t other = 0; other < 5; ++other) {
@@ -516,8 +517,8 @@ Picture locality(const BoundHand& bound) {
     double worst = -1;
     const auto pose_of = [](std::size_t finger) { return with({{HandAngle(4 * finger + 1), 90}}); };
     for (std::size_t finger = 0; finger < names.size(); ++finger) {
-        const double most =
-            most_beside(hand, distances(bound.clone(pose_of(finger)), hand.skin.vertices), finger, 0);
+        const double most = largest_on_other_fingers(
+            hand, distances(bound.clone(pose_of(finger)), hand.skin.vertices), finger, 0);
         if (most > worst) ray = finger;
         worst = std::max(worst, most);
     }
@@ -528,8 +529,8 @@ Picture locality(const BoundHand& bound) {
     std::array<double, 2> most{}, past_web{};
     for (std::size_t n = 0; n < 2; ++n) {
         moved[n] = distances(skins[n], hand.skin.vertices);
-        most[n] = most_beside(hand, moved[n], ray, 0);
-        past_web[n] = most_beside(hand, moved[n], ray, 1.5);
+        most[n] = largest_on_other_fingers(hand, moved[n], ray, 0);
+        past_web[n] = largest_on_other_fingers(hand, moved[n], ray, 1.5);
     }
     const double scale = std::ceil(std::max({most[0], most[1], 1.0}));
     std::vector<Tile> tiles;

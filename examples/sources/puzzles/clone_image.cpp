@@ -80,7 +80,7 @@ PixelRegion load_region(const std::string& path, const Pixels& source) {
     const auto refuse = [&](const std::string& why) { return Failure(path + ": " + why); };
     const std::string size = std::to_string(source.width) + " x " + std::to_string(source.height);
     PixelRegion region;
-    if (const std::string ending = ending_of(path);
+    if (const std::string ending = lowercase_extension(path);
         ending == ".svg" || ending == ".svgz" || ending == ".csv") {
         const auto outline = value_or_fail(load_cage(path, CageEdges::as_drawn));
         const auto loops = outline.loops(0.1);

@@ -122,8 +122,8 @@ Run relax(const std::string& name, const Line& line, std::vector<double> values,
     std::size_t next = 1;
     while (!run.steady && run.frames.back().sweeps < most_sweeps) {
         const std::size_t before = run.frames.back().sweeps;
-        auto pyramid =
-            make_pyramid(line, {.tolerance = tolerance, .max_sweeps = next - before, .first_guess = true});
+        auto pyramid = make_pyramid(
+            line, {.tolerance = tolerance, .max_sweeps = next - before, .use_initial_values = true});
         const auto outcome = pyramid.solve(std::span<double>(values));
         run.steady = outcome.converged;
         run.frames.push_back({before + outcome.sweeps, values});

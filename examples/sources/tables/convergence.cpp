@@ -100,8 +100,8 @@ std::vector<Point2> points_in(const cageform::Polygon<double>& cage, std::size_t
 
 constexpr std::size_t finest = 512; // cells shown
 
-/// A way to compute weights, and how its curve is drawn.
-struct Way {
+/// A variant to compute weights, and how its curve is drawn.
+struct Variant {
     const char* name = "";
     const char* dashes = "none";
     cageform::HarmonicOptions options{};
@@ -109,17 +109,18 @@ struct Way {
 };
 
 cageform::Result<cageform::Binding<double, 2>, cageform::BindReport>
-weights_of(const CageFile& cage, const Way& way, std::size_t resolution) {
-    const CoordinatesChoice choice{.name = "harmonic", .resolution = resolution, .harmonic = way.options};
-    return (way.is_averaged ? averaged_coordinates(choice, cage) : make_coordinates<double>(choice, cage))
+weights_of(const CageFile& cage, const Variant& variant, std::size_t resolution) {
+    const CoordinatesChoice choice{.name = "harmonic", .resolution = resolution, .harmonic = variant.options};
+    return (variant.is_averaged ? averaged_coordinates(choice, cage) : make_coordinates<double>(choice, cage))
         .bind(points_in(cage.polygon<double>(), 1000));
 }
 
 /// The largest difference between weights and `exact` weights.
-Curve error_by_cells(const CageFile& cage, const Way& way, const cageform::Binding<double, 2>& exact) {
+Curve error_by_cells(const CageFile& cage, const Variant& variant,
+                     const cageform::Binding<double, 2>& exact) {
     Curve curve;
     for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
-        const auto coarse = weights_of(cage, way, resolution);
+        const auto coarse = weights_of(cage, variant, resolution);
         if (!coarse) continue; // too coarse for a part of the cage
         double error = 1e-16;
         for (std::size_t i = 0; i < exact.point_count(); ++i) {
@@ -309,15 +310,16 @@ void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams)
     for (const double accuracy : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) {
         if (accuracy >= (D == 2 ? 1e-5 : 5e-4)) adaptive.emplace_back().harmonic.accuracy = accuracy;
     }
-    for (auto* ways : {&uniform, &adaptive}) {
-        Curve by_unknowns{oracle.name + (ways == &uniform ? ", uniform" : ", adaptive"),
+    for (auto* variants : {&uniform, &adaptive}) {
+        Curve by_unknowns{oracle.name + (variants == &uniform ? ", uniform" : ", adaptive"),
                           colour,
-                          ways == &uniform ? "6 4" : "none",
+                          variants == &uniform ? "6 4" : "none",
                           {}};
         Curve by_seconds = by_unknowns;
         double seconds = 0;
-        for (CoordinatesChoice& choice : *ways) {
-            if (seconds > (ways == &uniform && D == 3 ? 0.5 : 2)) break; // the next takes eight times as long
+        for (CoordinatesChoice& choice : *variants) {
+            if (seconds > (variants == &uniform && D == 3 ? 0.5 : 2))
+                break; // the next takes eight times as long
             choice.name = "harmonic";
             const Measured measured = measure(oracle, choice);
             const std::string asked = choice.resolution != 0
@@ -382,17 +384,17 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
               << " a cycle\n";
     diagrams.by_cycle.push_back(std::move(cycles));
 
-    const std::array ways{Way{},
-                          Way{", corners untreated", "9 5", {.multigrid = {.corner_functions = false}}},
-                          Way{.name = ", the papers' sweeps", .dashes = "2 4", .is_averaged = true}};
+    const std::array variants{
+        Variant{}, Variant{", corners untreated", "9 5", {.multigrid = {.corner_functions = false}}},
+        Variant{.name = ", the papers' sweeps", .dashes = "2 4", .is_averaged = true}};
     // The reference: a grid four times as fine as the finest in the diagram.
     const auto exact = weights_of(*file, {}, 4 * finest);
     if (!exact) return path + ": " + cageform::to_string(exact.status());
-    for (const Way& way : ways) {
-        auto curve = error_by_cells(*file, way, exact.value);
-        curve.name = name + way.name;
+    for (const Variant& variant : variants) {
+        auto curve = error_by_cells(*file, variant, exact.value);
+        curve.name = name + variant.name;
         curve.colour = colour;
-        curve.dashes = way.dashes;
+        curve.dashes = variant.dashes;
         std::cout << curve.name << ":";
         for (const auto& [cells, error] : curve.points)
             std::cout << "  " << text_of("%.0f", std::exp2(cells)) << " cells "

@@ -110,7 +110,7 @@ public:
         , cage_(cage)
         , control_(control_of(given.choice, cage)) {
         control_.pose_name = "the pose by pins";
-        outside_.cage_is_made = CageWord::of(given.cage).is_auto;
+        outside_.cage_is_made = CageChoice::of(given.cage).is_auto;
     }
 
     /// Draws both poses; an empty reason is success.
@@ -218,7 +218,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(pins_format + std::string("\n") + cage_formats + "\n" + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.pins.solving.settled_step = 1e-6;
-    if (ending_of(given.figure) == ".obj") return draw_in_space(given);
+    if (lowercase_extension(given.figure) == ".obj") return draw_in_space(given);
 
     const auto figure = value_or_fail(load_svg(given.figure));
     const auto cage = load_or_make_cage(given.cage, figure, given.choice.edges());

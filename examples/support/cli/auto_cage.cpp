@@ -32,14 +32,14 @@ void add_cage(CommandLine& line, std::string& cage, CageFiles files) {
     line.add("--cage", cage, help + auto_cage_help).required();
 }
 
-CageWord CageWord::of(const std::string& word) {
+CageChoice CageChoice::of(const std::string& word) {
     using Shape = cageform::CageShape;
     if (word.starts_with(lattice_prefix)) return {true, true, 0, 0, Shape::figure};
     const std::string name = word.substr(0, word.find(':'));
-    CageWord found{name == "auto" || name == "hull" || word == "box", false, 0, 0,
-                   name == "hull"  ? Shape::hull
-                   : name == "box" ? Shape::box
-                                   : Shape::figure};
+    CageChoice found{name == "auto" || name == "hull" || word == "box", false, 0, 0,
+                     name == "hull"  ? Shape::hull
+                     : name == "box" ? Shape::box
+                                     : Shape::figure};
     if (!found.is_auto || word.size() == name.size()) return found;
     const std::string number = word.substr(name.size() + 1);
     if (number.ends_with('%')) {
@@ -86,7 +86,7 @@ CageFile make_lattice_for(const SvgDocument& figure, const LatticeWord& word, do
 }
 
 CageFile load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
-    const CageWord wanted = CageWord::of(word);
+    const CageChoice wanted = CageChoice::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
         auto cage = load_cage(word, edges);

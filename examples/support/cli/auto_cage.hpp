@@ -29,14 +29,14 @@ void add_cage(CommandLine& line, std::string& cage, CageFiles files);
 
 /// The choice of --cage: auto, hull, box, auto:N, hull:N, auto:15%, hull:15% or lattice:…, otherwise a file
 /// (write ./auto for a file of that name).
-struct CageWord {
+struct CageChoice {
     bool is_auto = false;
     bool is_lattice = false;  // described by the rest of the word
     std::size_t vertices = 0; // 0: chosen by make_cage
     double looseness = 0;     // positive: fewest vertices within this fraction of the tightest cage
     cageform::CageShape shape = cageform::CageShape::figure;
 
-    static CageWord of(const std::string& word);
+    static CageChoice of(const std::string& word);
 };
 
 /// A cage from make_cage, and its report.
@@ -97,7 +97,7 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec<double, D>>& rest);
 
-/// Adds --flip-faces, for with_faces_turned_over().
+/// Adds --flip-faces, for with_faces_reversed().
 void add_flip_faces(CommandLine& line, bool& flips_faces);
 
 /// Adds --strict for load_mesh_figure().

@@ -98,7 +98,7 @@ ObjFile make_lattice_for(const ObjFile& figure, const LatticeWord& word, double 
 }
 
 ObjFile load_or_make_cage(const std::string& word, const ObjFile& figure) {
-    const CageWord wanted = CageWord::of(word);
+    const CageChoice wanted = CageChoice::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
         auto cage = load_mesh_cage(word);

@@ -51,7 +51,7 @@ inline std::string no_cage(const cageform::MakeCageReport& report, const cagefor
 
 /// Makes a cage as the value of --cage describes; warnings go to stderr.
 template <class Figure>
-auto made_by_word(const CageWord& word, const Figure& figure) {
+auto made_by_word(const CageChoice& word, const Figure& figure) {
     cageform::MakeCageOptions options;
     options.vertices = word.vertices;
     options.looseness = word.looseness;

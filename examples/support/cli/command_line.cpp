@@ -107,7 +107,7 @@ CommandOption& CommandOption::in_order() {
 }
 CommandOption& CommandOption::ends_with(const std::vector<std::string>& endings) {
     option_->check([endings](const std::string& path) -> std::string {
-        const std::string ending = ending_of(path);
+        const std::string ending = lowercase_extension(path);
         std::string known;
         for (const std::string& one : endings) {
             if (ending == one) return {};

@@ -251,8 +251,8 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               names_of(report.outside);
     // Finding the nearest boundary points of many points is slow, so it is done only for messages.
     double largest = 0;
-    const bool is_told = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
-    for (std::size_t n = 0; is_told && n < report.outside.size(); ++n) {
+    const bool needs_message = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
+    for (std::size_t n = 0; needs_message && n < report.outside.size(); ++n) {
         const std::size_t i = report.outside[n];
         cageform::Vec<T, D> p{};
         if constexpr (D == 2)
@@ -261,8 +261,8 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
             p = cageform::vec_cast<T>(points[i] - origin);
         if (cageform::is_finite(p)) largest = std::max(largest, coordinates.distance_from_boundary(p));
     }
-    const bool some = !report.outside.empty() &&
-                      (!is_told || coordinates.takes_sites || largest > coordinates.boundary_tolerance());
+    const bool some = !report.outside.empty() && (!needs_message || coordinates.takes_sites ||
+                                                  largest > coordinates.boundary_tolerance());
     std::ostringstream distance;
     distance.precision(2);
     distance << "; the largest distance from the boundary is " << largest;

@@ -127,12 +127,13 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
 }
 
 PoseClip clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses, double seconds) {
-    PoseClip clip{"poses", seconds * double(poses.size() + 1), {{0, PoseWay::smooth, cage.vertices}}};
+    PoseClip clip{
+        "poses", seconds * double(poses.size() + 1), {{0, PoseInterpolation::smooth, cage.vertices}}};
     for (const std::string& path : poses) {
         const auto pose = value_or_fail(load_obj(path));
         fail_if(pose_difference(cage, pose));
         fail_if(single_precision_fault(pose));
-        clip.keys.push_back({seconds * double(clip.keys.size()), PoseWay::smooth, pose.vertices});
+        clip.keys.push_back({seconds * double(clip.keys.size()), PoseInterpolation::smooth, pose.vertices});
     }
     return clip;
 }

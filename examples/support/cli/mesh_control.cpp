@@ -81,7 +81,7 @@ ObjFile read_pose(const MeshControlChoice& given, const ObjFile& cage, const std
         return put_back(std::move(pose));
     }
     if (!operated && given.pins.is_given()) return cage;
-    if (!operated && !CageWord::of(given.cage).is_auto)
+    if (!operated && !CageChoice::of(given.cage).is_auto)
         throw Failure("--pose is required, or operations such as --turn, or --pin");
     ObjFile pose = cage;
     if (operated) {

@@ -144,7 +144,8 @@ PoseClip MotionChoice::motion(const ObjFile& cage) const {
     }
     return PoseClip{"pose",
                     2 * seconds,
-                    {{0, PoseWay::smooth, cage.vertices}, {seconds, PoseWay::smooth, std::move(posed)}}};
+                    {{0, PoseInterpolation::smooth, cage.vertices},
+                     {seconds, PoseInterpolation::smooth, std::move(posed)}}};
 }
 
 CageFile read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage, bool is_made) {

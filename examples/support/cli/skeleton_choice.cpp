@@ -60,9 +60,9 @@ void round_to_single(FittedMotion& motion) {
 
 /// Measures the error of the played keys.
 void measure(const FigureFrames& frames, FittedMotion& motion) {
-    StoredLoss& loss = motion.loss;
-    loss.size =
-        cageform::bounds_of(std::span<const Point3>(shown_places(frames.rest, frames.triangles))).diagonal();
+    StorageError& loss = motion.loss;
+    loss.size = cageform::bounds_of(std::span<const Point3>(used_positions(frames.rest, frames.triangles)))
+                    .diagonal();
     if (!(loss.size > 0)) loss.size = cageform::bounds_of(std::span(frames.places[0])).diagonal();
     loss.poses = frames.places.size();
     std::vector<double> largest(frames.rest.size(), 0.0);
@@ -85,7 +85,7 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
             loss.time = frames.times[t];
         }
     }
-    loss.largest += rounding_of_players(shown_places(frames.rest, frames.triangles));
+    loss.largest += single_precision_error(used_positions(frames.rest, frames.triangles));
     for (const double distance : largest) loss.mean += distance / double(largest.size());
     motion.rms = std::sqrt(squares / (double(largest.size()) * double(loss.poses)));
     if (loss.size > 0) motion.rms /= loss.size;

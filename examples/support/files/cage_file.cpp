@@ -151,7 +151,7 @@ std::string to_csv(const CageFile& cage) {
 }
 
 Expected<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view) {
-    const bool is_csv = ending_of(path) == ".csv";
+    const bool is_csv = lowercase_extension(path) == ".csv";
     if (!is_csv && pose.has_cells() && !pose.lattice)
         return FileError{path + ": " + pose.name + " has chains or points, which need a .csv file"};
     if (is_csv && pose.curves)

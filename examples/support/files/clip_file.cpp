@@ -193,11 +193,11 @@ std::string clip_text(const ClipFile& clip, const std::string& heading) {
 
 namespace {
 
-std::string parse_way(std::string_view word, PoseWay& way) {
+std::string parse_way(std::string_view word, PoseInterpolation& way) {
     if (word == "linear")
-        way = PoseWay::linear;
+        way = PoseInterpolation::linear;
     else if (word == "ease")
-        way = PoseWay::ease;
+        way = PoseInterpolation::ease;
     else if (word != "smooth" && !word.empty())
         return "a pose is smooth, linear or ease, not " + detail::quoted(word);
     return {};
@@ -272,9 +272,9 @@ std::string pose_clip_text(const PoseClip& clip, const std::string& heading) {
     std::string text = "# " + heading + formatted("\nlength,%.9g\n", clip.length);
     for (const PoseKey& key : clip.keys) {
         text += formatted("pose,%.9g,%s\n", key.time,
-                          key.way == PoseWay::smooth   ? "smooth"
-                          : key.way == PoseWay::linear ? "linear"
-                                                       : "ease");
+                          key.way == PoseInterpolation::smooth   ? "smooth"
+                          : key.way == PoseInterpolation::linear ? "linear"
+                                                                 : "ease");
         for (const auto& p : key.places) text += formatted("%.6f,%.6f,%.6f\n", p[0], p[1], p[2]);
     }
     return text;
@@ -287,14 +287,14 @@ cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<c
     };
     const auto chord = [&](std::size_t k) { return (values[(k + 1) % count] - values[k]) / step(k); };
     const auto slope = [&](std::size_t k) {
-        if (clip.keys[k].way == PoseWay::ease) return 0.0;
+        if (clip.keys[k].way == PoseInterpolation::ease) return 0.0;
         const std::size_t last = (k + count - 1) % count;
         const double before = step(last), after = step(k);
         return (after * chord(last) + before * chord(k)) / (before + after);
     };
     std::vector<cageform::CubicPiece<double>> pieces;
     for (std::size_t k = 0; k < count; ++k) {
-        const bool straight = clip.keys[k].way == PoseWay::linear;
+        const bool straight = clip.keys[k].way == PoseInterpolation::linear;
         const double h = step(k), all = chord(k);
         const double a = straight ? all : slope(k), b = straight ? all : slope((k + 1) % count);
         pieces.push_back(

@@ -137,11 +137,11 @@ std::string clip_text(const ClipFile& clip, const std::string& heading);
 Expected<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
 
 /// Interpolation at a pose.
-enum class PoseWay : std::uint8_t { smooth, linear, ease };
+enum class PoseInterpolation : std::uint8_t { smooth, linear, ease };
 
 struct PoseKey {
     double time = 0;
-    PoseWay way = PoseWay::smooth;
+    PoseInterpolation way = PoseInterpolation::smooth;
     std::vector<cageform::Vec<double, 3>> places; // of all vertices
 };
 

@@ -158,7 +158,7 @@ cageform::SkinWeights first_set(const cageform::SkinWeights& skin) {
     return first;
 }
 
-double rounding_of_players(std::span<const Point3> places) {
+double single_precision_error(std::span<const Point3> places) {
     constexpr double roundings = 4;
     return roundings * double(std::numeric_limits<float>::epsilon()) *
            cageform::bounds_of(places).magnitude();

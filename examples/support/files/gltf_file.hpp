@@ -197,7 +197,7 @@ void make_sums_exact(cageform::SkinWeights& skin);
 
 /// Estimated rounding error of players that compute in single precision: four roundings of the largest
 /// coordinate, in its units.
-double rounding_of_players(std::span<const Point3> places);
+double single_precision_error(std::span<const Point3> places);
 
 /// Number of sets of four joints with a nonzero weight.
 inline std::size_t joint_sets(const cageform::SkinWeights& skin) {

@@ -199,7 +199,7 @@ Expected<ObjFile> parse_medit(std::string text, std::string name, StrayVertices 
 }
 
 Expected<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays) {
-    if (ending_of(path) != ".mesh") return load_obj(path, strays);
+    if (lowercase_extension(path) != ".mesh") return load_obj(path, strays);
     auto text = read_text(path.string());
     return text ? parse_medit(std::move(*text), path.string(), strays) : text.error();
 }

@@ -369,8 +369,8 @@ int side_of(std::span<const Point3> rest, std::span<const Point3> moved) {
     return std::fabs(volume) > 1e-9 * most ? (volume < 0 ? -1 : 1) : 0;
 }
 
-std::vector<Point3> shown_places(std::span<const Point3> places,
-                                 std::span<const std::array<std::uint32_t, 3>> triangles) {
+std::vector<Point3> used_positions(std::span<const Point3> places,
+                                   std::span<const std::array<std::uint32_t, 3>> triangles) {
     std::vector<Point3> shown;
     for (const auto& triangle : triangles) {
         for (const std::uint32_t vertex : triangle) shown.push_back(places[vertex]);
@@ -379,7 +379,7 @@ std::vector<Point3> shown_places(std::span<const Point3> places,
 }
 
 double size_of(const ObjFile& figure) {
-    const auto shown = shown_places(figure.vertices, figure.triangles);
+    const auto shown = used_positions(figure.vertices, figure.triangles);
     return cageform::bounds_of(std::span<const Point3>(shown)).diagonal();
 }
 
@@ -394,7 +394,7 @@ std::string rounding_fault(const std::string& name, std::span<const Point3> plac
 }
 
 Point3 far_origin(const ObjFile& figure) {
-    const auto shown = shown_places(figure.vertices, figure.triangles);
+    const auto shown = used_positions(figure.vertices, figure.triangles);
     const auto bounds = cageform::bounds_of(std::span<const Point3>(shown));
     constexpr double far_away = 8; // diagonals
     const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
@@ -402,7 +402,7 @@ Point3 far_origin(const ObjFile& figure) {
     return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
 }
 
-std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places) {
+std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places) {
     std::vector<Point3> moved(places.begin(), places.end());
     for (Point3& p : moved) p = p - origin;
     return moved;
@@ -431,7 +431,7 @@ std::vector<std::vector<std::uint32_t>> face_loops(const ObjFile& file) {
     return loops;
 }
 
-ObjFile with_faces_turned_over(ObjFile file) {
+ObjFile with_faces_reversed(ObjFile file) {
     const std::string text = std::move(file.text);
     std::string& turned = file.text = {};
     turned.reserve(text.size());

@@ -210,14 +210,14 @@ inline bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> mo
 
 /// The positions of the vertices of all triangles, or of all vertices if there are none. Unused vertices do
 /// not affect the size of a figure.
-std::vector<Point3> shown_places(std::span<const Point3> places,
-                                 std::span<const std::array<std::uint32_t, 3>> triangles);
+std::vector<Point3> used_positions(std::span<const Point3> places,
+                                   std::span<const std::array<std::uint32_t, 3>> triangles);
 
-/// The diagonal of the bounds of shown_places().
+/// The diagonal of the bounds of used_positions().
 double size_of(const ObjFile& figure);
 
 /// Origin for positions in single precision. If the figure is far from the origin, the middle of the bounds
-/// of shown_places(), rounded to single precision; else the origin. Rounding errors of positions are then
+/// of used_positions(), rounded to single precision; else the origin. Rounding errors of positions are then
 /// below 1e-6 of the figure's size.
 Point3 far_origin(const ObjFile& figure);
 
@@ -225,7 +225,7 @@ Point3 far_origin(const ObjFile& figure);
 std::string rounding_fault(const std::string& name, std::span<const Point3> places);
 
 /// Positions relative to an origin.
-std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places);
+std::vector<Point3> relative_to(const Point3& origin, std::span<const Point3> places);
 
 /// The Jacobian of a deformation at a vertex: images of the three axes.
 using Jacobian3 = std::array<Point3, 3>;
@@ -249,6 +249,6 @@ inline std::string to_text(const ObjFile& file, std::span<const Point3> places) 
 std::string describe_others(const ObjFile& file, std::initializer_list<std::string_view> keywords);
 
 /// Reverses the corners of each face, also in the text.
-ObjFile with_faces_turned_over(ObjFile file);
+ObjFile with_faces_reversed(ObjFile file);
 
 } // namespace cageform_support

@@ -13,7 +13,7 @@ namespace cageform_support {
 PointFile::PointFile(const std::string& path)
     : path_(path) {
     constexpr std::size_t longest_line = std::size_t{1} << 20; // bytes
-    const std::string ending = ending_of(path);
+    const std::string ending = lowercase_extension(path);
     if (ending == ".obj") {
         error_ = obj_.emplace(path, longest_line).error();
     } else if (ending == ".npy") {

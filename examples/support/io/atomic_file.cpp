@@ -202,17 +202,17 @@ void AtomicFile::abandon() {
 }
 
 /// Blocks the signals that end the program, so that all files are renamed or none.
-class SignalsWait {
+class BlockSignals {
 public:
-    SignalsWait() {
+    BlockSignals() {
         sigset_t ending;
         sigemptyset(&ending);
         for (const int number : ending_signals) sigaddset(&ending, number);
         pthread_sigmask(SIG_BLOCK, &ending, &before_);
     }
-    SignalsWait(const SignalsWait&) = delete;
-    SignalsWait& operator=(const SignalsWait&) = delete;
-    ~SignalsWait() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    BlockSignals(const BlockSignals&) = delete;
+    BlockSignals& operator=(const BlockSignals&) = delete;
+    ~BlockSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 private:
     sigset_t before_{};
@@ -238,7 +238,7 @@ std::optional<std::string> OutputFiles::commit() {
     for (AtomicFile& file : files_) {
         if (auto why = file.finish()) return why;
     }
-    const SignalsWait wait;
+    const BlockSignals wait;
     if (files_.size() > 1) {
         for (AtomicFile& file : files_) file.keep_old();
     }
@@ -261,7 +261,7 @@ int commit(OutputFiles& outputs) {
     return error ? fail(*error) : 0;
 }
 
-std::string ending_of(const std::filesystem::path& path) {
+std::string lowercase_extension(const std::filesystem::path& path) {
     std::string ending = path.extension().string();
     for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
     return ending;

@@ -103,7 +103,7 @@ private:
 int commit(OutputFiles& outputs);
 
 /// The extension of a path in lower case, such as ".svg".
-std::string ending_of(const std::filesystem::path& path);
+std::string lowercase_extension(const std::filesystem::path& path);
 
 /// Checks whether files can be written, before a long computation; returns the error, if any. Call it after
 /// opening all input files. Empty paths are ignored; nothing is written.

@@ -19,7 +19,7 @@ std::string_view trim(std::string_view text) {
 }
 
 /// Returns a hint on the separators of a line that cannot be parsed; empty if they are correct.
-std::string separator_fault(std::string_view line) {
+std::string separator_hint(std::string_view line) {
     line = trim(line);
     if (line.starts_with('#')) return {};
     const auto is_digit = [&](std::size_t k) { return k < line.size() && line[k] >= '0' && line[k] <= '9'; };
@@ -54,7 +54,7 @@ std::string separator_fault(std::string_view line) {
 
 FileError row_fault(const std::string& name, std::size_t number, std::string_view line,
                     const std::string& why) {
-    return {name + ":" + std::to_string(number) + ": " + why + separator_fault(line)};
+    return {name + ":" + std::to_string(number) + ": " + why + separator_hint(line)};
 }
 
 bool take_cell(std::string_view& row, std::string_view& cell) {

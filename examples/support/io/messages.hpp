@@ -18,7 +18,7 @@ namespace cageform_support {
 std::string printable(std::string_view text);
 
 /// Exit code for a temporary failure: EX_TEMPFAIL of sysexits.h.
-inline constexpr int try_again = 75;
+inline constexpr int exit_temporary_failure = 75;
 
 /// Prints "program: message", escaped; returns 1, the exit code of a failure.
 int fail(const std::string& message);

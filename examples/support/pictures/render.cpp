@@ -101,7 +101,7 @@ Film::Film(OutputFiles& outputs, const std::string& path, double rate, int width
     std::vector<std::string> words{
         "ffmpeg",     "-hide_banner", "-loglevel",           "error", "-nostdin", "-y", "-f",
         "image2pipe", "-framerate",   text_of("%.6g", rate), "-c:v",  "png",      "-i", "pipe:0"};
-    const std::string ending = ending_of(path);
+    const std::string ending = lowercase_extension(path);
     if (ending == ".gif") { // with one palette for all frames
         words.insert(words.end(), {"-vf",
                                    "fps=" + text_of("%.6g", std::min(rate, 25.0)) +

@@ -53,7 +53,7 @@ private:
             Motion motion;
             for (std::size_t i = part.first; i < part.end; ++i) motion.add(curves_.motion(i, f));
             const auto best = motion.best_map();
-            if (!best || !is_right(part, *best, f)) return;
+            if (!best || !is_within_tolerance(part, *best, f)) return;
             part.maps[f] = *best;
             moves = moves || motion.moved();
         }
@@ -82,7 +82,7 @@ private:
                             [&](const Reference& r) { return is_in(r.node, part.node); });
     }
 
-    bool is_right(const AffinePart& part, const Affine2& map, std::size_t frame) const {
+    bool is_within_tolerance(const AffinePart& part, const Affine2& map, std::size_t frame) const {
         const double most = largest_scale(map), least = std::abs(map.a * map.d - map.b * map.c) / most;
         for (std::size_t i = part.first; i < part.end; ++i) {
             const DrawnShape& shape = rest_.shapes[i];

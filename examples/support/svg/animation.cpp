@@ -228,7 +228,7 @@ public:
 
         const double lever = track.scale * reach, per_turn = lever * largest * per_degree;
         const std::array<double, 4> sensitivities{track.scale, per_turn, per_turn, lever};
-        const auto is_right = [&](std::size_t frame, const Affine2& played, double most) {
+        const auto is_within_tolerance = [&](std::size_t frame, const Affine2& played, double most) {
             return std::all_of(track.places.begin(), track.places.end(), [&](const Point2& place) {
                 const Point2 p = apply(played, place), q = apply(maps[frame], place);
                 return track.scale * std::hypot(p.x - q.x, p.y - q.y) <= most;
@@ -238,7 +238,7 @@ public:
             for (std::size_t f = 0; f < maps.size(); ++f) {
                 const Affine2 played = product({parts[shift].played(f), parts[turn].played(f),
                                                 parts[skew].played(f), parts[scale].played(f)});
-                if (!is_right(f, played, tolerance)) return false;
+                if (!is_within_tolerance(f, played, tolerance)) return false;
             }
             return true;
         };
@@ -251,7 +251,7 @@ public:
                     std::array<Numbers, 4> all{parts[shift].exact[frame], parts[turn].exact[frame],
                                                parts[skew].exact[frame], parts[scale].exact[frame]};
                     all[k] = numbers;
-                    return is_right(frame, product(all), each);
+                    return is_within_tolerance(frame, product(all), each);
                 });
             }
         } while (each > 1e-6 * tolerance && !is_right_everywhere());

@@ -427,8 +427,8 @@ private:
         Box box;
         if (++visited_nodes_ > 1'000'000) return box; // limit for nested uses
         if (is_shape(kind)) {
-            std::vector<FileError> told_by_the_walk;
-            return bounds(shape_path(document_, node, view, told_by_the_walk));
+            std::vector<FileError> ignored_faults;
+            return bounds(shape_path(document_, node, view, ignored_faults));
         }
         if (kind == "image") {
             const auto size = [&](const char* name, double whole) {

@@ -221,8 +221,8 @@ public:
         result_.report.shapes = paths.size();
         moves_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
-            const auto& carrier = rest_.shapes[i].carrier;
-            moves_[i] = carrier && moves_[*carrier];
+            const auto& text_on_path = rest_.shapes[i].text_on_path;
+            moves_[i] = text_on_path && moves_[*text_on_path];
             if (curves.is_lost(i))
                 result_.report.warnings.push_back(
                     label(work_, rest_.shapes[i].node) +
@@ -243,7 +243,7 @@ private:
         std::vector<Affine2> maps;  // best affine map; if none exists, that of the frame before
         std::vector<Affine2> turns; // rotation of an elliptical pen
         std::vector<Box> boxes;     // in its own user space
-        bool has_map = false, gains_inside = false, pen_stays = false;
+        bool has_map = false, gains_inside = false, pen_not_rotated = false;
     };
 
     /// The role of the points of each shape; fails if a layer has no shape.
@@ -309,14 +309,14 @@ private:
             const Point2 centre = apply(shape.to_root, boxes_at_rest_[i].centre());
             Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), centre);
             if (referring_.count(shape.node.hash_value()) != 0) {
-                moved.pen_stays = moved.pen_stays || !(turn == Affine2());
+                moved.pen_not_rotated = moved.pen_not_rotated || !(turn == Affine2());
                 turn = {};
             }
             moved.turns.push_back(turn);
             from_root = compose(from_root, *inverse(turn));
         }
-        if (shape.carrier && moves_[*shape.carrier]) { // undo the motion of the text
-            const auto undone = inverse(moved_[*shape.carrier].maps.back());
+        if (shape.text_on_path && moves_[*shape.text_on_path]) { // undo the motion of the text
+            const auto undone = inverse(moved_[*shape.text_on_path].maps.back());
             from_root = compose(from_root, undone.value_or(Affine2()));
         } else {
             from_root = compose(from_root, unfiltered(i, f, {}));
@@ -461,7 +461,7 @@ private:
                 add_transform_track(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
             return;
         }
-        if (moved.pen_stays)
+        if (moved.pen_not_rotated)
             result_.report.warnings.push_back(
                 label(work_, shape.node) + ": the pen of its stroke is not rotated, since the transform is "
                                            "skewed and it has a clip path, a mask or a filter");

@@ -157,18 +157,18 @@ struct DrawnShape {
     double fill_opacity = 1, stroke_opacity = 1;
     bool has_fill = true, has_stroke = false; // visible
     double miter_limit = 4;
-    bool has_miters = true;             // stroke-linejoin
-    bool has_square_caps = false;       // stroke-linecap
-    bool has_dashes = false;            // stroke-dasharray
-    bool even_odd = false;              // fill-rule
-    bool is_visible = true;             // visibility
-    bool is_transparent = false;        // itself or an ancestor
-    std::array<std::string, 3> markers; // ids: start, mid, end
-    int level = 0;                      // number of enclosing clip paths and masks
-    bool clips = false;                 // inside a clip path
-    bool is_box = false;                // text or an image
-    std::optional<std::size_t> carrier; // index of the text, part of which follows this path
-    bool is_extent = false;             // extent of letters on a path: not written
+    bool has_miters = true;                  // stroke-linejoin
+    bool has_square_caps = false;            // stroke-linecap
+    bool has_dashes = false;                 // stroke-dasharray
+    bool even_odd = false;                   // fill-rule
+    bool is_visible = true;                  // visibility
+    bool is_transparent = false;             // itself or an ancestor
+    std::array<std::string, 3> markers;      // ids: start, mid, end
+    int level = 0;                           // number of enclosing clip paths and masks
+    bool clips = false;                      // inside a clip path
+    bool is_box = false;                     // text or an image
+    std::optional<std::size_t> text_on_path; // index of the text, part of which follows this path
+    bool is_extent = false;                  // extent of letters on a path: not written
 };
 
 /// Returns the drawn shapes in document order. Changes the document without changing its appearance: every

@@ -388,9 +388,9 @@ bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, Pla
         if (!(p == outline.current())) outline.line_to(p);
     }
     outline.close();
-    const std::size_t carrier = drawing.shapes.size();
+    const std::size_t text_on_path = drawing.shapes.size();
     if (!add(node, outline.take(), place, true)) return false;
-    if (drawing.shapes.size() > carrier) place.style.carrier = carrier;
+    if (drawing.shapes.size() > text_on_path) place.style.text_on_path = text_on_path;
     return !on_paths || add_text_paths(node, place);
 }
 
@@ -497,7 +497,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     there.to_root = compose(place.to_root, *own);
     there.style.fill = there.style.stroke = "none";
     there.style.markers = {};
-    if (place.style.carrier || !is_drawn_under(target, there.to_root)) {
+    if (place.style.text_on_path || !is_drawn_under(target, there.to_root)) {
         if (!count_copies(target))
             return fail(text_path, "the texts of this file expand to too many elements");
         pugi::xml_node copy = add_defs_before_text(text_path).append_copy(target);

@@ -14,7 +14,7 @@
 //     steps         #steps × 4 × uint16: Bernstein coefficients from each knot of a quantised curve to
 //                   the next; integer n means low + n · step. Unused at the last knot of a curve, after
 //                   which the value is end_value
-//     entries       #knots × BankEntry: sorted by time, then by the number of the knot
+//     entries       #knots × KnotEvent: sorted by time, then by the number of the knot
 //     ends          3 × #curves × T: slopes at the first time, slopes at the last time, differences of
 //                   the end values; only if an extrapolation uses them (linear, cycle_with_offset)
 //     motion        PackedMotion; only if the cage is rotated and moved as a whole

@@ -145,10 +145,11 @@ private:
     detail::ThreePointSum<N> compute_weights(const detail::ThreePointFrame<S>& frame, S near_distance,
                                              const Vec<detail::ValueOf<N>, 2>& p,
                                              std::vector<N>& weights) const {
-        constexpr auto rises = std::is_same_v<F, Wachspress>         ? detail::ThreePointRises::none
-                               : std::is_same_v<F, DiscreteHarmonic> ? detail::ThreePointRises::of_squares
-                                                                     : detail::ThreePointRises::of_any;
-        return detail::three_point_weights<rises, N>(frame, f_, near_distance, p, weights);
+        constexpr auto differences = std::is_same_v<F, Wachspress> ? detail::DifferenceFormula::none
+                                     : std::is_same_v<F, DiscreteHarmonic>
+                                         ? detail::DifferenceFormula::of_squares
+                                         : detail::DifferenceFormula::of_any;
+        return detail::three_point_weights<differences, N>(frame, f_, near_distance, p, weights);
     }
 
     template <class N>

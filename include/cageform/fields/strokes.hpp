@@ -314,7 +314,7 @@ private:
             report.culprit = *unresolved;
             return Status::grid_too_coarse;
         }
-        report.crowded_cells = crowded_links(crossings);
+        report.unresolved_cells = crowded_links(crossings);
         auto problem = grid::embed(solution.boundary, crossings);
         for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
             if (is_rim(problem.values[c])) problem.cuts[c].weight = 0; // no flux through the rim

@@ -18,11 +18,11 @@ export class CageformError extends Error {
 
 /** Throws an error for an invalid argument, before a call of the library. */
 export function refuse(message) {
-  throw new CageformError('argument_refused', message);
+  throw new CageformError('invalid_argument', message);
 }
 
 /** The exception that unwinds a failed call. */
-class Left {
+class CallAborted {
   constructor(code) {
     this.code = code;
   }
@@ -48,11 +48,11 @@ export class Engine {
     const engine = new Engine();
     const own = {
       fail(code) {
-        throw new Left(code);
+        throw new CallAborted(code);
       },
       progress: (context, done) => engine.#tell(done),
       proc_exit() {
-        throw new Left(engine.codes.failed);
+        throw new CallAborted(engine.codes.failed);
       },
     };
     const host = wasiHost(() => engine.calls.memory, own);
@@ -105,7 +105,7 @@ export class Engine {
       return calls[name](...given);
     } catch (error) {
       calls.__stack_pointer.value = stack;
-      if (error instanceof Left) {
+      if (error instanceof CallAborted) {
         if (CHANGING.has(name)) this.#left.add(given[0]);
         else calls.cageform_call_undo();
         return error.code;

@@ -10,8 +10,8 @@ export type Indices =
 export type Array32or64 = Float32Array | Float64Array;
 export type Scalar = 'float32' | 'float64';
 
-/** The name of a status; or 'argument_refused' for an argument of the wrong type. */
-export type Status = LibraryStatus | 'argument_refused';
+/** The name of a status; or 'invalid_argument' for an argument of the wrong type. */
+export type Status = LibraryStatus | 'invalid_argument';
 
 /** A status that is not ok. `message` is the error as text. */
 export class CageformError extends Error {

@@ -118,7 +118,7 @@ export function bytesOf(given, name) {
   if (given instanceof ArrayBuffer) return new Uint8Array(given);
   if (ArrayBuffer.isView(given)) return outside(new Uint8Array(given.buffer, given.byteOffset, given.byteLength));
   throw new CageformError(
-    given === null || given === undefined ? 'argument_null' : 'argument_refused',
+    given === null || given === undefined ? 'argument_null' : 'invalid_argument',
     `${name}: bytes are needed`,
   );
 }

@@ -62,8 +62,8 @@ export const tests = [
     name: 'a call before init() throws an error with a message',
     before: true,
     run({ cageform }) {
-      refused(cageform, 'argument_refused', () => new cageform.Coordinates(cageform.Cage.polygon(SQUARE)));
-      refused(cageform, 'argument_refused', () => cageform.open(new Uint8Array(100)));
+      refused(cageform, 'invalid_argument', () => new cageform.Coordinates(cageform.Cage.polygon(SQUARE)));
+      refused(cageform, 'invalid_argument', () => cageform.open(new Uint8Array(100)));
     },
   },
 
@@ -367,7 +367,7 @@ export const tests = [
           cageform.open(spoilt).clone(rest);
         } catch (fault) {
           assert(
-            fault instanceof cageform.CageformError && !['failed', 'argument_refused'].includes(fault.status),
+            fault instanceof cageform.CageformError && !['failed', 'invalid_argument'].includes(fault.status),
             `${n}: ${fault.stack}`,
           );
           continue;
@@ -468,7 +468,7 @@ export const tests = [
         caught = error;
       }
       assert(caught === own, 'the exception is that of the callback');
-      const inside = refused(cageform, 'argument_refused', () =>
+      const inside = refused(cageform, 'invalid_argument', () =>
         cageform.makeCage(CUBE, TRIANGLES, {
           progress() {
             cageform.check(cage);
@@ -518,7 +518,7 @@ export const tests = [
             { kind: 'mean-value' },
           ),
       );
-      refused(cageform, 'argument_refused', () => Cage.polygon(SQUARE, null, { bones: [null] }));
+      refused(cageform, 'invalid_argument', () => Cage.polygon(SQUARE, null, { bones: [null] }));
       const two = Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(SQUARE.map(([x, y]) => [x + 3, y]))]),
         points = Float32Array.of(1, 1, 3.5, 2, 6, 3);
       const bound = two.bind(points),
@@ -537,7 +537,7 @@ export const tests = [
         1,
         'the invalid cage',
       );
-      refused(cageform, 'argument_refused', () => Coordinates.blend([]));
+      refused(cageform, 'invalid_argument', () => Coordinates.blend([]));
       refused(cageform, 'argument_null', () => Coordinates.blend([null]));
     },
   },
@@ -587,21 +587,21 @@ export const tests = [
       no('dimension_differs', () => figure.clone(CUBE));
       no('argument_null', () => figure.clone(null));
       no('argument_null', () => figure.clone());
-      no('argument_refused', () => figure.clone('pose'));
-      no('argument_refused', () => figure.clone([1n, 2n]));
-      no('argument_refused', () => figure.clone(new BigInt64Array(8)));
-      no('argument_refused', () => figure.clone(['a', 'b']));
-      no('argument_refused', () => figure.clone([1, {}, Symbol('x'), null]));
+      no('invalid_argument', () => figure.clone('pose'));
+      no('invalid_argument', () => figure.clone([1n, 2n]));
+      no('invalid_argument', () => figure.clone(new BigInt64Array(8)));
+      no('invalid_argument', () => figure.clone(['a', 'b']));
+      no('invalid_argument', () => figure.clone([1, {}, Symbol('x'), null]));
       no('output_too_small', () => figure.clone(SQUARE, { out: new Float32Array(3) }));
       no('scalar_differs', () => figure.clone(SQUARE, { out: new Float64Array(4) }));
-      no('argument_refused', () => figure.clone(SQUARE, { outt: new Float32Array(4) }));
-      no('argument_refused', () => figure.clone(SQUARE, { tangents: true }));
+      no('invalid_argument', () => figure.clone(SQUARE, { outt: new Float32Array(4) }));
+      no('invalid_argument', () => figure.clone(SQUARE, { tangents: true }));
       no('vectors_missing', () => figure.clone(SQUARE, { normals: true }));
       no('vectors_missing', () => other.figure.clone(CUBE, { tangents: true }));
       no('index_out_of_bounds', () => figure.level(3));
-      no('argument_refused', () => figure.level(-1));
-      no('argument_refused', () => figure.level(1.5));
-      no('argument_refused', () => figure.clip({}));
+      no('invalid_argument', () => figure.level(-1));
+      no('invalid_argument', () => figure.level(1.5));
+      no('invalid_argument', () => figure.clip({}));
       no('index_out_of_bounds', () => figure.clip('none'));
       no('argument_null', () => new Coordinates());
       no('object_of_another_kind', () => new Coordinates(figure));
@@ -615,8 +615,8 @@ export const tests = [
       no('accuracy_not_supported', () =>
         new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', accuracy: NaN }).bind([1, 1]),
       );
-      no('argument_refused', () => new Coordinates(Cage.polygon(SQUARE), { accuracy: '3' }));
-      no('argument_refused', () => new Coordinates(Cage.polygon(SQUARE), null));
+      no('invalid_argument', () => new Coordinates(Cage.polygon(SQUARE), { accuracy: '3' }));
+      no('invalid_argument', () => new Coordinates(Cage.polygon(SQUARE), null));
       no('too_few_vertices', () => new Coordinates(Cage.polygon([])));
       no(
         'vertex_not_finite',
@@ -642,11 +642,11 @@ export const tests = [
             ]),
           ),
       );
-      no('argument_refused', () => Cage.mesh(CUBE, [[0, 1, -1]]));
-      no('argument_refused', () => Cage.mesh(CUBE, [[0, 1, 1.5]]));
-      no('argument_refused', () => new Cage({ kind: 'round' }));
-      no('argument_refused', () => new Cage());
-      no('argument_refused', () =>
+      no('invalid_argument', () => Cage.mesh(CUBE, [[0, 1, -1]]));
+      no('invalid_argument', () => Cage.mesh(CUBE, [[0, 1, 1.5]]));
+      no('invalid_argument', () => new Cage({ kind: 'round' }));
+      no('invalid_argument', () => new Cage());
+      no('invalid_argument', () =>
         Cage.lattice({
           origin: [0],
           axes: [
@@ -655,22 +655,22 @@ export const tests = [
           ],
         }),
       );
-      no('argument_refused', () => Cage.lattice());
+      no('invalid_argument', () => Cage.lattice());
       no('dimension_differs', () => Cage.sites(CUBE, { dimension: 7 }));
       no('dimension_differs', () => plane.bind(CUBE));
       no('vectors_do_not_match', () => space.bind(CUBE, { normals: [[0, 0, 1]] }));
-      no('argument_refused', () => plane.bind([1, 1], { progress: 3 }));
+      no('invalid_argument', () => plane.bind([1, 1], { progress: 3 }));
       no('choice_unknown', () => plane.bind([1, 1], { outside: 'no' }));
       no('falloff_not_supported', () => plane.bind([1, 1], { falloff: -1 }));
       no('labels_do_not_match', () => plane.bind([1, 1]).setLabels(['a']));
-      no('argument_refused', () => plane.bind([1, 1]).setLabels([1, 2, 3, 4]));
+      no('invalid_argument', () => plane.bind([1, 1]).setLabels([1, 2, 3, 4]));
       no('index_out_of_bounds', () => plane.bind([1, 1]).weights(0, 7));
       no('index_out_of_bounds', () => plane.bind([1, 1]).weights(1, 1));
       no('choice_unknown', () => plane.bind([1, 1]).pack({ format: 'small' }));
       no('object_of_another_kind', () => plane.bind([1, 1]).pack({ clips: { a: figure } }));
       no('argument_null', () => plane.bind([1, 1]).pack({ levels: [null] }));
       no('argument_null', () => open());
-      no('argument_refused', () => open('a file'));
+      no('invalid_argument', () => open('a file'));
       no('not_a_figure', () => open(new Uint8Array(0)));
       no('not_a_figure', () => open(new Uint8Array(1000)));
       no('not_pose_samples', () => openSamples(new Uint8Array(1000)));
@@ -678,9 +678,9 @@ export const tests = [
       no('argument_null', () => check());
       no('figure_empty', () => makeCage([], []));
       no('argument_null', () => makeCage(CUBE));
-      no('argument_refused', () => makeCage(CUBE, TRIANGLES, { vertices: -3 }));
+      no('invalid_argument', () => makeCage(CUBE, TRIANGLES, { vertices: -3 }));
       no('index_out_of_range', () => makeCage(CUBE, [[0, 1, 88]]));
-      no('argument_refused', () =>
+      no('invalid_argument', () =>
         makeCage(
           [
             [0, 0],
@@ -709,12 +709,12 @@ export const tests = [
       }
       no('object_of_another_kind', () => new Samples(figure));
       no('object_of_another_kind', () => new Pins(space));
-      no('argument_refused', () => new cageform.Figure());
-      no('argument_refused', () => new cageform.Clip());
+      no('invalid_argument', () => new cageform.Figure());
+      no('invalid_argument', () => new cageform.Clip());
       const pins = new Pins(new Samples(space, { samples: 500 }));
       no('bindings_differ', () => pins.set(figure, [0]));
       no('object_of_another_kind', () => pins.set(space, [0]));
-      no('argument_refused', () => pins.set(other.figure, [0], { weights: [1, 2] }));
+      no('invalid_argument', () => pins.set(other.figure, [0], { weights: [1, 2] }));
       no('index_out_of_range', () => pins.hold([99]));
       no('object_of_another_kind', () => Coordinates.prototype.rest.call(freed.figure));
       equal(wrong.join('\n'), '', 'refusals');

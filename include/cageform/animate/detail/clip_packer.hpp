@@ -72,7 +72,7 @@ struct QuantisedBank {
     std::vector<T> knots;
     std::vector<std::array<T, 4>> pieces;
     std::vector<std::array<std::uint16_t, 4>> steps;
-    std::vector<BankEntry> entries;
+    std::vector<KnotEvent> entries;
 
     QuantisedBank(const CurveBankView<T>& from, std::span<const QuantisedCurve<T>> quantised,
                   std::span<const char> chosen)
@@ -97,7 +97,7 @@ struct QuantisedBank {
                 }
             }
         }
-        std::sort(entries.begin(), entries.end(), [this](const BankEntry& a, const BankEntry& b) {
+        std::sort(entries.begin(), entries.end(), [this](const KnotEvent& a, const KnotEvent& b) {
             return knots[a.knot] != knots[b.knot] ? knots[a.knot] < knots[b.knot] : a.knot < b.knot;
         });
     }

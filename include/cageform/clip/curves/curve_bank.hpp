@@ -21,10 +21,10 @@ struct BankCurve {
 };
 
 /// The curve enters its next piece at this knot.
-struct BankEntry {
+struct KnotEvent {
     std::uint32_t knot, curve;
 
-    friend bool operator==(const BankEntry&, const BankEntry&) = default;
+    friend bool operator==(const KnotEvent&, const KnotEvent&) = default;
 };
 
 template <Scalar T>
@@ -73,7 +73,7 @@ struct CurveBankView {
     std::span<const std::array<T, 4>> pieces; ///< c0 … c3 after each knot of an unquantised curve
     /// Bernstein coefficients after each knot of a quantised curve; unused at the last knot of a curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
-    std::span<const BankEntry> entries; ///< one per knot, sorted by time, then by knot
+    std::span<const KnotEvent> entries; ///< one per knot, sorted by time, then by knot
 
     std::size_t size() const noexcept { return curves.size(); } ///< curves
     std::size_t bytes() const noexcept {
@@ -265,13 +265,13 @@ public:
 private:
     struct Entry {
         T time;
-        BankEntry entry;
+        KnotEvent entry;
     };
 
     std::vector<BankCurve<T>> curves_;
     std::vector<T> knots_;
     std::vector<std::array<T, 4>> pieces_;
-    std::vector<BankEntry> entries_;
+    std::vector<KnotEvent> entries_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

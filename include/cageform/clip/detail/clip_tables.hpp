@@ -27,7 +27,7 @@ void for_each_clip_array(Header& header, const Visit& visit) noexcept {
     visit(header.knot_table, (header.pieces + header.steps) * sizeof(T));
     visit(header.piece_table, header.pieces * (4 * sizeof(T)));
     visit(header.step_table, header.steps * 8);
-    visit(header.entry_table, (header.pieces + header.steps) * sizeof(BankEntry));
+    visit(header.entry_table, (header.pieces + header.steps) * sizeof(KnotEvent));
     visit(header.ends, takes_ends(header.before, header.after) ? header.curves * (3 * sizeof(T)) : 0);
     visit(header.motion, header.motion != 0 ? sizeof(PackedMotion<T, D>) : 0);
     visit(header.track_begins, header.tracks * sizeof(T));

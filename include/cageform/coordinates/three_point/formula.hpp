@@ -72,15 +72,15 @@ struct ThreePointSpoke {
 };
 
 /// How the differences of c along edges are computed.
-enum class ThreePointRises : std::uint8_t { none, of_squares, of_any };
+enum class DifferenceFormula : std::uint8_t { none, of_squares, of_any };
 
 /// Returns (c_{i+1} − c_i) times the scale of the edge. For c = r² this is e·(u_i + u_{i+1}), which does not
 /// cancel along short edges as the difference of squares does.
-template <ThreePointRises rises, class N, class S>
+template <DifferenceFormula differences, class N, class S>
 N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>::Corner& corner,
               const ThreePointSpoke<N>& from, const ThreePointSpoke<N>& to) noexcept {
     using X = ValueOf<N>;
-    if constexpr (rises == ThreePointRises::of_squares) {
+    if constexpr (differences == DifferenceFormula::of_squares) {
         const X factor(cage.sign * cage.square);
         const Vec<X, 2> edge{factor * X(corner.edge[0]), factor * X(corner.edge[1])};
         return with_gradient<N, 2>(edge[0] * (from.u[0] + to.u[0]) + edge[1] * (from.u[1] + to.u[1]),
@@ -100,8 +100,8 @@ N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>:
 /// distance from the edge's line, and one minimum finds the nearest line. K_i / (A_{i−1} A_i) does not
 /// change.
 ///
-///   rises  none if f is constant, without differences of c; of_squares if f = r²
-template <ThreePointRises rises, class N, class S, class F>
+///   differences  none if f is constant, without differences of c; of_squares if f = r²
+template <DifferenceFormula differences, class N, class S, class F>
 CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> three_point_weights(const ThreePointFrame<S>& cage, const F& f,
                                                              S near_distance, const Vec<ValueOf<N>, 2>& p,
                                                              std::vector<N>& weights) noexcept {
@@ -119,15 +119,15 @@ CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> three_point_weights(const ThreePointFra
     const ThreePointSpoke<N> before(last.position, p, f, square);
     ThreePointSpoke<N> from(cage.corners[0].position, p, f, square);
     N inverse_before = invert_area(last, before.u);
-    N rise_before = scaled_rise<rises>(cage, last, before, from) * inverse_before;
+    N rise_before = scaled_rise<differences>(cage, last, before, from) * inverse_before;
     for (std::size_t i = 0; i < count; ++i) {
         const auto& corner = cage.corners[i];
         const ThreePointSpoke<N> to(cage.corners[i + 1 < count ? i + 1 : 0].position, p, f, square);
         const N inverse = invert_area(corner, from.u);
-        if constexpr (rises == ThreePointRises::none) {
+        if constexpr (differences == DifferenceFormula::none) {
             weights[i] = (X(corner.bend) * inverse_before) * inverse;
         } else {
-            const N rise = scaled_rise<rises>(cage, corner, from, to) * inverse;
+            const N rise = scaled_rise<differences>(cage, corner, from, to) * inverse;
             weights[i] = (X(corner.bend) * inverse_before) * inverse * from.c + (rise - rise_before);
             rise_before = rise;
         }

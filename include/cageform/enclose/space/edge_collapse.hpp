@@ -294,7 +294,7 @@ private:
             const double longest2 = (std::max)({at.across2, dot(to_a, to_a), dot(to_b, to_b)});
             worst2 = (std::min)(worst2, size2 / (longest2 * longest2));
         }
-        if (!clear_.is_clear(p) || !shell_.is_right(p, is_onto_rim(), spacing_)) return infinite;
+        if (!clear_.is_clear(p) || !shell_.is_right_of_mirror(p, is_onto_rim(), spacing_)) return infinite;
         const double worst = triangle_quality(std::sqrt(worst2), 1);
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }

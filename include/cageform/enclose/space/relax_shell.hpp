@@ -257,7 +257,8 @@ private:
     bool try_move(std::uint32_t v, const Point& p) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
-        bool good = clear_.is_clear(p) && shell_.is_right(p, shell_.on_rim[v], obstacles_.lattice->spacing());
+        bool good = clear_.is_clear(p) &&
+                    shell_.is_right_of_mirror(p, shell_.on_rim[v], obstacles_.lattice->spacing());
         for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may flip
             auto corner = shell_.corners(shell_.faces[star[k]]);
             const Point was = area_normal(corner);

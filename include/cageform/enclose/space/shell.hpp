@@ -44,7 +44,7 @@ struct Shell {
         return p + (of.offset - dot(of.normal, p)) * of.normal;
     }
     /// True if a vertex is on the rim or to the right of the mirror plane.
-    bool is_right(const Point& p, bool is_on_rim, double spacing) const noexcept {
+    bool is_right_of_mirror(const Point& p, bool is_on_rim, double spacing) const noexcept {
         return !half || is_on_rim || p[0] > 0.39 * spacing;
     }
 

@@ -92,7 +92,7 @@ struct SolverReport {
     Relaxation relaxation;
     /// Number of places where the grid does not separate parts of the boundary. fields/strokes.hpp: links
     /// that more than one stroke cuts. Your own solver: cells with facets that have no common vertex.
-    std::size_t crowded_cells = 0;
+    std::size_t unresolved_cells = 0;
 
     // ---- refused problems: the culprit, and what would work -------------------------------------
     /// For grid_too_coarse: the first handle whose data reaches no link of the grid.
@@ -159,7 +159,7 @@ struct SolverReport {
         relaxation.sweeps += other.relaxation.sweeps;
         relaxation.largest_mean_change =
             (std::max)(relaxation.largest_mean_change, other.relaxation.largest_mean_change);
-        crowded_cells += other.crowded_cells;
+        unresolved_cells += other.unresolved_cells;
     }
 
 private:
