@@ -72,8 +72,8 @@ public:
     std::size_t unknowns() const noexcept { return levels_[0].unknowns; }
 
     /// Fills the interior cells of `values` (#cells). Reads the boundary cells, and with use_initial_values
-    /// the interior cells, which must then be finite. Ignores all other cells. Calls `keep_going()` regularly;
-    /// false cancels. The object holds scratch memory, so use one pyramid per thread.
+    /// the interior cells, which must then be finite. Ignores all other cells. Calls `keep_going()`
+    /// regularly; false cancels. The object holds scratch memory, so use one pyramid per thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
