@@ -711,8 +711,9 @@ std::vector<CommandOption> add_outputs(CommandLine& line, Arguments& given) {
         add_share(line, "--max-distance", given.skeleton.distance,
                   "the largest distance of a vertex from its clone, a share of the figure's size such as "
                   "0.002 or 0.2%. 0 means no bound, but 0.2% with --bones auto. A skin is measured in the "
-                  "poses of the motion, or in all poses that bend by up to a tenth of the cage. Without "
-                  "--skin and --bones the skin has the fewest of 4, 8, 12 or 16 joints that suffice")
+                  "poses of the motion, or in all poses within a tenth of the cage's size of an affine "
+                  "motion. Without --skin and --bones the skin has the fewest of 4, 8, 12 or 16 joints that "
+                  "suffice")
             .show_default("0");
     std::vector<CommandOption> of_bones = given.skeleton.add_options(line);
     of_bones.push_back(line.add("--rate", given.rate, "bones: the least number of frames per second to fit")

@@ -698,7 +698,7 @@ works "what a figure has no part for" "$bind" dressed.obj --cage box.obj -o dres
 grep -qx 'not stored: 1 of "usemtl", 1 of "vt"' log && ok=yes || ok=no
 report $ok "is counted"
 works "Green coordinates without a motion" "$bind" inner.obj --cage box.obj --coordinates green -o green.figure --report
-grep -q 'a tenth of the cage, vectors of its faces too$' log && ok=yes || ok=no
+grep -q 'of an affine motion, vectors of its faces too$' log && ok=yes || ok=no
 report $ok "what is off is over faces as well"
 awk '$1 == "v" && ++n == 8 { print "v 0 1 1"; next } { print }' box.obj >flat_box.obj
 works "a motion through a cage that folds" "$bind" inner.obj --cage box.obj --pose flat_box.obj bent_box.obj --coordinates green -o green.figure
@@ -1334,7 +1334,7 @@ refuses 'lattice:4: a lattice has two axes' "$field" --cage lattice:4 --figure "
 refuses '--lattice: lattice:70x4/bernstein: Bernstein polynomials take at most 64 points along an axis' "$make_cage" "$cat" --lattice 70x4/bernstein -o out.svg
 refuses 'lattice:4x4x4@30: @ANGLE is only for the box of a drawing' "$bind" cube.obj --cage lattice:4x4x4@30 -o out.figure
 refuses 'cube.lattice.json: this lattice has three axes, but a drawing needs two' "$deform" "$cat" --cage cube.lattice.json -o out.svg
-refuses 'cat.lattice.json: this lattice has two axes, and a mesh three' "$mesh" cube.obj --cage cat.lattice.json -o out.obj
+refuses 'cat.lattice.json: this lattice has two axes, but a mesh needs three' "$mesh" cube.obj --cage cat.lattice.json -o out.obj
 refuses 'make_cage --lattice writes a .lattice.json file' "$weights" --cage lattice:4x4 --points places.csv -o out.csv
 refuses 'cat_cage.svg: holds 1 line, and the lattice the lattice about' "$deform" "$cat" --cage lattice:4x4 --pose "$cage" -o out.svg
 refuses 'places.csv: holds 2 points, and the lattice' "$deform" "$cat" --cage lattice:4x4 --pose places.csv -o out.svg
