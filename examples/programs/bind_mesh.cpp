@@ -5,9 +5,9 @@
 //               -o character.figure
 //
 // --max-distance is the largest error of a vertex in all poses of the motion, relative to the figure's size.
-// The file is the smallest within this bound. Without a motion the bound holds for all poses within a tenth of
-// the cage's size of an affine motion. Green coordinates need a motion, because rotations of their faces have
-// no bound.
+// The file is the smallest within this bound. Without a motion the bound holds for all poses within a tenth
+// of the cage's size of an affine motion. Green coordinates need a motion, because rotations of their faces
+// have no bound.
 //
 // --pose-samples also packs the data of a PoseSolver: the game can then pose the figure by pins.
 //
