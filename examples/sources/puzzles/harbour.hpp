@@ -3,6 +3,7 @@
 // Two pictures to clone between: a boat at noon, and the sea in the evening.
 
 #include "pictures/pixels.hpp"
+#include "svg/path.hpp"
 
 #include <algorithm>
 #include <array>

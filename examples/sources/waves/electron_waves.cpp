@@ -26,6 +26,7 @@
 namespace {
 
 using namespace cageform_sources;
+using namespace cageform_support;
 
 struct Settings {
     std::string scene = "slit", walls, out, csv, gif, stills;

@@ -8,8 +8,6 @@
 
 namespace cageform_sources {
 
-using namespace cageform_support;
-
 using Complex = std::complex<double>;
 
 /// One run of a scene.

@@ -7,8 +7,6 @@
 
 namespace cageform_sources {
 
-using namespace cageform_support;
-
 /// A packet of energy 1 on a line, and a wall of `height` between `from` and `to`; `sigma` is the standard
 /// deviation of |Φ|².
 struct WaveLine {
