@@ -97,7 +97,7 @@ constexpr double of_vectors =
 /// Describes the error of a packing, and warns if it is large.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
                           const SampledPoses& poses, bool is_vector, bool has_faces) {
-    StorageError loss;
+    PackingLoss loss;
     loss.largest = report.distance.value;
     loss.mean = report.mean_distance;
     loss.vertex = report.distance.point;
@@ -108,7 +108,7 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     loss.has_vectors = has_faces;
     if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
     const std::string text = describe(loss);
-    if (loss.share() > StorageError::worth_a_warning * (is_vector ? of_vectors : 1))
+    if (loss.share() > PackingLoss::worth_a_warning * (is_vector ? of_vectors : 1))
         warn(figure.name + ": the packed figure is off by " + text + "; --max-distance bounds this" +
              (report.poses == 0 && has_faces ? " over a motion" : ""));
     return text;

@@ -266,22 +266,21 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
     const std::size_t splats = scene.size();
     std::vector<Point3> places(splats);
     for (std::size_t i = 0; i < splats; ++i) places[i] = scene.place(i);
-    Expected<MeshControl> control = [&] {
+    const MeshControl control = [&] {
         const Clock clock(seconds.control);
         const CageChoice word = CageChoice::of(given.control.cage);
         const bool is_made = word.is_auto || word.is_lattice;
         return read_mesh_control(given.control, is_made ? triangles_of(scene) : ObjFile{}, places);
     }();
-    if (!control) return fail(to_string(control.error()));
-    fail_if(given.control.save_fault(*control));
+    fail_if(given.control.save_fault(control));
     fail_if(fault_of_outputs({given.out, given.control.save_pose}));
-    const auto& [coordinates, cage] = std::tie(control->coordinates, control->cage);
+    const auto& [coordinates, cage] = std::tie(control.coordinates, control.cage);
     print_notes(cage.name, coordinates.cage_report(), coordinates.note);
 
-    SplatMover mover(given, *control, scene, seconds);
+    SplatMover mover(given, control, scene, seconds);
     mover.move();
     fail_if(mover.fault);
-    if (mover.report.status != cageform::Status::ok) return fail(control->describe_faults(mover.report));
+    if (mover.report.status != cageform::Status::ok) return fail(control.describe_faults(mover.report));
     warn_of_coarse_grid(cage.name, mover.report.solver);
     given.control.outside.check(coordinates, mover.report, places, scene.name, cage.name);
     warn(mover.warning);
@@ -295,12 +294,12 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
         out.write(scene.rows);
         out.write(scene.after);
         if (!given.control.save_pose.empty())
-            outputs.add(given.control.save_pose).write(control->saved_pose());
+            outputs.add(given.control.save_pose).write(control.saved_pose());
         fail_if(outputs.commit());
     }
     if (given.report)
         std::cout << words_of(given, mover, scene, splats, seconds) << describe(mover.report)
-                  << control->on_pins;
+                  << control.on_pins;
     return 0;
 }
 

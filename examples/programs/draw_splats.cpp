@@ -16,11 +16,7 @@
 
 #include <optional>
 
-namespace {
-
 using namespace cageform_support;
-
-} // namespace
 
 int run_program(int argc, char** argv) {
     CommandLine line(

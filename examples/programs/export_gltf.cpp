@@ -85,7 +85,7 @@ public:
         loss_.size = size_of(figure);
     }
 
-    /// Upper bounds over all poses in which vertices of the cage bend by at most this distance.
+    /// Upper bounds over all poses within this distance of an affine motion.
     void set_reach(double reach) { loss_.reach = reach; }
     void raise(std::size_t i, double distance, std::optional<double> time) {
         distances_[i] = std::max(distances_[i], distance);
@@ -101,14 +101,14 @@ public:
             raise(i, std::hypot(d[0], d[1], d[2]), time);
         }
     }
-    StorageError loss() const {
-        StorageError loss = loss_;
+    PackingLoss loss() const {
+        PackingLoss loss = loss_;
         for (const double distance : distances_) loss.mean += distance / double(distances_.size());
         return loss;
     }
 
 private:
-    StorageError loss_;
+    PackingLoss loss_;
     std::vector<double> distances_; // the largest per vertex
 };
 
@@ -120,7 +120,7 @@ cageform::StridedPoints<const double, 3> pose_of(const SampledPoses& poses, std:
 
 /// Errors of a skin relative to the clone: positions, edges and normals of the surface.
 struct SkinLoss {
-    StorageError places;
+    PackingLoss places;
     double edge = 0;       // the largest error of an edge
     double edge_share = 0; // the largest error relative to the edge
     double turn = 0;       // the 99 % quantile of the errors of vertex normals, in degrees; of a motion
@@ -197,8 +197,8 @@ void play_skin(const Scene& scene, const SkinWeights& skin, cageform::StridedPoi
     }
 }
 
-/// The errors of a skin over the motion. Without a motion, upper bounds over all poses that bend by at most a
-/// tenth of the cage, from the changes of weights.
+/// The errors of a skin over the motion. Without a motion, upper bounds over all poses within a
+/// tenth of the cage's size of an affine motion, from the changes of weights.
 ///
 ///   skin     as stored in the file
 ///   played   the binding of its weights
@@ -353,8 +353,8 @@ PoseClip clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) 
             clone(binding, handles, a) == Status::ok && clone(binding, pose_of(linear, p), b) == Status::ok)
             meter.add_pose(a, b, exact.times[p]);
     }
-    const StorageError loss = meter.loss();
-    if (loss.share() > StorageError::worth_a_warning) {
+    const PackingLoss loss = meter.loss();
+    if (loss.share() > PackingLoss::worth_a_warning) {
         warn(scene.figure.name + ": between the keys the targets are off by " + describe(loss) +
              "; more keys reduce this");
     }
@@ -543,7 +543,7 @@ void add_chosen_skin(GltfDocument& document, const Arguments& given, const Scene
     if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance)
         throw Failure(figure.name + ": " + is_off + ": " +
                       suggest_skin(given, scene, bound, skin.influences));
-    if (loss.places.share() > StorageError::worth_a_warning || loss.turn > warning_angle) {
+    if (loss.places.share() > PackingLoss::worth_a_warning || loss.turn > warning_angle) {
         warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
              (skin.influences < enough_joints
                   ? "; --bones auto finds rotating bones, with a smaller error for four bones per vertex"
@@ -628,7 +628,7 @@ void warn_of_mirrors(const Arguments& given, const Scene& scene, const Binding<d
 FittedMotion add_bones(GltfDocument& document, const Arguments& given, const Scene& scene,
                        const FigureFrames& frames) {
     auto motion = fit_motion(given.skeleton, frames, given.weights);
-    if (motion.loss.share() > StorageError::worth_a_warning || motion.report.turn > warning_angle)
+    if (motion.loss.share() > PackingLoss::worth_a_warning || motion.report.turn > warning_angle)
         warn(scene.figure.name + ": " + describe_loss(motion) + "; use more --bones for a smaller error");
     const auto& [skeleton, keys] = std::tie(motion.skeleton, motion.keys);
     add_skinned_meshes(document, scene.meshes, scene.stored, skeleton.skin, given.weights, skeleton.bones, 0);

@@ -189,7 +189,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
 
     warn_of_mirrors(given, frames);
     const auto motion = fit_motion(given.choice, frames);
-    if (motion.loss.share() > StorageError::worth_a_warning) {
+    if (motion.loss.share() > PackingLoss::worth_a_warning) {
         warn(figure.name + ": " + describe_loss(motion) +
              "; use more --bones for a smaller error, or --bones auto with --max-distance");
     }
@@ -197,7 +197,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
     document.json["asset"]["generator"] = "cageform fit_skeleton";
     document.json["scene"] = 0;
     print_warnings(parts.warnings);
-    print_warnings(add_materials(document, parts, !(meshes)[0].texture.empty()));
+    print_warnings(add_materials(document, parts, !meshes[0].texture.empty()));
     add_skinned_meshes(document, meshes, figure, motion.skeleton.skin, "float", motion.skeleton.bones, 0);
     add_skeleton(document, meshes, motion.skeleton, motion.keys,
                  std::filesystem::path(given.rest).stem().string(), origin);

@@ -12,11 +12,7 @@
 #include <cmath>
 #include <iostream>
 
-namespace {
-
 using namespace cageform_support;
-
-} // namespace
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a scene of 3D Gaussian splatting from a mesh: flat splats on its faces, with "

@@ -236,8 +236,8 @@ std::vector<double> dense_weights(const cageform::SkinWeights& skin, std::size_t
 }
 
 /// Distances between exact and stored positions.
-StorageError loss_of(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> moved) {
-    StorageError loss;
+PackingLoss loss_of(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> moved) {
+    PackingLoss loss;
     loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
     loss.poses = 1;
     for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -462,10 +462,10 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     const ObjFile shown = shown_figure(figure, stored, origin);
     const auto written = dense_weights(skin, bones.size());
     const auto right = posed(figure, bones, weights), moved = posed(shown, bones, written);
-    StorageError loss = loss_of(figure, right, moved);
+    PackingLoss loss = loss_of(figure, right, moved);
     loss.largest += single_precision_error(used_positions(stored.vertices, stored.triangles));
     note_loss_of_four(figure, shown, bones, weights, skin, right);
-    if (loss.share() > StorageError::worth_a_warning) {
+    if (loss.share() > PackingLoss::worth_a_warning) {
         warn(figure.name + ": a skin of " + std::to_string(skin.influences) + " bones per vertex is off by " +
              describe(loss) + "; a larger --skin reduces the error");
     }

@@ -159,6 +159,12 @@ refuses "a table, or --make, is required" "$puzzle"
 "$puzzle" --make 40 40 --csv large.csv
 refuses "1444 unknown cells are too many for --exact" "$puzzle" large.csv --exact --csv out.csv
 
+# ---- bezier_tables ----
+printf 'captions,1\ncaptions,x\n' >known.csv
+refuses 'known.csv:2: ' "$programs/bezier_tables" known.csv
+sed '/^brute_force/s/,.*/,2/' "$data/bezier_tables.csv" >known.csv
+refuses 'row 1 of table brute_force has fewer than 13 numbers' "$programs/bezier_tables" known.csv
+
 # ---- sibson_figures ----
 mkdir figures
 works "figures of natural neighbours" "$programs/sibson_figures" figures

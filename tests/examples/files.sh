@@ -261,10 +261,12 @@ told=out.png
 form lattice_board -o out.png
 told="out.glb out.png"
 form skin_mesh box.obj --bones bones.csv -o out.glb --picture out.png
+told=' ' # no file
+form bezier_tables table.csv
 told=
 
 # ---- none is forgotten ----
-without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
+without_inputs="make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files. Those with a default are none either: CLI11 of Debian 13 writes TEXT [default].
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area"

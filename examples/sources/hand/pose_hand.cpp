@@ -87,17 +87,15 @@ int run_program(int argc, char** argv) {
     if (picture.empty() && out.empty()) return fail("give --picture or --output to choose what to write");
     const auto named = std::find_if(hand_poses().begin(), hand_poses().end(),
                                     [&](const NamedHandPose& known) { return pose == known.name; });
-    auto poses = named != hand_poses().end() ? Expected<std::vector<HandPose>>(std::vector{named->angles})
-                                             : load_poses(pose);
-    if (!poses) return fail(poses.error().message);
-    if (!out.empty() && poses->size() > 1)
-        return fail(pose + ": holds " + std::to_string(poses->size()) + " poses, but an OBJ file has one");
+    auto poses = named != hand_poses().end() ? std::vector{named->angles} : load_poses(pose);
+    if (!out.empty() && poses.size() > 1)
+        return fail(pose + ": holds " + std::to_string(poses.size()) + " poses, but an OBJ file has one");
     fail_if(fault_of_outputs({out, picture}));
     const BoundHand bound;
-    if (named != hand_poses().end()) poses->front() = bound.closed(*named);
+    if (named != hand_poses().end()) poses.front() = bound.closed(*named);
     if (bound.report.status != cageform::Status::ok) return fail(to_string(bound.report.status));
     std::vector<std::vector<Point3>> skins;
-    for (const HandPose& angles_of_pose : *poses) {
+    for (const HandPose& angles_of_pose : poses) {
         skins.push_back(bound.clone(angles_of_pose, kappa));
         if (skins.back().empty()) return fail("a pose cannot be cloned");
         skins.push_back(turned_over(skins.back()));

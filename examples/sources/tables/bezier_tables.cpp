@@ -120,10 +120,20 @@ std::string read_known_tables(const std::string& path) {
     return lines.error();
 }
 
-const Row& known(const std::string& table, std::size_t row) {
+/// Returns a row. Throws a Failure if the row is missing or has fewer than `least` numbers, or if one of the
+/// first `counts` numbers is not a whole number from 0 to 100.
+const Row& known(const std::string& table, std::size_t row, std::size_t least = 1, std::size_t counts = 0) {
     const auto& rows = known_tables[table];
-    if (row >= rows.size())
-        throw std::runtime_error("row " + std::to_string(row + 1) + " of table " + table + " is missing");
+    const auto fault = [&](const std::string& why) {
+        return Failure("row " + std::to_string(row + 1) + " of table " + table + why);
+    };
+    if (row >= rows.size()) throw fault(" is missing");
+    if (rows[row].size() < least) throw fault(" has fewer than " + std::to_string(least) + " numbers");
+    for (std::size_t i = 0; i < counts; ++i) {
+        const double count = rows[row][i];
+        if (!(count >= 0 && count <= 100 && count == std::floor(count)))
+            throw fault(": number " + std::to_string(i + 1) + " is not a whole number from 0 to 100");
+    }
     return rows[row];
 }
 
@@ -312,7 +322,7 @@ void knots() {
          [](const BezierCurve&, std::size_t n) { return uniform_in_parameter(n); });
     Table brute("8.2.3", "brute force, error against K, F1 ... F10", 5);
     for (std::size_t r = 0; r < 30; ++r) {
-        const Row& theirs = known("brute_force", r);
+        const Row& theirs = known("brute_force", r, 13, 3);
         const auto pieces = std::size_t(theirs[0]), steps = std::size_t(theirs[2]);
         Row row;
         for (std::size_t c = 0; c < 10; ++c) {
@@ -326,7 +336,7 @@ void knots() {
     }
     Table ratio("8.2.4", "uniform t over brute force in t, F1 ... F10", 2);
     for (std::size_t r = 0; r < 12; ++r) {
-        const Row& theirs = known("uniform_over_brute", r);
+        const Row& theirs = known("uniform_over_brute", r, 12, 2);
         const auto steps = std::size_t(theirs[0]), pieces = std::size_t(theirs[1]);
         Row row;
         for (std::size_t c = 0; c < 10; ++c)

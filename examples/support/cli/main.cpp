@@ -5,6 +5,7 @@
 #include <filesystem>
 
 int main(int argc, char** argv) {
-    const std::string name = std::filesystem::path(argv[0]).stem().string();
+    const std::filesystem::path path(argc > 0 ? argv[0] : "");
+    const std::string name = (path.extension() == ".exe" ? path.stem() : path.filename()).string();
     return cageform_support::guarded(name.c_str(), [&] { return run_program(argc, argv); });
 }

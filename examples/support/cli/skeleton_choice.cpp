@@ -60,7 +60,7 @@ void round_to_single(FittedMotion& motion) {
 
 /// Measures the error of the played keys.
 void measure(const FigureFrames& frames, FittedMotion& motion) {
-    StorageError& loss = motion.loss;
+    PackingLoss& loss = motion.loss;
     loss.size = cageform::bounds_of(std::span<const Point3>(used_positions(frames.rest, frames.triangles)))
                     .diagonal();
     if (!(loss.size > 0)) loss.size = cageform::bounds_of(std::span(frames.places[0])).diagonal();

@@ -55,7 +55,7 @@ struct FittedMotion {
     cageform::FittedSkeleton<double> skeleton;
     cageform::SkeletonKeys<double> keys;
     std::vector<std::vector<Point3>> played; ///< #frames · #vertices
-    StorageError loss;
+    PackingLoss loss;
     double rms = 0; ///< relative to the figure's size
     cageform::SkeletonReport report;
     cageform::SkeletonKeysReport keys_report;

@@ -217,7 +217,7 @@ std::string describe(const cageform::BindReport& report) {
     return text.str();
 }
 
-std::string describe(const StorageError& loss) {
+std::string describe(const PackingLoss& loss) {
     std::ostringstream text;
     text.precision(3);
     text << "at most " << loss.largest << " (" << 100 * loss.share() << " % of " << loss.size_of << "), at v "

@@ -41,7 +41,7 @@ void add_batch(cageform::BindReport& total, const cageform::BindReport& part, st
 std::string describe(const cageform::BindReport& report);
 
 /// The distance of the figure's vertices, as a file stores them, from their exact positions.
-struct StorageError {
+struct PackingLoss {
     static constexpr double worth_a_warning = 0.01; // relative to the figure's size
 
     double largest = 0, mean = 0;
@@ -58,7 +58,7 @@ struct StorageError {
 
 /// "at most 0.0041 (0.099 % of the figure's size), at v 18 after 0.5 s, 0.0013 in the mean, in 52 poses of
 /// the motion".
-std::string describe(const StorageError& loss);
+std::string describe(const PackingLoss& loss);
 
 /// Prints warnings. Equal warnings on several elements become one line with the first element and a count. At
 /// most 100 lines.

@@ -80,9 +80,11 @@ std::string parse_property(std::string_view line, const std::vector<std::string_
     if (!type || (is_list && (!count || *count >= PlyType::float32)))
         return '"' + std::string(line) + "\" has a type that PLY files do not have";
     PlyElement& element = elements.back();
-    if (element.find(words.back()) || element.properties.size() == most_properties)
-        return "the element " + element.name + " has the property " + std::string(words.back()) +
-               " twice, or too many properties";
+    if (element.find(words.back()))
+        return "the element " + element.name + " has the property " + std::string(words.back()) + " twice";
+    if (element.properties.size() == most_properties)
+        return "the element " + element.name + " has more than " + std::to_string(most_properties) +
+               " properties";
     element.properties.push_back({std::string(words.back()), *type, count});
     return {};
 }

@@ -2,11 +2,22 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <utility>
 
 namespace cageform_support {
+
+std::string formatted(const char* format, ...) {
+    std::array<char, 256> text{};
+    std::va_list values;
+    va_start(values, format);
+    std::vsnprintf(text.data(), text.size(), format, values);
+    va_end(values);
+    return text.data();
+}
 
 namespace detail {
 

@@ -4,6 +4,7 @@
 
 #include "svg/document.hpp"
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>

@@ -95,9 +95,9 @@ namespace grid {
 ///
 ///   data         data.for_each_weight(value, f) calls f(handle, weight) for every handle with non-zero
 ///                weight at a point of the boundary; weights must not be negative
-///   corrections  changes equations next to the boundary (detail::NearCorrections); each thread has a copy.
-///                add(equation, out) is called before the row of a node is appended to `out`, and finish(out)
-///                after the last row of a run of nodes
+///   corrections  changes equations next to the boundary (detail::NearCorrections). Each call of
+///                the loop's body has a copy. add(equation, out) is called before the row of a node is
+///                appended to `out`, and finish(out) after the last row of a run of nodes
 template <std::size_t D, class Data = detail::LinearBoundaryData<D>,
           class Corrections = detail::NoCorrections>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
