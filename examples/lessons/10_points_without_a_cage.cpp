@@ -38,7 +38,7 @@ int main() {
     for (std::size_t i = 0; i < fish.size(); ++i) {
         for (std::size_t k = 0; k < sites.size(); ++k) heard += binding.weight(i, k) != 0 ? 1 : 0;
     }
-    std::printf("%zu control points: %zu figure points outside; %.1f weights per point\n", sites.size(),
+    std::printf("%zu control points: %zu figure points outside, %.1f weights per point\n", sites.size(),
                 report.outside.size(), double(heard) / double(fish.size()));
 
     // The two tips of the tail fin move up by 2.
@@ -51,7 +51,7 @@ int main() {
 }
 
 //> 4 control points: 4 figure points outside their hull, the first is 1
-//> 8 control points: 0 figure points outside; 3.2 weights per point
+//> 8 control points: 0 figure points outside, 3.2 weights per point
 //> (0, 2) goes up by 0.00
 //> (2, 1) goes up by 0.00
 //> (2, 3) goes up by 0.00

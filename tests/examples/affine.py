@@ -3,7 +3,7 @@
 
 Laws of programs that move meshes: an affine pose x -> A x + b of the cage takes every vertex to A x + b and every
 normal n to A^-T n, also normals that lean against their faces, at the origin and far from it. A pose that mirrors
-is named, and --flip-faces turns the faces over. Weights in single precision lose nothing far from the origin.
+is named, and --flip-faces reverses the faces. Weights in single precision lose nothing far from the origin.
 Rotations of up to 720 degrees have keys that every player shows alike. The poses are random; their seeds are printed.
 
 Vertices that are no numbers or far away and that no face has change nothing of what a program writes, in any figure or
@@ -182,12 +182,12 @@ def test(seed):
         for mesh in [], ["--mesh", "inner.obj"]:
             name = "mesh_%d.obj" if mesh else "inner_%d.obj"
             said = run("clone_figure", "inner.figure", "--poses", "poses.csv", "--rows", "1:2", "-o", name, *mesh)
-            check(("--flip-faces turns" in said) == is_mirror, "the message offers --flip-faces: " + said)
+            check(("--flip-faces reverses" in said) == is_mirror, "the message offers --flip-faces: " + said)
             run("clone_figure", "inner.figure", "--poses", "poses.csv", "--rows", "1:2", "-o", name, *mesh, *flips)
         run("export_gltf", "inner.obj", "--cage", "cage.obj", "--pose", "pose.obj", "--morph", "-o", "moved.glb", *flips)
         stretched = ["fit_skeleton", "inner.obj", "inner.obj", "frame.obj", "--bones", "1", "--kind", "stretched", "-o", "fitted.glb"]
         said = run(*stretched)
-        check(("frame.obj: the pose mirrors" in said and "--flip-faces turns" in said) == is_mirror, "the mirrored frame is named: " + said)
+        check(("frame.obj: the pose mirrors" in said and "--flip-faces reverses" in said) == is_mirror, "the mirrored frame is named: " + said)
         check(("frame.obj: the pose mirrors" in run(*stretched[:-4], "-o", "fitted.glb")) == is_mirror, "rigid bones, too")
         check("mirror" not in run(*stretched, *flips), "with --flip-faces nothing is left to say")
         # In the files of export_gltf and fit_skeleton the winding is that of the pose, not of rest.
