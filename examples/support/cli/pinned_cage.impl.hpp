@@ -88,7 +88,9 @@ Expected<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates, 
         options.outside = cageform::OutsidePoints::keep_in_place;
     auto [bound, report] = coordinates.bind(places, options);
     if (report.status != cageform::Status::ok) return cage_refused(coordinates, names, report, report.status);
-    const std::string where = coordinates.takes_sites ? "the convex hull of " : "the cage ";
+    const std::string where = coordinates.takes_sites                  ? "the convex hull of "
+                              : names.cage.starts_with("the cage of ") ? "" // made for the figure
+                                                                       : "the cage ";
     if (const auto& out = report.outside; !out.empty()) {
         const std::string which = name_of(pins, out.front()) + " lies outside " + where + names.cage;
         if (options.outside == cageform::OutsidePoints::keep_in_place)
