@@ -59,9 +59,9 @@ namespace cageform::inline CAGEFORM_ABI {
     X(lattice_degree, lattice_degree_not_supported, "unsupported degree of a lattice", \
       "a lattice has degree `b` along axis `a`, which is zero or too high") \
     X(lattice_knots, lattice_knots_not_supported, "invalid knot of a lattice", \
-      "along axis `a` of a lattice, knot `b` or the number `b` of knots is invalid") \
+      "axis `a` of a lattice has an invalid knot `b`, or an invalid number `b` of knots") \
     X(frame_not_finite, vertex_not_finite, "box not finite", \
-      "column `a` of a box is NaN or infinite; `a` = D: the origin is") \
+      "column `a` of a box, or its origin (`a` = D), is NaN or infinite") \
     X(frame_flat, frame_flat, "axis of a box depends on the others", \
       "axis `a` of a box depends on the others") \
     X(falloff_negative, falloff_negative, "falloff negative", "the falloff of a lattice is negative or NaN") \

@@ -9,9 +9,9 @@
 //
 // 2. Other nodes in 2D, if the weights exist: generalised finite differences. The star of the node consists
 // of the corners of the leaves around it. In directions where a facet hides a corner, a point on the boundary
-// replaces the corner (grid/tree/star.hpp). Non-negative weights make the mean exact for harmonic polynomials
-// up to degree three or four (grid/tree/harmonic_mean.hpp). These equations limit the order of the solution
-// in 2D to four.
+// replaces the corner (grid/tree/star.hpp). With non-negative weights the mean is exact for harmonic
+// polynomials up to degree three or four (grid/tree/harmonic_mean.hpp). These equations limit the order of
+// the solution in 2D to four.
 //
 // 3. All other nodes: along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9
 // (1938)), which allows two links of different lengths. A link ends on the boundary or at a node. A node is
@@ -19,8 +19,8 @@
 // leaf may end inside the opposite face, where there is no node. The end then has a ghost value, interpolated
 // in that face by LeafGather (grid/tree/leaf_gather.hpp). A ghost value adds error terms along the other
 // axes. The second differences are scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J.
-// Comput. Phys. 218 (2006)). Here the error terms are second moments of the interpolation, which includes
-// interpolation up to the boundary. Linear functions are exact, and the order at these nodes is two.
+// Comput. Phys. 218 (2006)). Here the error terms are computed from second moments of the interpolation,
+// which may end on the boundary. Linear functions are exact, and the order at these nodes is two.
 #pragma once
 
 #include <cageform/grid/tree/leaf_gather.hpp>
@@ -122,7 +122,8 @@ private:
         }
     };
 
-    /// Computes the link from a node along an axis. Its length is the size of the smallest leaf on that side.
+    /// Computes the link from a node along an axis. Its length is the size of the smallest leaf on that side,
+    /// or the distance of the first facet.
     void set_side(Side& side, const Index& index, const LeavesAbout<D>& about, std::size_t axis, bool up) {
         side.hangs = false;
         side.end.node_count = side.end.boundary_count = 0;
@@ -168,8 +169,7 @@ private:
         for (const Cell& leaf : about.leaf) {
             if (leaf.size != size || tree_.state(leaf.number) != grid::CellState::in) return false;
         }
-        // The index is the number of axes along which a node differs from the centre. A node of several
-        // leaves gets this weight once per leaf.
+        // weights[n] is for a node that differs from the centre along n axes; each leaf of the node adds it.
         constexpr std::array weights =
             D == 2 ? std::array{0.0, 1.0 / 3, 1.0 / 6, 0.0} : std::array{0.0, 3.5 / 30, 1.5 / 30, 1.0 / 30};
         for (const Cell& leaf : about.leaf) {
@@ -230,12 +230,12 @@ private:
         }
     }
 
-    /// Returns the factors of the second differences along the axes. The ghost values of axis a add σ(a, k)
-    /// times the second derivative along axis k ≠ a to its second difference. Here σ(a, k) = Σ c · m / 2,
-    /// summed over the ghost values at the ends of axis a. The factor c is the weight of the end in the
-    /// second difference (`c` below), and m is its second moment along k (Side::moments). With the factors
-    /// share_k = 1 − Σ share_a σ(a, k), a ≠ k, every second derivative has the coefficient 1, so all squares
-    /// are exact.
+    /// Returns the factors of the second differences along the axes. The ghost values at the ends of axis a
+    /// add σ(a, k) ∂²u/∂x_k² to the second difference along a, for each axis k ≠ a. Here σ(a, k) =
+    /// Σ c · m / 2, summed over the ghost values at the ends of axis a. The factor c is the weight of the
+    /// end in the second difference (`c` below), and m is its second moment along k (Side::moments). With the
+    /// factors share_k = 1 − Σ share_a σ(a, k), a ≠ k, every second derivative has the coefficient 1, so all
+    /// squares are exact.
     std::array<double, D> shares_of_axes(const std::array<std::array<double, 2>, D>& c) {
         std::array<double, D> shares{};
         shares.fill(1);
