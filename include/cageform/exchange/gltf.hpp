@@ -5,6 +5,7 @@
 #include <cageform/exchange/detail/gltf_sampler.hpp>
 
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {

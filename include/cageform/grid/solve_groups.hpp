@@ -11,6 +11,7 @@
 #include <atomic>
 #include <concepts>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::grid {

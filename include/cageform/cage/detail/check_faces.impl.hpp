@@ -8,6 +8,7 @@
 #include <cageform/cage/types/report.hpp>
 
 #include <algorithm>
+#include <numbers>
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {

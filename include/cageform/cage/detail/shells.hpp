@@ -5,6 +5,8 @@
 #include <cageform/cage/faces_of.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T>

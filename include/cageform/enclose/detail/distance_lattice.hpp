@@ -6,6 +6,7 @@
 #include <cageform/enclose/types/make_cage_options.hpp>
 
 #include <cstdint>
+#include <numbers>
 
 namespace cageform::inline CAGEFORM_ABI {
 

@@ -10,6 +10,8 @@
 #include <cageform/enclose/plane/reduce_loop.hpp>
 #include <cageform/enclose/plane/relax_loop.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {

@@ -4,6 +4,7 @@
 
 #include <cageform/enclose/plane/cage_loop.hpp>
 
+#include <numbers>
 #include <tuple>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <queue>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

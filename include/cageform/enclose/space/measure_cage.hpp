@@ -4,6 +4,8 @@
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/enclose/space/shell.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// One vertex of each connected component of a figure; of 4,096 components if there are more.

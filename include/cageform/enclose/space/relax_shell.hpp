@@ -4,6 +4,7 @@
 
 #include <cageform/enclose/space/shell.hpp>
 
+#include <numbers>
 #include <tuple>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -5,6 +5,8 @@
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/space/clear_test.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The mesh between steps 3 and 5; faces are counter-clockwise seen from outside. In a mirrored cage it is

@@ -8,6 +8,7 @@
 #include <bit>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <cmath>
+#include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

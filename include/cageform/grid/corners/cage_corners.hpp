@@ -4,6 +4,8 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/detail/loop_sides.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Inserts j into the neighbours of i counter-clockwise. A vertex with one edge lists its neighbour

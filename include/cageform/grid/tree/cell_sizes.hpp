@@ -10,6 +10,7 @@
 #include <cageform/parallel/detail/in_parallel.hpp>
 
 #include <map>
+#include <numbers>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {

@@ -4,6 +4,8 @@
 
 #include <cageform/grid/tree/cell_sizes.hpp>
 
+#include <numbers>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// A segment or a point with small cells around it.
