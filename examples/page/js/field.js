@@ -47,7 +47,7 @@ precision highp float;
 in float w;
 out vec4 colour;
 const vec3 pink = vec3(0.95, 0.42, 0.66), plum = vec3(0.5, 0.02, 0.36), blue = vec3(0.1, 0.32, 0.8);
-/// Returns 1 within `width` pixels of the line x = 0, else 0, with a smooth edge; `change` is the change of x per pixel.
+/// Returns 1 within width pixels of the line x = 0, else 0, with a smooth edge. change: of x per pixel.
 float line_at(float x, float change, float width) { return 1.0 - smoothstep(width - 0.6, width + 0.6, abs(x) / max(change, 1e-9)); }
 void main() {
   float size = clamp(abs(w), 0.0, 1.0), level = w * 10.0, change = fwidth(w);
