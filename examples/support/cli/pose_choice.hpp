@@ -61,8 +61,8 @@ struct MotionChoice {
 /// The pose from a file or operations; if neither is given, first_pose() for generated cages.
 ///
 ///   path    of the file; empty: none
-///   fails   as load_pose(), on an invalid operation, if both are given, or if neither is given for a cage
-///           that is not generated
+///   fails   as load_pose(); on an invalid operation; if both are given. A cage that is not generated needs
+///           one of them
 CageFile read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage, bool is_made);
 
 } // namespace cageform_support

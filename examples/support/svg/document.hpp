@@ -218,8 +218,8 @@ Expected<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///              tolerance of the path before rounding to `decimals`; features narrower than 1/64 of the
 ///              diagonal of the viewBox may be missed
 ///   skipped    shapes out of range, and shapes with a point whose image is not finite, with a warning
-///   fails      if copies or points are too many, elements are nested too deeply, a layer has no shape, a
-///              coordinate is out of range in its element, or the deformer returns false
+///   fails      if copies or points are too many; if elements are nested too deeply; if a layer has no shape.
+///              Fails also if a coordinate is out of range in its element, or the deformer returns false
 Expected<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                               const DeformOptions& options = {});
 

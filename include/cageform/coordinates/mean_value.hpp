@@ -25,8 +25,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A face gives its corners weights w_k with Σ w_k (C_k − p) = m, where m is the integral of the unit vectors
 /// from p over the face's projection to the unit sphere. m = ½ Σ θ_e N_e over the edges of the face: θ_e is
 /// the angle that the edge subtends at p, N_e the unit normal of the plane through p and the edge. We compute
-/// m in the face's own frame. Let H be the height of the face's plane above p, h_k the altitude of corner k,
-/// and ν_k the outward normal, in the plane, of the edge opposite to corner k. ρ_k is the signed distance of
+/// m in the face's own frame. H is the height of the face's plane above p, and h_k the altitude of corner k.
+/// ν_k is the outward normal, in the plane, of the edge opposite to corner k. ρ_k is the signed distance of
 /// p's foot from that edge (positive inside). R_e is the distance of p from the line of edge e. With
 /// g_e = θ_e/R_e:
 ///
