@@ -120,8 +120,8 @@ std::string read_known_tables(const std::string& path) {
     return lines.error();
 }
 
-/// Returns a row. Throws a Failure if the row is missing or has fewer than `least` numbers. Its first `counts`
-/// numbers must be whole numbers from 0 to 100.
+/// Returns a row. Throws a Failure if the row is missing or has fewer than `least` numbers. The first
+/// `counts` numbers of a row must be whole numbers from 0 to 100.
 const Row& known(const std::string& table, std::size_t row, std::size_t least = 1, std::size_t counts = 0) {
     const auto& rows = known_tables[table];
     const auto fault = [&](const std::string& why) {

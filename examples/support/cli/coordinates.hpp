@@ -109,8 +109,7 @@ load_posed_sites(const std::string& path, const std::string& pose_path, const Si
     auto pose = value_or_fail(load_site_pose(pose_path, sites));
     PosedSites<D> posed{std::move(sites), std::move(pose), {}};
     if (!choice.weights.empty()) {
-        auto read = value_or_fail(load_site_weights(choice.weights, posed.sites.points.size()));
-        posed.weights = std::move(read);
+        posed.weights = value_or_fail(load_site_weights(choice.weights, posed.sites.points.size()));
     }
     if (choice.surround > 0) {
         const auto inside = value_or_fail(figure());
