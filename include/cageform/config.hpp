@@ -37,8 +37,9 @@
 // -mavx512dq -mfma) and choose a level at startup by __builtin_cpu_supports. The interface between these
 // files and the rest must not use types of this namespace or classes with inline functions. Pass pointers and
 // sizes: the coordinates of poses and points, and the bytes of a packed binding or figure. These bytes are
-// the same on all levels. Other inline functions, also of the standard library, have the same name on all
-// levels, and a linker keeps the first copy: link the lowest level first, and compile with optimisation.
+// the same on all levels. Inline functions outside this namespace, such as those of the standard library,
+// have the same name on all levels, and a linker keeps only the first copy. Therefore link the lowest level
+// first, and compile with optimisation.
 // Results differ in bits between levels unless CAGEFORM_DETERMINISTIC is defined. tests/levels is an example.
 //
 // There is no macro for allocation. Functions called every frame (clones, samples of clips, normals) do not

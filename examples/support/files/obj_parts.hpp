@@ -35,7 +35,8 @@ struct ObjParts {
 /// Markdown table of OBJ and MTL statements and their equivalents in glTF.
 std::string statement_table();
 
-/// "statements without equivalent in glTF: "Ka" 2, "illum" 2\n", or empty if there are none.
+/// Returns the line `statements without equivalent in glTF: "Ka" 2, "illum" 2`, or an empty text if all
+/// statements have an equivalent.
 std::string describe_unused(const ObjParts& parts);
 
 /// Reads the statements o, usemtl and mtllib of a file, and g if it has no o. Repeated names continue the

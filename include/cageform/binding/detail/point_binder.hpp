@@ -236,7 +236,7 @@ private:
         }
     }
 
-    /// Treats points outside, restores linear precision, and measures.
+    /// Handles points outside as the options say, restores linear precision, and measures errors.
     void finish(std::size_t piece) {
         const auto weights = piece_of(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;

@@ -112,7 +112,8 @@ void find_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, Gre
 }
 
 /// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ: a difference of two
-/// angles. The edge subtends the first at the foot of p in the face's plane, from atan(s₁/ρ) to atan(s₂/ρ).
+/// angles. The first is the angle of the edge, seen from the foot of p in the face's plane: from atan(s₁/ρ)
+/// to atan(s₂/ρ).
 /// The second is from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). A and B are the distances of the ends from p.
 /// The difference at each end is one arctangent:
 ///
